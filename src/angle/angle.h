@@ -1,0 +1,182 @@
+/* The angle toolkit: slopes of a pile's surface, the angles at which theory lets it stand and slide, and
+ * ensemble statistics. Plain arrays in, plain numbers out; angles in radians, every length in one unit.
+ *
+ * Theory: Lee & Herrmann 1993, section 6. Equations (3) and (4) compare the force of the pile on a grain of
+ * the base with Coulomb's law; that force is taken along two rays of inclination phi (pi/3 for a
+ * close-packed pile). So mu is the friction of the base, and both rays must leave through the same flank. */
+#ifndef ANG_ANGLE_H
+#define ANG_ANGLE_H
+
+#include <gsl/gsl_rng.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/status.h"
+
+/* ---- marginal stability and tilt (criterion.c) ---- */
+
+/* How the rays carry the weight when the pile is tilted by theta_T. */
+#define ANG_FORM_WORDS "balanced | lattice | sine | printed"
+typedef enum {
+    ANG_BALANCED, /* rays fixed to gravity, weighted with the widths of their beams: forces balance */
+    ANG_LATTICE,  /* rays fixed to the tilted lattice, weight resolved along them: forces balance */
+    ANG_SINE,     /* (4) with the tangents of (4b) read as sines, the evident intent */
+    ANG_PRINTED,  /* (4) as printed; disagrees with (3) at theta_T = 0 */
+    ANG_N_FORMS
+} ang_form;
+
+typedef enum {
+    ANG_TILT_OK,               /* theta_t found */
+    ANG_TILT_OK_PULLING,       /* found, but at theta_t one ray of the lattice form pulls: grains do not */
+    ANG_TILT_ALREADY_UNSTABLE, /* theta_r exceeds theta_ms of (3): slides without tilt */
+    ANG_TILT_NO_SLIDE,         /* friction holds at every tilt below `limit`, where the form ends */
+    ANG_TILT_RAYS_MISS         /* theta_r >= phi: the upper ray never leaves the pile, no theory */
+} ang_tilt_status;
+
+typedef struct {
+    ang_tilt_status status;
+    double theta_t;  /* tilt at which the pile slides; NaN unless found */
+    double theta_ms; /* equation (3) */
+    double margin;   /* theta_ms - theta_r; negative if the pile already slides */
+    double limit;    /* tilt at which the form ends (a ray runs along the flank; lattice: pi/2) */
+} ang_tilt_result;
+
+const char *ang_form_word(ang_form form);
+const char *ang_tilt_word(ang_tilt_status status);
+
+/* Equation (3) for any inclination of the rays: tan theta_ms = mu tan^2 phi. mu in [0, inf], where infinity
+ * gives pi/2; phi in (0, pi/2). *extrapolated (may be NULL) is true if theta_ms >= phi: then a pile whose
+ * flank is as steep as the rays stands, and (3) goes beyond its derivation. Errors: RP_BAD_INPUT. */
+rp_status ang_marginal(double mu, double phi, double *theta_ms, bool *extrapolated);
+
+/* Friction that a pile of slope theta_r needs at the tilt theta_t: the right side of (4).
+ * theta_r in [0, phi), theta_t in [0, limit of the form), phi in (0, pi/2). Errors: RP_BAD_INPUT. */
+rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi, double *mu);
+
+/* The tilt theta_t at which (4) asks for the friction mu. mu in [0, inf], theta_r in [0, pi/2), phi in
+ * (0, pi/2). A pile without such a tilt is a result, not an error: see result->status.
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY (a GSL solver is allocated), RP_BROKEN. */
+rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *result);
+
+/* ---- surface and slopes (surface.c) ---- */
+
+#define ANG_HEIGHT_WORDS "centre | raw_centre | top"
+typedef enum {
+    ANG_CENTRE,     /* highest centre minus half the nominal diameter, at least 0 */
+    ANG_RAW_CENTRE, /* highest centre */
+    ANG_TOP         /* highest point, centre plus radius */
+} ang_height;
+
+#define ANG_EMPTY_WORDS "zero | skip"
+typedef enum {
+    ANG_EMPTY_ZERO, /* an empty cell has height 0 */
+    ANG_EMPTY_SKIP  /* an empty cell is left out */
+} ang_empty;
+
+#define ANG_PARABOLA_WORDS "free | origin"
+typedef enum {
+    ANG_PARABOLA_FREE,  /* three coefficients */
+    ANG_PARABOLA_ORIGIN /* through 0 where the sum starts, the left edge of the first cell */
+} ang_parabola;
+
+typedef struct {
+    double diameter; /* nominal diameter d of a grain */
+    ang_height height;
+    ang_empty empty;
+    ang_parabola parabola;
+} ang_options;
+
+#define ANG_OPTIONS_DEFAULT ((ang_options){0.2, ANG_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE})
+
+enum { ANG_MIN_OCCUPIED = 5, ANG_N_METHODS = 3 };
+
+/* Slope, positive where the surface falls to the right; theta = atan(slope); standard errors of both. */
+typedef struct {
+    double slope, slope_se, theta, theta_se;
+} ang_slope;
+
+/* The surface of one pile: its cells, numbered from the left, that count, and their heights. */
+typedef struct {
+    size_t n_cells, n_occupied;
+    double cell;    /* width of a cell: width of the box / n_cells */
+    size_t n;       /* cells in use */
+    size_t *column; /* number of each, ascending */
+    double *h;      /* height of each */
+} ang_surface;
+
+/* h(x) of n grains with centres (x, y) and radii r (NULL allowed unless ANG_TOP) in a box 0 <= x < width.
+ * round(width/diameter) cells; a grain belongs to the cell of its centre, others are left out. Free with
+ * ang_surface_free, also after an error.
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for fewer than ANG_MIN_OCCUPIED occupied cells (n_cells and n_occupied
+ * are set); RP_NO_MEMORY. */
+rp_status ang_surface_make(size_t n, const double x[], const double y[], const double r[], double width,
+                           const ang_options *options, ang_surface *surface);
+void ang_surface_free(ang_surface *surface);
+
+/* Slopes by the three methods of Lee & Herrmann 1993, section 3: (1) first to last cell, (2) straight line,
+ * (3) parabola through the running sum of h. Each is a linear combination of the heights, whose error is
+ * propagated from the scatter of h about its least-squares line. h[n] are the heights of the cells
+ * column[n] (ascending; NULL: 0, 1, ...) of width `cell`; n >= 3.
+ * Errors: RP_BAD_INPUT. */
+rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
+                     ang_slope slopes[ANG_N_METHODS]);
+
+/* ---- ensembles (ensemble.c) ---- */
+
+/* sd, se and the 95 % interval (Student's t) are NaN for n = 1. */
+typedef struct {
+    size_t n;
+    double mean, sd, se, lo, hi;
+} ang_stats;
+
+/* Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT for a value that is not finite; then every field is NaN. */
+rp_status ang_mean(size_t n, const double v[], ang_stats *stats);
+
+/* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
+rp_status ang_paired(size_t n, const double a[], double factor, const double b[], ang_stats *stats);
+
+/* Percentile bootstrap interval of the mean at `level` in (0, 1), from n_resamples >= 2 resamples;
+ * means[n_resamples] is work space. NaN for n = 1. Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT. */
+rp_status ang_bootstrap(size_t n, const double v[], double level, size_t n_resamples, gsl_rng *rng,
+                        double means[], double *lo, double *hi);
+
+/* y = intercept + slope x with weights 1/se^2; the se are taken at their word, not rescaled by chi2.
+ * p_value: chance of a larger chi2; NaN without degrees of freedom. */
+typedef struct {
+    size_t n, dof;
+    double slope, intercept, slope_se, intercept_se, covariance, chi2, p_value;
+} ang_line;
+
+/* Straight line, or with `origin` the line through (0, 0), whose intercept and its errors are 0.
+ * se > 0. Errors: RP_NO_RESULT for fewer points than coefficients or no spread in x, RP_BAD_INPUT. */
+rp_status ang_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
+                       ang_line *line);
+
+/* ---- piles against theory (compare.c) ---- */
+
+/* Standard errors are bootstrapped over piles. */
+typedef struct {
+    double value, se;
+} ang_estimate;
+
+/* Piles of one friction coefficient against (3) and (4). Estimates are NaN where the form has no theta_t. */
+typedef struct {
+    ang_stats theta_r, theta_t, theta_rt; /* rt: the sum, pile by pile */
+    double theta_ms;                      /* (3) */
+    ang_estimate diff_ms;                 /* theta_rt - theta_ms */
+    size_t n_unstable;                    /* piles steeper than theta_ms */
+    size_t n_lost;                        /* resamples without theta_t, left out (the worst form's) */
+    struct {
+        ang_tilt_status status;
+        ang_estimate theta_t;  /* (4) at the mean theta_r */
+        ang_estimate diff;     /* mean measured theta_t minus that */
+        ang_estimate theta_rt; /* mean theta_r plus that */
+    } form[ANG_N_FORMS];
+} ang_comparison;
+
+/* theta_r[n], theta_t[n]: measured, one pile an index; mu in [0, inf], phi in (0, pi/2), n_resamples >= 2.
+ * Standard errors are NaN for n = 1. Errors: RP_NO_RESULT for n = 0, those of ang_mean and ang_tilt. */
+rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
+                      size_t n_resamples, gsl_rng *rng, ang_comparison *comparison);
+
+#endif

@@ -1,0 +1,98 @@
+/* Measured piles against theory: Lee & Herrmann 1993, Fig. 7; see angle.h.
+ *
+ * (4) is taken at the mean theta_r. Its error and those of the differences come from one bootstrap: each
+ * resample of the piles gives a mean theta_r and a mean theta_t, and (4) at that theta_r, so that the
+ * correlation of the two angles within a pile is kept. */
+#include <math.h>
+
+#include "angle/angle.h"
+
+/* Running variance (Welford). */
+typedef struct {
+    size_t n;
+    double mean, squares;
+} spread;
+
+static void add(spread *s, double v)
+{
+    double d = v - s->mean;
+    s->n++;
+    s->mean += d / (double)s->n;
+    s->squares += d * (v - s->mean);
+}
+
+static double deviation(const spread *s)
+{
+    return s->n > 1 ? sqrt(s->squares / (double)(s->n - 1)) : NAN;
+}
+
+static void resample(size_t n, const double a[], const double b[], gsl_rng *rng, double *a_mean,
+                     double *b_mean)
+{
+    double a_sum = 0.0, b_sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = gsl_rng_uniform_int(rng, n);
+        a_sum += a[k];
+        b_sum += b[k];
+    }
+    *a_mean = a_sum / (double)n;
+    *b_mean = b_sum / (double)n;
+}
+
+static rp_status central_values(double mu, double phi, ang_comparison *c)
+{
+    c->diff_ms = (ang_estimate){c->theta_rt.mean - c->theta_ms, NAN};
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        ang_tilt_result tilt;
+        rp_status status = ang_tilt((ang_form)f, mu, c->theta_r.mean, phi, &tilt);
+        if (status) return status;
+        c->form[f].status = tilt.status;
+        c->form[f].theta_t = (ang_estimate){tilt.theta_t, NAN};
+        c->form[f].diff = (ang_estimate){c->theta_t.mean - tilt.theta_t, NAN};
+        c->form[f].theta_rt = (ang_estimate){c->theta_r.mean + tilt.theta_t, NAN};
+    }
+    return RP_OK;
+}
+
+rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
+                      size_t n_resamples, gsl_rng *rng, ang_comparison *comparison)
+{
+    ang_comparison *c = comparison;
+    *c = (ang_comparison){0};
+    rp_status status = ang_marginal(mu, phi, &c->theta_ms, NULL);
+    if (!status) status = ang_mean(n, theta_r, &c->theta_r);
+    if (!status) status = ang_mean(n, theta_t, &c->theta_t);
+    if (!status) status = ang_paired(n, theta_r, 1.0, theta_t, &c->theta_rt);
+    if (!status) status = central_values(mu, phi, c);
+    if (!status && n_resamples < 2)
+        status = rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+    if (status) return status;
+    for (size_t i = 0; i < n; i++) c->n_unstable += theta_r[i] > c->theta_ms;
+    if (n == 1) return RP_OK;
+
+    spread sum = {0}, tilts[ANG_N_FORMS] = {{0}}, diffs[ANG_N_FORMS] = {{0}}, sums[ANG_N_FORMS] = {{0}};
+    for (size_t i = 0; i < n_resamples; i++) {
+        double r, t;
+        resample(n, theta_r, theta_t, rng, &r, &t);
+        add(&sum, r + t);
+        for (int f = 0; f < ANG_N_FORMS; f++) {
+            ang_tilt_result tilt;
+            status = ang_tilt((ang_form)f, mu, r, phi, &tilt);
+            if (status) return status;
+            if (isnan(tilt.theta_t)) continue;
+            add(&tilts[f], tilt.theta_t);
+            add(&diffs[f], t - tilt.theta_t);
+            add(&sums[f], r + tilt.theta_t);
+        }
+    }
+    c->diff_ms.se = deviation(&sum);
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        size_t lost = n_resamples - tilts[f].n;
+        if (lost > c->n_lost) c->n_lost = lost;
+        if (isnan(c->form[f].theta_t.value)) continue;
+        c->form[f].theta_t.se = deviation(&tilts[f]);
+        c->form[f].diff.se = deviation(&diffs[f]);
+        c->form[f].theta_rt.se = deviation(&sums[f]);
+    }
+    return RP_OK;
+}

@@ -1,0 +1,193 @@
+/* Surface h(x) of a pile and its slope: Lee & Herrmann 1993, section 3; see angle.h.
+ *
+ * Every slope is a linear combination of the heights, sum c_j h_j, so with independent scatter of variance
+ * s^2 about the straight line its standard error is s sqrt(sum c_j^2). */
+#include <math.h>
+#include <stdlib.h>
+
+#include "angle/angle.h"
+
+static const double most_cells = 1e8;
+
+static rp_status check_grains(size_t n, const double x[], const double y[], const double r[])
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(x[i]) || !isfinite(y[i]))
+            return rp_fail(RP_BAD_INPUT, "grain %zu: place (%g, %g): finite numbers expected", i + 1, x[i],
+                           y[i]);
+        if (r && !(r[i] > 0.0 && isfinite(r[i])))
+            return rp_fail(RP_BAD_INPUT, "grain %zu: radius = %g: out of range, allowed: (0, inf)", i + 1,
+                           r[i]);
+    }
+    return RP_OK;
+}
+
+static rp_status count_cells(double width, double diameter, size_t *n_cells)
+{
+    if (!(diameter > 0.0 && isfinite(diameter)))
+        return rp_fail(RP_BAD_INPUT, "cell (nominal diameter) = %g: out of range, allowed: (0, inf)",
+                       diameter);
+    if (!(width > 0.0 && isfinite(width)))
+        return rp_fail(RP_BAD_INPUT, "width = %g: out of range, allowed: (0, inf)", width);
+    double n = round(width / diameter);
+    if (n < 1.0 || n > most_cells)
+        return rp_fail(RP_BAD_INPUT, "width = %g: %g cells of %g, allowed: 1 to %g", width, n, diameter,
+                       most_cells);
+    *n_cells = (size_t)n;
+    return RP_OK;
+}
+
+/* Highest value in each cell, -inf in an empty one. */
+static void raise_surface(ang_surface *s, size_t n, const double x[], const double y[], const double r[],
+                          double width)
+{
+    for (size_t j = 0; j < s->n_cells; j++) s->h[j] = -INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        if (!(x[i] >= 0.0 && x[i] < width)) continue;
+        size_t j = (size_t)(x[i] / s->cell);
+        if (j >= s->n_cells) j = s->n_cells - 1; /* round-off next to the right edge */
+        s->h[j] = fmax(s->h[j], r ? y[i] + r[i] : y[i]);
+    }
+}
+
+/* Pack the cells in use to the front. */
+static void finish_surface(ang_surface *s, const ang_options *options)
+{
+    for (size_t j = 0; j < s->n_cells; j++) {
+        bool occupied = s->h[j] > -INFINITY;
+        double h = occupied ? s->h[j] : 0.0;
+        if (occupied && options->height == ANG_CENTRE) h = fmax(h - 0.5 * options->diameter, 0.0);
+        s->n_occupied += occupied;
+        if (!occupied && options->empty == ANG_EMPTY_SKIP) continue;
+        s->column[s->n] = j;
+        s->h[s->n++] = h;
+    }
+}
+
+rp_status ang_surface_make(size_t n, const double x[], const double y[], const double r[], double width,
+                           const ang_options *options, ang_surface *surface)
+{
+    *surface = (ang_surface){0};
+    rp_status status = count_cells(width, options->diameter, &surface->n_cells);
+    if (!status && options->height == ANG_TOP && !r)
+        status = rp_fail(RP_BAD_INPUT, "height = top: the radii r are missing");
+    if (!status) status = check_grains(n, x, y, options->height == ANG_TOP ? r : NULL);
+    if (status) return status;
+    surface->cell = width / (double)surface->n_cells;
+    surface->column = malloc(surface->n_cells * sizeof *surface->column);
+    surface->h = malloc(surface->n_cells * sizeof *surface->h);
+    if (!surface->column || !surface->h)
+        return rp_fail(RP_NO_MEMORY, "surface of %zu cells: out of memory", surface->n_cells);
+    raise_surface(surface, n, x, y, options->height == ANG_TOP ? r : NULL, width);
+    finish_surface(surface, options);
+    if (surface->n_occupied < ANG_MIN_OCCUPIED)
+        return rp_fail(RP_NO_RESULT, "no pile: %zu of %zu cells occupied, at least %d needed",
+                       surface->n_occupied, surface->n_cells, ANG_MIN_OCCUPIED);
+    return RP_OK;
+}
+
+void ang_surface_free(ang_surface *surface)
+{
+    free(surface->column);
+    free(surface->h);
+    surface->column = NULL;
+    surface->h = NULL;
+}
+
+/* The heights as the methods see them; lengths in cells until the end. */
+typedef struct {
+    size_t n;
+    const size_t *column;
+    const double *h;
+} heights;
+
+/* A slope downwards per cell, and the sum of its squared coefficients. */
+typedef struct {
+    double slope, gain;
+} combination;
+
+static double place(const heights *s, size_t k)
+{
+    return s->column ? (double)(s->column[k] - s->column[0]) : (double)k;
+}
+
+static combination end_to_end(const heights *s)
+{
+    double run = place(s, s->n - 1);
+    return (combination){(s->h[0] - s->h[s->n - 1]) / run, 2.0 / (run * run)};
+}
+
+/* Also the residual variance of h about the line, on n - 2 degrees of freedom. */
+static combination straight_line(const heights *s, double *variance)
+{
+    double n = (double)s->n, x_mean = 0.0, h_mean = 0.0, sxx = 0.0, sxh = 0.0, squares = 0.0;
+    for (size_t k = 0; k < s->n; k++) {
+        x_mean += place(s, k) / n;
+        h_mean += s->h[k] / n;
+    }
+    for (size_t k = 0; k < s->n; k++) {
+        double x = place(s, k) - x_mean;
+        sxx += x * x;
+        sxh += x * (s->h[k] - h_mean);
+    }
+    for (size_t k = 0; k < s->n; k++) {
+        double rest = s->h[k] - h_mean - sxh / sxx * (place(s, k) - x_mean);
+        squares += rest * rest;
+    }
+    *variance = squares / (n - 2.0);
+    return (combination){-sxh / sxx, 1.0 / sxx};
+}
+
+/* The parabola's second coefficient is sum e_k S_k / sum e_k^2, with e the part of z^2 that the lower
+ * powers of z leave over; the slope is -2 times that. z counts cells: from the middle for the free
+ * parabola (its origin does not matter, round-off does), from the left edge of the first cell for the
+ * other, so that a straight h gives an exact parabola at the cells' right edges. S_k = sum of h up to k
+ * turns this into a sum over h_j with the e_k from j onwards. Where g cells are left out before j, their
+ * heights are taken midway between their neighbours', so that a straight h keeps its slope. */
+static combination running_sum(const heights *s, ang_parabola parabola)
+{
+    bool is_free = parabola == ANG_PARABOLA_FREE;
+    double n = (double)s->n, start = is_free ? 0.0 : -1.0, m2 = 0.0, m3 = 0.0, norm = 0.0;
+    for (size_t k = 0; is_free && k < s->n; k++) start += place(s, k) / n;
+    for (size_t k = 0; k < s->n; k++) {
+        double z = place(s, k) - start;
+        m2 += z * z;
+        m3 += z * z * z;
+    }
+    combination c = {0.0, 0.0};
+    double tail = 0.0, shared = 0.0; /* sum of e from k on; what the gap after k adds to h_k */
+    for (size_t k = s->n; k-- > 0;) {
+        double z = place(s, k) - start;
+        double e = z * z - m3 / m2 * z - (is_free ? m2 / n : 0.0);
+        double gap = k > 0 ? place(s, k) - place(s, k - 1) - 1.0 : 0.0;
+        norm += e * e;
+        tail += e;
+        double weight = tail + 0.5 * gap * tail + shared;
+        shared = 0.5 * gap * tail;
+        c.slope -= 2.0 * weight * s->h[k];
+        c.gain += 4.0 * weight * weight;
+    }
+    return (combination){c.slope / norm, c.gain / (norm * norm)};
+}
+
+rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
+                     ang_slope slopes[ANG_N_METHODS])
+{
+    if (n < 3) return rp_fail(RP_BAD_INPUT, "slopes: %zu cells, at least 3 needed", n);
+    if (!(cell > 0.0 && isfinite(cell)))
+        return rp_fail(RP_BAD_INPUT, "cell = %g: out of range, allowed: (0, inf)", cell);
+    for (size_t k = 0; k < n; k++) {
+        if (!isfinite(h[k])) return rp_fail(RP_BAD_INPUT, "height %zu = %g: not finite", k + 1, h[k]);
+        if (column && k > 0 && column[k] <= column[k - 1])
+            return rp_fail(RP_BAD_INPUT, "column %zu: numbers must ascend", k + 1);
+    }
+    heights s = {n, column, h};
+    double variance;
+    combination line = straight_line(&s, &variance);
+    combination all[ANG_N_METHODS] = {end_to_end(&s), line, running_sum(&s, parabola)};
+    for (int i = 0; i < ANG_N_METHODS; i++) {
+        double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
+        slopes[i] = (ang_slope){slope, se, atan(slope), se / (1.0 + slope * slope)};
+    }
+    return RP_OK;
+}

@@ -1,0 +1,54 @@
+/* What the files of the command line share. One file a subcommand; no physics here. */
+#ifndef CLI_H
+#define CLI_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "core/params.h"
+#include "core/status.h"
+#include "core/table.h"
+
+/* One subcommand: what --help says and what the parser accepts. Options of one letter take one dash. */
+typedef struct {
+    const char *name;     /* "angle tilt" */
+    const char *synopsis; /* what follows the name on the usage line */
+    const char *about;    /* one or more lines */
+    const char *example;
+    const rp_param *options;
+    int min_arguments, max_arguments;
+} cli_command;
+
+/* Parse argv[1..] by the options' schema into `values` (defaults first). Boolean options take no value.
+ * Arguments that are not options go to arguments[0..*n_arguments). After --help, *done is true: the text
+ * has been printed and there is nothing left to do.
+ * Errors: RP_USAGE (unknown option, missing value, required option or argument), RP_BAD_INPUT (a value). */
+rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
+                    int *n_arguments, bool *done);
+
+/* The command line of this process, for provenance. */
+const char *cli_command_line(void);
+
+/* Start a table on standard output: provenance, `schema` with its values as notes (may be NULL). */
+void cli_table(FILE *out, const rp_param *schema, const void *values);
+
+/* Read "0.1,0.25,..." into a new array (free it). Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n);
+
+/* The subcommands: name, function, summary. One list makes the dispatcher and the overview. */
+#define CLI_COMMANDS(X)                                                                                      \
+    X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \
+    X("continuum", cmd_continuum, "forces on the base of a triangular pile, continuum model (49)-(59)")      \
+    X("tent", cmd_tent, "forces on the base of a tent-shaped pile")                                          \
+    X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
+    X("run", cmd_run, "simulate any scene, described in a file")                                             \
+    X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
+    X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
+    X("bench", cmd_bench, "particle-steps a second on this machine")                                         \
+    X("report", cmd_report, "fill a report's template from tables")
+
+#define X(name, function, summary) rp_status function(int argc, char **argv);
+CLI_COMMANDS(X)
+#undef X
+
+#endif

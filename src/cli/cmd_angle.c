@@ -1,0 +1,561 @@
+/* repose angle: the angle toolkit on the command line. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "cli/cli.h"
+#include "core/random.h"
+
+static const double deg = M_PI / 180.0;
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+#define MU_PARAM(T)                                                                                          \
+    {                                                                                                        \
+        "mu", "", RP_REAL, offsetof(T, mu), NULL, "[0, inf) | infinite", "friction coefficient of the base"  \
+    }
+#define PHI_PARAM(T)                                                                                         \
+    {                                                                                                        \
+        "phi-deg", "deg", RP_REAL, offsetof(T, phi_deg), "60", "(0, 90)", "inclination of the rays of force" \
+    }
+
+/* ---- marginal ---- */
+
+typedef struct {
+    double mu, phi_deg;
+} marginal_options;
+
+static const rp_param marginal_params[] = {MU_PARAM(marginal_options), PHI_PARAM(marginal_options), {0}};
+
+static const cli_command marginal_command = {
+    "angle marginal",
+    "--mu MU [options]",
+    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)).\n"
+    "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
+    "repose angle marginal --mu 0.2",
+    marginal_params,
+    0,
+    0};
+
+static rp_status marginal(int argc, char **argv)
+{
+    marginal_options o;
+    const char *arguments[1];
+    int n;
+    bool done, extrapolated;
+    double theta_ms;
+    rp_status status = cli_parse(&marginal_command, argc, argv, &o, arguments, &n, &done);
+    if (status || done) return status;
+    status = ang_marginal(o.mu, o.phi_deg * deg, &theta_ms, &extrapolated);
+    if (status) return status;
+    cli_table(stdout, marginal_params, &o);
+    rp_table_columns(stdout, 2, (const char *const[][2]){{"theta_ms_deg", "deg"}, {"status", ""}});
+    rp_table_row_word(stdout, 1, (double[]){theta_ms / deg}, extrapolated ? "extrapolated" : "ok");
+    return RP_OK;
+}
+
+/* ---- tilt ---- */
+
+typedef struct {
+    double mu, theta_r_deg, phi_deg;
+    int form;
+} tilt_options;
+
+static const rp_param tilt_params[] = {
+    MU_PARAM(tilt_options),
+    {"theta-r-deg", "deg", RP_REAL, offsetof(tilt_options, theta_r_deg), NULL, "[0, 90)",
+     "slope of the pile"},
+    {"form", "", RP_CHOICE, offsetof(tilt_options, form), "balanced", ANG_FORM_WORDS, "form of (4)"},
+    PHI_PARAM(tilt_options),
+    {0}};
+
+static const cli_command tilt_command = {
+    "angle tilt",
+    "--mu MU --theta-r-deg ANGLE [options]",
+    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS -\n"
+    "theta_R, and the tilt up to which the form is defined.\n"
+    "form: balanced (rays fixed to gravity, forces balance), lattice (rays fixed to the pile, forces\n"
+    "balance), sine ((4b) with sines for tangents), printed.\n"
+    "status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable (margin\n"
+    "negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi, no theory:\n"
+    "exit status 1).",
+    "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
+    tilt_params,
+    0,
+    0};
+
+static rp_status tilt(int argc, char **argv)
+{
+    tilt_options o;
+    const char *arguments[1];
+    int n;
+    bool done;
+    ang_tilt_result r;
+    rp_status status = cli_parse(&tilt_command, argc, argv, &o, arguments, &n, &done);
+    if (status || done) return status;
+    status = ang_tilt((ang_form)o.form, o.mu, o.theta_r_deg * deg, o.phi_deg * deg, &r);
+    if (status) return status;
+    cli_table(stdout, tilt_params, &o);
+    static const char *const columns[][2] = {{"theta_t_deg", "deg"},
+                                             {"theta_ms_deg", "deg"},
+                                             {"margin_deg", "deg"},
+                                             {"limit_deg", "deg"},
+                                             {"status", ""}};
+    rp_table_columns(stdout, N_OF(columns), columns);
+    rp_table_row_word(stdout, 4, (double[]){r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg},
+                      ang_tilt_word(r.status));
+    if (r.status == ANG_TILT_RAYS_MISS)
+        return rp_fail(RP_NO_RESULT,
+                       "theta-r-deg = %g: the rays of inclination %g deg never leave through the flank",
+                       o.theta_r_deg, o.phi_deg);
+    return RP_OK;
+}
+
+/* ---- tables in ---- */
+
+/* The columns as new arrays of numbers, one after the other in one block (free it). A column of -1 is
+ * skipped and its part unset. */
+static rp_status read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
+                              double **block)
+{
+    *block = malloc((n * table->n_rows + 1) * sizeof **block);
+    if (!*block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    for (size_t c = 0; c < n; c++)
+        for (size_t i = 0; columns[c] >= 0 && i < table->n_rows; i++) {
+            rp_status status =
+                rp_table_number(table, i, columns[c], missing_ok, *block + c * table->n_rows + i);
+            if (status) return status;
+        }
+    return RP_OK;
+}
+
+static rp_status find_columns(const rp_table *table, size_t n, const char *const names[], int columns[])
+{
+    for (size_t c = 0; c < n; c++)
+        if ((columns[c] = rp_table_column(table, names[c])) < 0)
+            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, names[c]);
+    return RP_OK;
+}
+
+/* ---- slope ---- */
+
+typedef struct {
+    double width, cell;
+    int height, empty, parabola;
+} slope_options;
+
+static const rp_param slope_params[] = {
+    {"width", "cm", RP_REAL, offsetof(slope_options, width), NULL, "(0, inf)",
+     "width W of the box, from x = 0"},
+    {"cell", "cm", RP_REAL, offsetof(slope_options, cell), "0.2", "(0, inf)",
+     "nominal diameter d of a grain; round(W/d) cells"},
+    {"height", "", RP_CHOICE, offsetof(slope_options, height), "centre", ANG_HEIGHT_WORDS,
+     "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point"},
+    {"empty", "", RP_CHOICE, offsetof(slope_options, empty), "zero", ANG_EMPTY_WORDS,
+     "empty cells have height 0, or are left out"},
+    {"parabola", "", RP_CHOICE, offsetof(slope_options, parabola), "free", ANG_PARABOLA_WORDS,
+     "parabola of method 3: three coefficients, or through the origin"},
+    {0}};
+
+static const cli_command slope_command = {
+    "angle slope",
+    "FILE --width W [options]",
+    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann\n"
+    "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard\n"
+    "error is propagated from the scatter of h about its straight line.\n"
+    "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r is\n"
+    "needed for --height top only. Fewer than 5 occupied cells: no_pile, exit status 1.",
+    "repose angle slope pile.tsv --width 4",
+    slope_params,
+    1,
+    1};
+
+static rp_status place_columns(const rp_table *table, bool with_r, int columns[3])
+{
+    static const char *const names[] = {"x", "y", "r"};
+    bool named = false;
+    for (int c = 0; c < 3; c++) {
+        columns[c] = table->n_columns > 0 ? rp_table_column(table, names[c]) : -1;
+        named = named || columns[c] >= 0;
+    }
+    int n = with_r ? 3 : 2;
+    if (named) {
+        rp_status status = find_columns(table, (size_t)n, names, columns);
+        if (status) return status;
+    } else if (table->n_columns < (size_t)n) {
+        return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %d (%s) needed", table->path,
+                       table->n_columns, n, with_r ? "x y r" : "x y");
+    } else {
+        for (int c = 0; c < 3; c++) columns[c] = c;
+    }
+    if (!with_r) columns[2] = -1;
+    return RP_OK;
+}
+
+/* Without slopes: rows without result. */
+static void print_slopes(const slope_options *o, const ang_surface *surface, const ang_slope *slopes)
+{
+    static const char *const columns[][2] = {{"method", ""},          {"slope", ""},   {"theta_deg", "deg"},
+                                             {"theta_se_deg", "deg"}, {"n_cells", ""}, {"n_occupied", ""},
+                                             {"status", ""}};
+    cli_table(stdout, slope_params, o);
+    rp_table_columns(stdout, N_OF(columns), columns);
+    for (int i = 0; i < ANG_N_METHODS; i++) {
+        ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
+        rp_table_row_word(stdout, 6,
+                          (double[]){i + 1, s.slope, s.theta / deg, s.theta_se / deg,
+                                     (double)surface->n_cells, (double)surface->n_occupied},
+                          slopes ? "ok" : "no_pile");
+    }
+}
+
+static rp_status slope_of_table(const rp_table *table, const slope_options *o)
+{
+    int columns[3];
+    double *block = NULL;
+    size_t n = table->n_rows;
+    ang_options options = {o->cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
+    ang_surface surface = {0};
+    ang_slope slopes[ANG_N_METHODS];
+    if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
+    rp_status status = place_columns(table, options.height == ANG_TOP, columns);
+    if (!status) status = read_columns(table, 3, columns, 0, &block);
+    if (!status) {
+        status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
+                                  o->width, &options, &surface);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    if (!status)
+        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
+    if (!status || status == RP_NO_RESULT) print_slopes(o, &surface, status ? NULL : slopes);
+    ang_surface_free(&surface);
+    free(block);
+    return status;
+}
+
+static rp_status slope(int argc, char **argv)
+{
+    slope_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(&slope_command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = slope_of_table(&table, &o);
+    rp_table_free(&table);
+    return status;
+}
+
+/* ---- compare ---- */
+
+typedef struct {
+    double phi_deg;
+    long bootstrap, seed;
+} compare_options;
+
+static const rp_param compare_params[] = {
+    PHI_PARAM(compare_options),
+    {"bootstrap", "", RP_INT, offsetof(compare_options, bootstrap), "2000", "[2, 10000000]",
+     "resamples of the piles"},
+    {"seed", "", RP_INT, offsetof(compare_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    {0}};
+
+static const cli_command compare_command = {
+    "angle compare",
+    "FILE [options]",
+    "Measured piles against (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
+    "FILE (- for standard input): one row a pile, columns mu theta_r3_deg theta_t_displacement_deg status, "
+    "as\n"
+    "repose sweep export writes; rows whose status is not ok, or with nan in an angle, are left out.\n"
+    "rt: theta_R + theta_T, measured pile by pile, or with theta_T of (4) at the mean theta_R; diff: "
+    "measured\n"
+    "minus theory. theta_r_se, theta_t_se, theta_rt_se: SD/sqrt(n); the other errors: bootstrap over piles.\n"
+    "n_unstable: piles steeper than theta_MS; n_lost: resamples without theta_T, left out. status: that of\n"
+    "repose angle tilt at the mean theta_R, of the first form that is not ok.",
+    "repose angle compare piles.tsv",
+    compare_params,
+    1,
+    1};
+
+/* Piles ordered by mu, then as in the file. */
+typedef struct {
+    double mu, theta_r, theta_t;
+    size_t row;
+} pile;
+
+static int by_mu(const void *a, const void *b)
+{
+    const pile *p = a, *q = b;
+    return p->mu != q->mu ? (p->mu > q->mu) - (p->mu < q->mu) : (p->row > q->row) - (p->row < q->row);
+}
+
+static const char *const compare_columns[][2] = {
+    {"mu", ""},
+    {"n", ""},
+    {"theta_r_deg", "deg"},
+    {"theta_r_se_deg", "deg"},
+    {"theta_t_deg", "deg"},
+    {"theta_t_se_deg", "deg"},
+    {"theta_rt_deg", "deg"},
+    {"theta_rt_se_deg", "deg"},
+    {"theta_ms_deg", "deg"},
+    {"diff_ms_deg", "deg"},
+    {"diff_ms_se_deg", "deg"},
+    {"n_unstable", ""},
+    {"n_lost", ""},
+};
+/* Before and after the form's name. */
+static const char *const form_columns[][2] = {{"theta_t_", "_deg"},  {"theta_t_", "_se_deg"},
+                                              {"diff_", "_deg"},     {"diff_", "_se_deg"},
+                                              {"theta_rt_", "_deg"}, {"theta_rt_", "_se_deg"}};
+enum {
+    N_HEAD = N_OF(compare_columns),
+    N_FORM = N_OF(form_columns),
+    N_COMPARE = N_HEAD + ANG_N_FORMS * N_FORM
+};
+
+static void print_compare_header(void)
+{
+    char names[ANG_N_FORMS * N_FORM][40];
+    const char *columns[N_COMPARE + 1][2];
+    memcpy(columns, compare_columns, sizeof compare_columns);
+    for (int i = 0; i < ANG_N_FORMS * N_FORM; i++) {
+        snprintf(names[i], sizeof names[i], "%s%s%s", form_columns[i % N_FORM][0],
+                 ang_form_word((ang_form)(i / N_FORM)), form_columns[i % N_FORM][1]);
+        columns[N_HEAD + i][0] = names[i];
+        columns[N_HEAD + i][1] = "deg";
+    }
+    columns[N_COMPARE][0] = "status";
+    columns[N_COMPARE][1] = "";
+    rp_table_columns(stdout, N_COMPARE + 1, (const char *const(*)[2])columns);
+}
+
+static void print_comparison(double mu, const ang_comparison *c)
+{
+    double v[N_COMPARE] = {mu,
+                           (double)c->theta_r.n,
+                           c->theta_r.mean / deg,
+                           c->theta_r.se / deg,
+                           c->theta_t.mean / deg,
+                           c->theta_t.se / deg,
+                           c->theta_rt.mean / deg,
+                           c->theta_rt.se / deg,
+                           c->theta_ms / deg,
+                           c->diff_ms.value / deg,
+                           c->diff_ms.se / deg,
+                           (double)c->n_unstable,
+                           (double)c->n_lost};
+    ang_tilt_status worst = ANG_TILT_OK;
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        const ang_estimate parts[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt};
+        for (int i = 0; i < N_FORM; i++)
+            v[N_HEAD + f * N_FORM + i] = (i % 2 ? parts[i / 2].se : parts[i / 2].value) / deg;
+        if (worst == ANG_TILT_OK) worst = c->form[f].status;
+    }
+    rp_table_row_word(stdout, N_COMPARE, v, ang_tilt_word(worst));
+}
+
+/* The piles that count, from the table's columns mu, theta_r, theta_t (blocks of n_rows) and status. */
+static size_t select_piles(const rp_table *table, const double *block, int status_column, pile *piles)
+{
+    size_t n = 0, rows = table->n_rows;
+    for (size_t i = 0; i < rows; i++) {
+        pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
+        const char *word = table->cells[i * table->n_columns + (size_t)status_column];
+        if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t)) piles[n++] = p;
+    }
+    qsort(piles, n, sizeof *piles, by_mu);
+    return n;
+}
+
+/* One row for each run of equal mu. theta_r[n] and theta_t[n] are work space. */
+static rp_status compare_groups(size_t n, const pile piles[], const compare_options *o, double theta_r[],
+                                double theta_t[])
+{
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!rng) return rp_fail(RP_NO_MEMORY, "compare: out of memory");
+    rp_status status = RP_OK;
+    for (size_t first = 0, end; first < n && !status; first = end) {
+        ang_comparison c;
+        for (end = first; end < n && piles[end].mu == piles[first].mu; end++) {
+            theta_r[end - first] = piles[end].theta_r;
+            theta_t[end - first] = piles[end].theta_t;
+        }
+        status = ang_compare(end - first, theta_r, theta_t, piles[first].mu, o->phi_deg * deg,
+                             (size_t)o->bootstrap, rng, &c);
+        if (status)
+            rp_prefix(status, "mu = %g: ", piles[first].mu);
+        else
+            print_comparison(piles[first].mu, &c);
+    }
+    gsl_rng_free(rng);
+    return status;
+}
+
+static rp_status compare_table(const rp_table *table, const compare_options *o)
+{
+    static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
+    int columns[4];
+    double *block = NULL;
+    rp_status status = find_columns(table, 4, names, columns);
+    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    pile *piles = malloc((table->n_rows + 1) * sizeof *piles);
+    if (!status && !piles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) {
+        size_t n = select_piles(table, block, columns[3], piles);
+        cli_table(stdout, compare_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        print_compare_header();
+        status = n > 0 ? compare_groups(n, piles, o, block, block + n)
+                       : rp_fail(RP_NO_RESULT, "no row with status ok and both angles");
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    free(piles);
+    free(block);
+    return status;
+}
+
+static rp_status compare(int argc, char **argv)
+{
+    compare_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(&compare_command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = compare_table(&table, &o);
+    rp_table_free(&table);
+    return status;
+}
+
+/* ---- fit ---- */
+
+typedef struct {
+    const char *x, *y, *se;
+    double from, to;
+} fit_options;
+
+static const rp_param fit_params[] = {
+    {"x", "", RP_TEXT, offsetof(fit_options, x), NULL, "", "column of x"},
+    {"y", "", RP_TEXT, offsetof(fit_options, y), NULL, "", "column of y"},
+    {"se", "", RP_TEXT, offsetof(fit_options, se), NULL, "", "column of the standard errors of y"},
+    {"from", "", RP_REAL, offsetof(fit_options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},
+    {"to", "", RP_REAL, offsetof(fit_options, to), "1e308", "(-inf, inf)", "largest x that is used"},
+    {0}};
+
+static const cli_command fit_command = {
+    "angle fit",
+    "FILE --x COLUMN --y COLUMN --se COLUMN [options]",
+    "Straight line through points with standard errors, weights 1/se^2: y = intercept + slope x, and the "
+    "line\n"
+    "through the origin. Errors follow from se, not rescaled; p_value: chance of a larger chi2.\n"
+    "FILE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left out.",
+    "repose angle fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
+    fit_params,
+    1,
+    1};
+
+/* Pack the usable points of the blocks x, y, se of n values each to their fronts. */
+static size_t select_points(size_t n, double *block, const fit_options *o, size_t *n_missing)
+{
+    size_t used = 0;
+    *n_missing = 0;
+    for (size_t i = 0; i < n; i++) {
+        double x = block[i], y = block[n + i], se = block[2 * n + i];
+        bool missing = isnan(x) || isnan(y) || isnan(se);
+        *n_missing += missing;
+        if (missing || x < o->from || x > o->to) continue;
+        block[used] = x;
+        block[n + used] = y;
+        block[2 * n + used++] = se;
+    }
+    return used;
+}
+
+static rp_status print_fit(size_t n, const double x[], const double y[], const double se[])
+{
+    static const char *const columns[][2] = {
+        {"slope", "y/x"},      {"slope_se", "y/x"},     {"intercept", "y"},
+        {"intercept_se", "y"}, {"covariance", "y^2/x"}, {"chi2", ""},
+        {"dof", ""},           {"p_value", ""},         {"n", ""},
+        {"line", ""}};
+    ang_line lines[2];
+    for (int i = 0; i < 2; i++) {
+        rp_status status = ang_line_fit(n, x, y, se, i == 1, &lines[i]);
+        if (status) return status;
+    }
+    rp_table_columns(stdout, N_OF(columns), columns);
+    for (int i = 0; i < 2; i++) {
+        const ang_line *l = &lines[i];
+        rp_table_row_word(stdout, N_OF(columns) - 1,
+                          (double[]){l->slope, l->slope_se, l->intercept, l->intercept_se, l->covariance,
+                                     l->chi2, (double)l->dof, l->p_value, (double)l->n},
+                          i == 1 ? "origin" : "free");
+    }
+    return RP_OK;
+}
+
+static rp_status fit_table(const rp_table *table, const fit_options *o)
+{
+    const char *const names[] = {o->x, o->y, o->se};
+    int columns[3];
+    double *block = NULL;
+    size_t n = table->n_rows, missing;
+    rp_status status = find_columns(table, 3, names, columns);
+    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    if (!status) {
+        size_t used = select_points(n, block, o, &missing);
+        cli_table(stdout, fit_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", used,
+                      missing, n - used - missing);
+        status = print_fit(used, block, block + n, block + 2 * n);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    free(block);
+    return status;
+}
+
+static rp_status fit(int argc, char **argv)
+{
+    fit_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(&fit_command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = fit_table(&table, &o);
+    rp_table_free(&table);
+    return status;
+}
+
+/* ---- dispatch ---- */
+
+static const struct {
+    const char *name;
+    rp_status (*function)(int, char **);
+    const char *summary;
+} commands[] = {
+    {"marginal", marginal, "angle of marginal stability, (3)"},
+    {"tilt", tilt, "tilt at which a pile slides, (4)"},
+    {"slope", slope, "slope of a table of grains by three methods"},
+    {"compare", compare, "measured angles against (3) and (4)"},
+    {"fit", fit, "weighted straight line through a table"},
+};
+
+rp_status cmd_angle(int argc, char **argv)
+{
+    if (argc < 2) return rp_fail(RP_USAGE, "which one? see repose angle --help");
+    for (size_t i = 0; i < N_OF(commands); i++)
+        if (strcmp(argv[1], commands[i].name) == 0) return commands[i].function(argc - 1, argv + 1);
+    if (strcmp(argv[1], "--help") != 0)
+        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose angle --help", argv[1]);
+    printf("usage: repose angle COMMAND [options]; repose angle COMMAND --help says more\n\n");
+    for (size_t i = 0; i < N_OF(commands); i++) printf("  %-10s %s\n", commands[i].name, commands[i].summary);
+    return RP_OK;
+}

@@ -1,0 +1,56 @@
+/* repose continuum: forces on the base of a triangular pile. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "analytic/analytic.h"
+#include "cli/positions.h"
+
+typedef struct {
+    double alpha_deg;
+    cli_positions where;
+} options;
+
+static const rp_param schema[] = {
+    {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), NULL, "(0, 60)", "slope of both sides"},
+    CLI_POSITIONS(options, where),
+    {0},
+};
+
+static const cli_command command = {
+    .name = "continuum",
+    .synopsis = "--alpha-deg ANGLE [--points N | --at X,X,...]",
+    .about = "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan &\n"
+             "Hughes 1992. x is a fraction of the base B. N is the normal force of the ground; H is the\n"
+             "horizontal force of the pile on the ground, positive to the right; both in chi g B, with chi\n"
+             "the mass per length of a diagonal.",
+    .example = "repose continuum --alpha-deg 30 --at 0.1,0.25",
+    .options = schema,
+};
+
+static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}};
+
+rp_status cmd_continuum(int argc, char **argv)
+{
+    options o;
+    const char *arguments[1];
+    int n_arguments;
+    bool done;
+    double *x = NULL, x_c = 0;
+    size_t n = 0;
+    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
+    if (status || done) return status;
+    double alpha = o.alpha_deg * M_PI / 180;
+    status = an_continuum_kink(alpha, &x_c);
+    if (!status) status = cli_positions_read(&o.where, &x, &n);
+    if (status) return status;
+    cli_table(stdout, schema, &o);
+    rp_table_note(stdout, "x_c/B", "%.17g", x_c);
+    rp_table_columns(stdout, 3, columns);
+    for (size_t i = 0; i < n && !status; i++) {
+        an_force f = {0};
+        status = an_continuum(alpha, x[i], &f);
+        rp_table_row(stdout, 3, (double[]){x[i], f.N, f.H});
+    }
+    free(x);
+    return status;
+}

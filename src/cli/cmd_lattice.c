@@ -1,0 +1,109 @@
+/* repose lattice: forces on the base of a pile on a lattice. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "analytic/analytic.h"
+#include "cli/cli.h"
+
+enum { CLOSED, RECURSION };
+
+typedef struct {
+    long layers, base;
+    double alpha_deg, theta_deg;
+    int method;
+} options;
+
+static const rp_param schema[] = {
+    {"layers", "", RP_INT, offsetof(options, layers), "auto", "[1, 1000000] | auto",
+     "layers of a full triangle"},
+    {"base", "", RP_INT, offsetof(options, base), "auto", "[1, 1000000] | auto",
+     "disks in the base of a cut pile"},
+    {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), "auto", "(0, 60] | auto",
+     "slope of the cut pile, at most 90 - theta"},
+    {"theta-deg", "degrees", RP_REAL, offsetof(options, theta_deg), "30", "[30, 60]",
+     "angle of the diagonals to the vertical; above 30 the disks of a row are apart"},
+    {"method", "", RP_CHOICE, offsetof(options, method), "closed", "closed | recursion",
+     "closed form, or disk by disk from the top (up to 10000 disks in the base)"},
+    {0},
+};
+
+static const cli_command command = {
+    .name = "lattice",
+    .synopsis = "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
+    .about = "Forces of a pile of equal disks on its base, carried along the diagonals of the lattice\n"
+             "alone: equations (37)-(44) of Liffman, Chan & Hughes 1992 for the full triangle, and the\n"
+             "same balance for a pile whose slopes are cut out of the lattice. Row i = 1..K is base disk i\n"
+             "from the left. N is the normal force of the ground; H is the horizontal force of the pile on\n"
+             "the ground, positive to the right. The columns in chi g B (chi = m/sigma) compare with\n"
+             "`repose continuum`: B is the base of the triangle of equal weight.",
+    .example = "repose lattice --base 45 --alpha-deg 30",
+    .options = schema,
+};
+
+static const char *const columns[][2] = {{"i", ""},   {"N/mg", ""},        {"H/mg", ""},
+                                         {"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}};
+
+static rp_status check_usage(const options *o)
+{
+    bool cut = o->base > 0, sloped = o->alpha_deg > 0;
+    if (cut == (o->layers > 0))
+        return rp_fail(RP_USAGE, "give --layers, or --base with --alpha-deg; see repose lattice --help");
+    if (cut != sloped)
+        return rp_fail(RP_USAGE, "%s; see repose lattice --help",
+                       cut ? "--base needs --alpha-deg" : "--alpha-deg goes with --base");
+    return RP_OK;
+}
+
+/* Forces on the k base disks, and the number of disks of the pile. `up` is room for k numbers. */
+static rp_status solve(const options *o, long k, double alpha, double theta, long up[], an_force force[],
+                       double *disks)
+{
+    rp_status status = an_lattice_cut(k, theta, alpha, up);
+    if (status) return status;
+    *disks = 0;
+    for (long s = 0; s < k; s++) *disks += (double)up[s];
+    if (o->method == RECURSION) return an_lattice_recursion(k, up, theta, force);
+    if (o->base > 0) return an_lattice_counts(k, up, theta, force);
+    for (long i = 1; i <= k && !status; i++) status = an_lattice_triangle(k, theta, i, &force[i - 1]);
+    return status;
+}
+
+static void print(const options *o, long k, double alpha, double theta, const an_force force[], double disks)
+{
+    double base = an_lattice_base(disks, theta, alpha);
+    cli_table(stdout, schema, o);
+    rp_table_note(stdout, "disks", "%.0f", disks);
+    rp_table_note(stdout, "B", "%.17g sigma, the base of the triangle of equal weight", base);
+    rp_table_columns(stdout, 6, columns);
+    for (long i = 1; i <= k; i++) {
+        an_force f = force[i - 1];
+        double x = 0.5 + ((double)i - (double)(k + 1) / 2) * 2 * sin(theta) / base;
+        rp_table_row(stdout, 6, (double[]){(double)i, f.N, f.H, x, f.N / base, f.H / base});
+    }
+}
+
+rp_status cmd_lattice(int argc, char **argv)
+{
+    options o;
+    const char *arguments[1];
+    int n_arguments;
+    bool done;
+    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
+    if (status || done) return status;
+    status = check_usage(&o);
+    if (status) return status;
+    long k = o.base > 0 ? o.base : o.layers;
+    double theta = o.theta_deg * M_PI / 180, alpha = o.base > 0 ? o.alpha_deg * M_PI / 180 : M_PI / 2 - theta;
+    double disks = 0;
+    long *up = malloc((size_t)k * sizeof *up);
+    an_force *force = malloc((size_t)k * sizeof *force);
+    if (!up || !force)
+        status = rp_fail(RP_NO_MEMORY, "%ld disks in the base: out of memory", k);
+    else
+        status = solve(&o, k, alpha, theta, up, force, &disks);
+    if (!status) print(&o, k, alpha, theta, force, disks);
+    free(up);
+    free(force);
+    return status;
+}

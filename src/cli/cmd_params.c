@@ -1,0 +1,93 @@
+/* repose params: the schemas of the protocols, and what they yield. */
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "dem/scene.h"
+#include "sweeps/sweep.h"
+
+static const char *type_word(rp_type type)
+{
+    switch (type) {
+    case RP_REAL:
+        return "real";
+    case RP_INT:
+        return "whole";
+    case RP_BOOL:
+        return "bool";
+    case RP_CHOICE:
+        return "word";
+    case RP_FLAGS:
+        return "words";
+    case RP_TEXT:
+    case RP_TEXTS:
+        break;
+    }
+    return "text";
+}
+
+static const char *shown(const char *text)
+{
+    return text && *text ? text : "-";
+}
+
+static void print_schema(const rp_param *schema)
+{
+    printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
+    for (const rp_param *p = schema; p->name; p++)
+        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(p->unit), type_word(p->type),
+               p->fallback ? shown(p->fallback) : "(required)",
+               p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
+}
+
+/* A scene file has a group of keys for each of its schemas. */
+static void print_scene(void)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
+        printf("# scene file, %s\n", g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
+        print_schema(g->schema);
+    }
+    printf("# walls also take point = [x, y], direction = [nx, ny] (unit, into the grains), extent = [s0, s1]\n");
+}
+
+static void print_protocol(const sweep_protocol *protocol)
+{
+    printf("# protocol %s: %s\n", protocol->name, protocol->about);
+    print_schema(protocol->schema);
+    printf("# outputs of protocol %s\n# %-28s %-10s %s\n", protocol->name, "name", "unit", "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        printf("  %-28s %-10s %s\n", o->name, shown(o->unit), o->meaning);
+}
+
+rp_status cmd_params(int argc, char **argv)
+{
+    static const rp_param schema[] = {{0}};
+    static const cli_command command = {"params",
+                                        "[PROTOCOL | scene]",
+                                        "The parameters of a sweep's protocol, with unit, type, default, "
+                                        "range and meaning, and its outputs;\n"
+                                        "or the keys of a scene file; without an argument, all of them.",
+                                        "repose params repose",
+                                        schema,
+                                        0,
+                                        1};
+    const char *arguments[1];
+    int n;
+    bool done, found = false;
+    char values;
+    rp_status status = cli_parse(&command, argc, argv, &values, arguments, &n, &done);
+    if (status || done) return status;
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
+        if (n == 1 && strcmp(arguments[0], (*p)->name) != 0) continue;
+        if (found) putchar('\n');
+        print_protocol(*p);
+        found = true;
+    }
+    if (n == 0 || strcmp(arguments[0], "scene") == 0) {
+        if (found) putchar('\n');
+        print_scene();
+        found = true;
+    }
+    return found ? RP_OK
+                 : rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol; repose params lists them", arguments[0]);
+}

@@ -1,0 +1,197 @@
+/* `repose run`: any scene from a file, or one row of a sweep again with its tables. */
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "dem/scene.h"
+#include "sweeps/sweep.h"
+
+typedef struct {
+    rp_texts set;
+    long every, row;
+    const char *directory, *box;
+} run_options;
+
+static const rp_param options[] = {
+    {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
+     "KEY=VALUE or GROUP.KEY=VALUE in place of the file's; may be repeated"},
+    {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
+     "write states (with --box: energies) each time; auto: the final state (with --box: every 100)"},
+    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "", "folder for tables, instead of standard output"},
+    {"box", "", RP_TEXT, offsetof(run_options, box), "", "", "a sweep file: run one of its rows and write its tables"},
+    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]", "number of the run within --box, from 0"},
+    {0}};
+
+static const cli_command command = {
+    "run",
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [-o DIR] | --box SWEEP.cfg [--row N] -o DIR",
+    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y (cm),\n"
+    "angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
+    "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
+    "With --box: the box experiment of one row of a sweep, with its grains and contacts when full and at the\n"
+    "end, its energies, and scene.cfg, which runs to the same bits. `repose params scene` lists the keys of a\n"
+    "scene file.",
+    "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
+    options,
+    0,
+    1};
+
+/* Where the tables of a run go. Standard output holds the states alone. */
+typedef struct {
+    const char *directory; /* NULL: standard output */
+    FILE *states, *energy;
+    char states_path[4096], energy_path[4096];
+} outputs;
+
+static void write_header(FILE *out)
+{
+    cli_table(out, NULL, NULL);
+}
+
+static rp_status open_in(const char *directory, const char *name, char path[4096], FILE **out)
+{
+    snprintf(path, 4096, "%s/%s", directory, name);
+    rp_status status = rp_file_open(path, out);
+    if (!status) write_header(*out);
+    return status;
+}
+
+static rp_status outputs_open(outputs *o, const dem_sim *sim)
+{
+    static const char *const columns[][2] = {
+        {"step", ""}, {"t", "s"}, {"grains", ""}, {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
+    rp_status status = RP_OK;
+    if (o->directory) {
+        status = rp_make_directory(o->directory);
+        if (!status) status = open_in(o->directory, "states.tsv", o->states_path, &o->states);
+        if (!status) status = open_in(o->directory, "energy.tsv", o->energy_path, &o->energy);
+        if (status) return status;
+        rp_table_columns(o->energy, 6, columns);
+    } else {
+        o->states = stdout;
+        write_header(stdout);
+    }
+    dem_write_notes(sim, o->states);
+    dem_write_state_columns(o->states);
+    return RP_OK;
+}
+
+static rp_status outputs_write(outputs *o, const dem_sim *sim)
+{
+    if (o->energy) {
+        dem_energy e;
+        dem_energies(sim, &e);
+        rp_table_row(o->energy, 6,
+                     (double[]){(double)dem_step(sim), dem_time(sim), (double)dem_count(sim), e.kinetic, e.elastic,
+                                e.gravity});
+    }
+    return dem_write_states(sim, o->states);
+}
+
+static rp_status write_contacts(const char *directory, const dem_sim *sim)
+{
+    char path[4096];
+    FILE *out;
+    rp_status status = open_in(directory, "contacts.tsv", path, &out);
+    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+}
+
+static rp_status write_walls(const char *directory, const dem_scene *scene, const dem_sim *sim)
+{
+    static const char *const columns[][2] = {{"wall", ""}, {"fx", "dyn"}, {"fy", "dyn"}};
+    double forces[2 * DEM_MAX_WALLS];
+    char path[4096];
+    FILE *out;
+    rp_status status = open_in(directory, "walls.tsv", path, &out);
+    if (status) return status;
+    dem_wall_forces(sim, forces);
+    rp_table_columns(out, 3, columns);
+    for (size_t w = 0; w < scene->def.n_walls; w++)
+        rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* What was computed before a failure is kept. */
+static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
+{
+    char why[1024];
+    snprintf(why, sizeof why, "%s", rp_message());
+    rp_status status = RP_OK;
+    if (o->energy) status = rp_file_close(o->energy_path, o->energy, RP_OK);
+    if (o->directory && o->states) {
+        rp_status closed = rp_file_close(o->states_path, o->states, RP_OK);
+        if (!status) status = closed;
+        if (!status) status = write_contacts(o->directory, sim);
+        if (!status) status = write_walls(o->directory, scene, sim);
+    }
+    return run ? rp_fail(run, "%s", why) : status;
+}
+
+static void show_progress(const dem_sim *sim, long steps)
+{
+    static int last = -1;
+    int percent = steps > 0 ? (int)(100 * dem_step(sim) / steps) : 100;
+    if (!isatty(STDERR_FILENO) || percent == last) return;
+    last = percent;
+    fprintf(stderr, "\rstep %ld of %ld, %d %%%s", dem_step(sim), steps, percent, percent == 100 ? "\n" : "");
+}
+
+static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim *sim)
+{
+    const long part_of_bar = scene->steps / 100 + 1;
+    outputs out = {.directory = *o->directory ? o->directory : NULL};
+    rp_status status = outputs_open(&out, sim);
+    if (!status && o->every > 0) status = outputs_write(&out, sim);
+    while (!status && dem_step(sim) < scene->steps) {
+        long part = scene->steps - dem_step(sim);
+        if (o->every > 0 && o->every < part) part = o->every - dem_step(sim) % o->every;
+        if (part > part_of_bar) part = part_of_bar;
+        status = dem_run(sim, part);
+        show_progress(sim, scene->steps);
+        if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
+            status = outputs_write(&out, sim);
+    }
+    if (!status && (o->every <= 0 || scene->steps > 0)) status = outputs_write(&out, sim);
+    return outputs_close(&out, scene, sim, status);
+}
+
+static rp_status run_box(const run_options *o)
+{
+    if (!*o->directory) return rp_fail(RP_USAGE, "--box needs -o DIR, the folder for its tables");
+    sweep_result result;
+    const sweep_protocol *protocol;
+    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory, o->every > 0 ? o->every : 100,
+                                   write_header, &protocol, &result);
+    if (status) return status;
+    cli_table(stdout, NULL, NULL);
+    printf("# name\tvalue\tunit\nstatus\t%s\t1\n", result.status);
+    for (size_t i = 0; protocol->outputs[i].name; i++)
+        printf("%s\t%.17g\t%s\n", protocol->outputs[i].name, result.values[i],
+               *protocol->outputs[i].unit ? protocol->outputs[i].unit : "1");
+    return strncmp(result.status, "ok", 2) == 0
+               ? RP_OK
+               : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+}
+
+rp_status cmd_run(int argc, char **argv)
+{
+    run_options o;
+    const char *path;
+    int n;
+    bool done;
+    rp_status status = cli_parse(&command, argc, argv, &o, &path, &n, &done);
+    if (status || done) return status;
+    if ((n == 1) == (*o.box != '\0'))
+        return rp_fail(RP_USAGE, "give either a scene file or --box; see repose run --help");
+    if (*o.box) return run_box(&o);
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    status = dem_scene_read(path, &o.set, &scene);
+    if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
+    if (!status) status = run_scene(&scene, &o, sim);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    return status;
+}

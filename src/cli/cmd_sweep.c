@@ -1,0 +1,213 @@
+/* repose sweep plan|run|status|export|digest */
+#include "cli/cli.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sweeps/sweep.h"
+
+static void print_counts(const sweep_counts *counts)
+{
+    rp_table_note(stdout, "planned", "%zu", counts->planned);
+    rp_table_note(stdout, "stored", "%zu", counts->stored);
+    rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
+    rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
+    for (size_t i = 0; i < counts->n_words; i++)
+        printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
+}
+
+typedef struct {
+    const char *argument; /* FILE or DIR */
+    const char *o;
+    long j;
+    bool reduce;
+} options;
+
+static const rp_param no_options[] = {{0}};
+
+static rp_status parse(const cli_command *command, int argc, char **argv, options *o, bool *done)
+{
+    int n;
+    return cli_parse(command, argc, argv, o, &o->argument, &n, done);
+}
+
+static rp_status plan(int argc, char **argv)
+{
+    static const rp_param schema[] = {
+        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; made if there is none"},
+        {0}};
+    static const cli_command command = {
+        "sweep plan",
+        "FILE -o DIR",
+        "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
+        "after a change keeps what is stored and reuses what fits. The file (libconfig syntax):\n\n"
+        "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs of a grid point; 0 to 2147483647\n"
+        "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
+        "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs",
+        "repose sweep plan sweeps/lh3.cfg -o build/sweeps/lh3",
+        schema,
+        1,
+        1};
+    options o;
+    bool done;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    sweep_counts counts;
+    status = sweep_prepare(o.argument, o.o, sweep_protocols, &counts);
+    if (!status)
+        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o.o, counts.planned,
+               counts.points, counts.replicas, counts.stored);
+    return status;
+}
+
+/* "1:02:03" or "2:03"; "-" for NaN. */
+static const char *clock_text(double seconds, char *buffer, size_t size)
+{
+    long s = isfinite(seconds) ? lround(seconds) : -1;
+    if (s < 0)
+        snprintf(buffer, size, "-");
+    else if (s < 3600)
+        snprintf(buffer, size, "%ld:%02ld", s / 60, s % 60);
+    else
+        snprintf(buffer, size, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
+    return buffer;
+}
+
+/* One line, drawn over and over; plain text, so that there is no colour to leave out. */
+static void draw(const sweep_progress *p, void *context)
+{
+    *(bool *)context = true;
+    static const char bar[] = "##############################";
+    char elapsed[32], left[32], line[160];
+    int width = (int)sizeof bar - 1, full = (int)(p->stored * (size_t)width / p->planned);
+    snprintf(line, sizeof line, "[%.*s%*s] %zu/%zu  %zu failed  %s  left %s", full, bar, width - full, "",
+             p->stored, p->planned, p->failed, clock_text(p->elapsed, elapsed, sizeof elapsed),
+             clock_text(p->left, left, sizeof left));
+    fprintf(stderr, "\r%-79s", line);
+    fflush(stderr);
+}
+
+static rp_status run(int argc, char **argv)
+{
+    static const rp_param schema[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
+                                       "worker processes; auto: one a processor"},
+                                      {0}};
+    static const cli_command command = {"sweep run",
+                                        "DIR [-j N]",
+                                        "Make the runs of a planned sweep that are not stored yet; each is "
+                                        "stored when it ends. Stopping it,\n"
+                                        "even with SIGKILL, loses only the runs in progress; run again to "
+                                        "resume. Exit status 0 when every run\n"
+                                        "is stored, whatever its status; 75 when stopped.",
+                                        "repose sweep run build/sweeps/lh3 -j 2",
+                                        schema,
+                                        1,
+                                        1};
+    options o;
+    bool done;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    if (o.j < 1) o.j = sysconf(_SC_NPROCESSORS_ONLN);
+    bool drawn = false;
+    sweep_counts counts;
+    sweep_options run_options = {
+        .workers = (int)o.j, .watch = isatty(STDERR_FILENO) ? draw : NULL, .context = &drawn};
+    status = sweep_run(o.argument, sweep_protocols, &run_options, &counts);
+    if (drawn) fputc('\n', stderr);
+    if (!status) print_counts(&counts);
+    return status;
+}
+
+static rp_status status_of(int argc, char **argv)
+{
+    static const cli_command command = {
+        "sweep status",
+        "DIR",
+        "How many runs are planned, stored and missing, and with which status.",
+        "repose sweep status build/sweeps/lh3",
+        no_options,
+        1,
+        1};
+    options o;
+    bool done;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    sweep_counts counts;
+    status = sweep_status(o.argument, sweep_protocols, &counts);
+    if (!status) print_counts(&counts);
+    return status;
+}
+
+static rp_status export(int argc, char **argv)
+{
+    static const rp_param schema[] = {
+        {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
+        {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
+         "one row a grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
+        {0}};
+    static const cli_command command = {
+        "sweep export",
+        "DIR [--reduce] [-o FILE]",
+        "Write what is stored as a table, one row a run in the order of the plan. With --reduce, a run "
+        "whose\n"
+        "status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+        "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
+        schema,
+        1,
+        1};
+    options o;
+    bool done;
+    FILE *out;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    status = rp_file_open(o.o, &out);
+    if (status) return status;
+    status = sweep_export(o.argument, sweep_protocols, o.reduce, cli_command_line(), out);
+    return rp_file_close(o.o, out, status);
+}
+
+static rp_status digest(int argc, char **argv)
+{
+    static const cli_command command = {
+        "sweep digest",
+        "DIR",
+        "XXH3-128 over key, status and outputs of all rows, and their number: the same for any number of\n"
+        "workers and after any interruption. Exit status 1 while rows are missing.",
+        "repose sweep digest build/sweeps/lh3",
+        no_options,
+        1,
+        1};
+    options o;
+    bool done;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    char text[33];
+    size_t rows;
+    status = sweep_digest(o.argument, sweep_protocols, text, &rows);
+    if (!status) printf("%s\t%zu\n", text, rows);
+    return status;
+}
+
+rp_status cmd_sweep(int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        rp_status (*function)(int, char **);
+        const char *summary;
+    } actions[] = {{"plan", plan, "check a sweep file and plan its runs in a folder"},
+                   {"run", run, "make the runs that are missing"},
+                   {"status", status_of, "how many runs are stored, and with which status"},
+                   {"export", export, "the rows, or their statistics, as a table"},
+                   {"digest", digest, "one number that changes when any bit of a result does"}};
+    const char *name = argc > 1 ? argv[1] : "";
+    for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
+        if (strcmp(name, actions[i].name) == 0) return actions[i].function(argc - 1, argv + 1);
+    if (strcmp(name, "--help") != 0)
+        return rp_fail(RP_USAGE, "\"%s\": unknown action; plan, run, status, export or digest expected",
+                       name);
+    printf("usage: repose sweep ACTION ...; repose sweep ACTION --help says more\n\n");
+    for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
+        printf("  %-8s %s\n", actions[i].name, actions[i].summary);
+    return RP_OK;
+}

@@ -1,0 +1,63 @@
+/* The program `repose`: finds the subcommand, prints its failure, and turns its status into the exit status. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <gsl/gsl_errno.h>
+
+#include "cli/cli.h"
+#include "core/version.h"
+
+static const struct {
+    const char *name;
+    rp_status (*function)(int, char **);
+    const char *summary;
+} commands[] = {
+#define X(name, function, summary) {name, function, summary},
+    CLI_COMMANDS(X)
+#undef X
+};
+
+static char command_line[4096];
+
+const char *cli_command_line(void)
+{
+    return command_line;
+}
+
+static void print_overview(FILE *out)
+{
+    fprintf(out, "Repose %s: forces in and under a pile of grains, and the angles at which it stands and fails.\n\n"
+                 "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
+            RP_VERSION);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+}
+
+int main(int argc, char **argv)
+{
+    gsl_set_error_handler_off(); /* GSL's statuses are checked where they arise */
+    size_t used = (size_t)snprintf(command_line, sizeof command_line, "repose");
+    for (int i = 1; i < argc && used < sizeof command_line; i++)
+        used += (size_t)snprintf(command_line + used, sizeof command_line - used, " %s", argv[i]);
+    if (argc < 2) {
+        print_overview(stderr);
+        return RP_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+        print_overview(stdout);
+        return RP_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit());
+        return RP_OK;
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        if (strcmp(argv[1], commands[i].name) != 0) continue;
+        rp_status status = commands[i].function(argc - 1, argv + 1);
+        if (!status) status = rp_table_finish(stdout, "standard output");
+        if (status) fprintf(stderr, "repose %s: %s\n", argv[1], rp_message());
+        return (int)status;
+    }
+    fprintf(stderr, "repose: unknown command \"%s\"; see repose --help\n", argv[1]);
+    return RP_USAGE;
+}

@@ -1,0 +1,110 @@
+/* Command-line options through a parameter schema; see cli.h. */
+#include "cli/cli.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_OPTIONS = 40 };
+
+static void print_help(const cli_command *c)
+{
+    printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
+    for (const rp_param *p = c->options; p->name; p++) {
+        char flag[40];
+        snprintf(flag, sizeof flag, "%s%s", strlen(p->name) == 1 ? "-" : "--", p->name);
+        printf("  %-22s %s", flag, p->meaning);
+        if (*p->unit) printf(", %s", p->unit);
+        if (p->range && *p->range) printf("; %s", p->range);
+        if (!p->fallback)
+            printf(" (required)");
+        else if (*p->fallback && p->type != RP_BOOL)
+            printf(" (default %s)", p->fallback);
+        putchar('\n');
+    }
+    printf("  %-22s this text\n\nexample:\n  %s\n", "--help", c->example);
+}
+
+static rp_status set_option(const rp_param *param, void *values, const char *text)
+{
+    rp_status status = rp_params_set_text(param, values, param->type == RP_BOOL ? "true" : text);
+    return status ? rp_prefix(status, "%s", strlen(param->name) == 1 ? "-" : "--") : RP_OK;
+}
+
+rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
+                    int *n_arguments, bool *done)
+{
+    struct option longs[MAX_OPTIONS + 2] = {{0}};
+    char shorts[3 * MAX_OPTIONS] = ":";
+    bool given[MAX_OPTIONS] = {false};
+    int n = 0;
+    for (const rp_param *p = command->options; p->name && n < MAX_OPTIONS; p++, n++) {
+        longs[n] = (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
+        if (strlen(p->name) == 1) strcat(strcat(shorts, p->name), p->type == RP_BOOL ? "" : ":");
+    }
+    longs[n] = (struct option){"help", no_argument, NULL, 'h'};
+    strcat(shorts, "h");
+    rp_params_defaults(command->options, values);
+    *done = false;
+    *n_arguments = 0;
+    optind = 0; /* start afresh: glibc's way */
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, shorts, longs, NULL)) != -1;) {
+        if (c == 'h') {
+            print_help(command);
+            *done = true;
+            return RP_OK;
+        }
+        if (c == '?')
+            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help", argv[optind - 1], command->name);
+        if (c == ':')
+            return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
+                           command->name);
+        int index = c - 256;
+        if (c < 256)
+            for (index = 0; command->options[index].name[0] != c || command->options[index].name[1]; index++)
+                continue;
+        given[index] = true;
+        rp_status status = set_option(&command->options[index], values, optarg);
+        if (status) return status;
+    }
+    for (int i = 0; i < n; i++)
+        if (!command->options[i].fallback && !given[i])
+            return rp_fail(RP_USAGE, "--%s is required (%s); see repose %s --help", command->options[i].name,
+                           command->options[i].meaning, command->name);
+    *n_arguments = argc - optind;
+    if (*n_arguments < command->min_arguments || *n_arguments > command->max_arguments)
+        return rp_fail(RP_USAGE, "usage: repose %s %s", command->name, command->synopsis);
+    for (int i = 0; i < *n_arguments; i++) arguments[i] = argv[optind + i];
+    return RP_OK;
+}
+
+void cli_table(FILE *out, const rp_param *schema, const void *values)
+{
+    char text[256];
+    rp_table_provenance(out, cli_command_line());
+    for (; schema && schema->name; schema++)
+        if (schema->type != RP_TEXT && schema->type != RP_TEXTS)
+            rp_table_note(out, schema->name, "%s%s%s", rp_params_text(schema, values, text, sizeof text),
+                          *schema->unit ? " " : "", schema->unit);
+}
+
+rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n)
+{
+    *n = 1;
+    for (const char *p = text; *p; p++) *n += *p == ',';
+    *numbers = malloc(*n * sizeof **numbers);
+    if (!*numbers) return rp_fail(RP_NO_MEMORY, "%s: out of memory", option);
+    for (size_t i = 0; i < *n; i++) {
+        char *end;
+        (*numbers)[i] = strtod(text, &end);
+        if (end == text || (*end && *end != ',') || !isfinite((*numbers)[i])) {
+            free(*numbers);
+            *numbers = NULL;
+            return rp_fail(RP_BAD_INPUT, "%s: \"%.40s\": numbers separated by commas expected", option, text);
+        }
+        text = end + (*end == ',');
+    }
+    return RP_OK;
+}

@@ -1,0 +1,178 @@
+/* Parameter files through a schema; see config.h. */
+#include "core/config.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* libconfig 1.5 lets whole numbers above 2^31 - 1 wrap silently, so they are looked for beforehand. */
+static rp_status refuse_large_integers(const char *path, FILE *in)
+{
+    int line = 1, c, previous = ' ';
+    char digits[32];
+    while ((c = fgetc(in)) != EOF) {
+        if (c == '\n') line++;
+        if (c == '#' || (c == '/' && previous == '/')) {
+            while ((c = fgetc(in)) != EOF && c != '\n') continue;
+            line++;
+        } else if (c == '*' && previous == '/') {
+            for (previous = ' '; (c = fgetc(in)) != EOF && !(previous == '*' && c == '/'); previous = c)
+                line += c == '\n';
+        } else if (c == '"') {
+            while ((c = fgetc(in)) != EOF && c != '"')
+                if (c == '\\')
+                    fgetc(in);
+                else
+                    line += c == '\n';
+        } else if (isdigit(c) && !isalnum(previous) && previous != '.' && previous != '_') {
+            size_t n = 0;
+            do {
+                if (n + 1 < sizeof digits) digits[n++] = (char)c;
+            } while (isdigit(c = fgetc(in)));
+            digits[n] = '\0';
+            if (c != '.' && !isalpha(c) && strtod(digits, NULL) > INT_MAX)
+                return rp_fail(RP_BAD_INPUT, "%s:%d: %s: whole numbers go up to %d; write %s.0 for a larger number",
+                               path, line, digits, INT_MAX, digits);
+            if (c == '\n') line++;
+        }
+        previous = c;
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_read(const char *path, config_t *config)
+{
+    config_init(config);
+    struct stat info;
+    FILE *in = fopen(path, "r");
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    if (fstat(fileno(in), &info) == 0 && S_ISDIR(info.st_mode)) {
+        fclose(in);
+        return rp_fail(RP_BAD_INPUT, "%s: is a directory, a parameter file expected", path);
+    }
+    rp_status status = refuse_large_integers(path, in);
+    fclose(in);
+    if (status) return status;
+    char folder[4096];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
+             slash ? path : ".");
+    config_set_include_dir(config, folder);
+    if (config_read_file(config, path) == CONFIG_FALSE) {
+        const char *file = config_error_file(config), *text = config_error_text(config);
+        const char *hint = text && strstr(text, "mismatched element type")
+                               ? ": [ ] holds one type only; write 0.0 for 0, or use ( )"
+                               : "";
+        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file ? file : path, config_error_line(config),
+                       text ? text : "cannot read", hint);
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
+{
+    char text[768];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const char *file = config_setting_source_file(setting);
+    int line = (int)config_setting_source_line(setting);
+    /* a setting without a line was not read from a file */
+    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "parameter file", line, text)
+                    : rp_fail(RP_BAD_INPUT, "%s", text);
+}
+
+static rp_status to_value(const config_setting_t *setting, rp_value *value)
+{
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT: *value = (rp_value){.kind = RP_V_INT, .i = config_setting_get_int(setting)}; break;
+    case CONFIG_TYPE_INT64:
+        *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
+        break;
+    case CONFIG_TYPE_FLOAT:
+        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting)};
+        break;
+    case CONFIG_TYPE_BOOL:
+        *value = (rp_value){.kind = RP_V_BOOL, .i = config_setting_get_bool(setting)};
+        break;
+    case CONFIG_TYPE_STRING:
+        *value = (rp_value){.kind = RP_V_TEXT, .s = config_setting_get_string(setting)};
+        break;
+    default: return RP_BAD_INPUT;
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
+{
+    rp_value value;
+    bool list = config_setting_is_array(setting) || config_setting_is_list(setting);
+    if (param->type == RP_FLAGS && list) {
+        *(unsigned *)((char *)values + param->offset) = 0;
+        for (int i = 0; i < config_setting_length(setting); i++) {
+            const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
+            if (to_value(element, &value) != RP_OK || value.kind != RP_V_TEXT)
+                return rp_config_fail(element, "%s: a list of words expected, allowed: %s", param->name,
+                                      param->range);
+            if (rp_params_set(param, values, &value) != RP_OK) return rp_config_fail(element, "%s", rp_message());
+        }
+        return RP_OK;
+    }
+    if (to_value(setting, &value) != RP_OK)
+        return rp_config_fail(setting, "%s: one value expected, not a %s", param->name,
+                              list ? "list" : "group");
+    if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
+    return rp_params_set(param, values, &value) ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
+}
+
+static bool listed(const char *const *names, const char *name)
+{
+    for (; names && *names; names++)
+        if (strcmp(*names, name) == 0) return true;
+    return false;
+}
+
+rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
+                          const char *const *others)
+{
+    if (!config_setting_is_group(group))
+        return rp_config_fail(group, "%s: a group { ... } expected",
+                              config_setting_name(group) ? config_setting_name(group) : "entry");
+    for (int i = 0; i < config_setting_length(group); i++) {
+        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
+        const char *name = config_setting_name(setting);
+        if (listed(others, name)) continue;
+        const rp_param *param = rp_params_find(schema, name);
+        if (!param) return rp_config_fail(setting, "%s: unknown key", name);
+        rp_status status = rp_config_value(setting, param, values);
+        if (status) return status;
+    }
+    for (; schema->name; schema++)
+        if (!schema->fallback && !config_setting_get_member(group, schema->name))
+            return rp_config_fail(group, "%s: missing (%s)", schema->name, schema->meaning);
+    return RP_OK;
+}
+
+rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
+{
+    const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
+    if ((!config_setting_is_array(setting) && !config_setting_is_list(setting)) ||
+        config_setting_length(setting) != 2)
+        return rp_config_fail(setting, "%s: two numbers [a, b] expected", name);
+    for (unsigned i = 0; i < 2; i++) {
+        rp_value value;
+        const config_setting_t *element = config_setting_get_elem(setting, i);
+        if (to_value(element, &value) != RP_OK || (value.kind != RP_V_INT && value.kind != RP_V_REAL))
+            return rp_config_fail(element, "%s: two numbers [a, b] expected", name);
+        pair[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
+        if (!isfinite(pair[i])) return rp_config_fail(element, "%s: finite numbers expected", name);
+    }
+    return RP_OK;
+}

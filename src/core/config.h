@@ -1,0 +1,30 @@
+/* Parameter files: libconfig syntax, read through a schema, every error with file, line, key and value. */
+#ifndef RP_CONFIG_H
+#define RP_CONFIG_H
+
+#include <libconfig.h>
+
+#include "core/params.h"
+
+/* Read a file. Afterwards config_destroy(config), also after an error.
+ * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1). */
+rp_status rp_config_read(const char *path, config_t *config);
+
+/* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
+ * schema nor in `others` (NULL-terminated, may be NULL; left to the caller) are errors.
+ * A required parameter that is missing is an error. Texts are borrowed from the config.
+ * Errors: RP_BAD_INPUT. */
+rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
+                          const char *const *others);
+
+/* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
+rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
+
+/* An RP_BAD_INPUT failure that starts with the setting's file and line. */
+rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
+rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
+
+#endif

@@ -1,0 +1,317 @@
+/* The parameter schema; see params.h. */
+#include "core/params.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+/* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
+typedef struct {
+    double lo, hi;
+    bool open_lo, open_hi;
+    const char *words; /* "infinite | auto", or "" */
+} numeric_range;
+
+static numeric_range parse_range(const char *text)
+{
+    numeric_range r = {-INFINITY, INFINITY, false, false, ""};
+    if (!text || !*text) return r;
+    r.open_lo = *text == '(';
+    char *end;
+    r.lo = strtod(text + 1, &end);
+    r.hi = strtod(end + 1, &end);
+    r.open_hi = *end == ')';
+    const char *bar = strchr(end, '|');
+    if (bar) r.words = bar + 1;
+    return r;
+}
+
+/* Word number `index` of a list separated by "|" and spaces; empty past the end. */
+static const char *word_at(const char *list, int index, char *buffer, size_t size)
+{
+    for (int i = 0; list; i++) {
+        list += strspn(list, " |");
+        size_t n = strcspn(list, " |");
+        if (n == 0) break;
+        if (i == index) {
+            snprintf(buffer, size, "%.*s", (int)n, list);
+            return buffer;
+        }
+        list += n;
+    }
+    buffer[0] = '\0';
+    return buffer;
+}
+
+static int word_index(const char *list, const char *word)
+{
+    char buffer[64];
+    for (int i = 0; *word_at(list, i, buffer, sizeof buffer); i++)
+        if (strcmp(buffer, word) == 0) return i;
+    return -1;
+}
+
+/* The spelling of -1 (auto) or infinity among the words of a numeric range; empty if there is none. */
+static const char *spelling(const char *words, bool is_auto, char *buffer, size_t size)
+{
+    for (int i = 0; *word_at(words, i, buffer, size); i++)
+        if ((strcmp(buffer, "auto") == 0) == is_auto) break;
+    return buffer;
+}
+
+static bool in_range(const numeric_range *r, double v)
+{
+    return (r->open_lo ? v > r->lo : v >= r->lo) && (r->open_hi ? v < r->hi : v <= r->hi);
+}
+
+const char *rp_params_word(const rp_param *param, int index, char *buffer, size_t size)
+{
+    return word_at(param->range, index, buffer, size);
+}
+
+const rp_param *rp_params_find(const rp_param *schema, const char *name)
+{
+    for (; schema->name; schema++)
+        if (strcmp(schema->name, name) == 0) return schema;
+    return NULL;
+}
+
+void rp_params_defaults(const rp_param *schema, void *values)
+{
+    for (; schema->name; schema++) {
+        char *field = (char *)values + schema->offset;
+        switch (schema->type) {
+        case RP_REAL: *(double *)field = 0.0; break;
+        case RP_INT: *(long *)field = 0; break;
+        case RP_BOOL: *(bool *)field = false; break;
+        case RP_CHOICE: *(int *)field = 0; break;
+        case RP_FLAGS: *(unsigned *)field = 0; break;
+        case RP_TEXT: *(const char **)field = NULL; break;
+        case RP_TEXTS: ((rp_texts *)field)->n = 0; break;
+        }
+        if (schema->fallback && schema->type != RP_TEXTS)
+            rp_params_set_text(schema, values, schema->fallback);
+    }
+}
+
+static rp_status wrong_type(const rp_param *param, const rp_value *value, const char *wanted)
+{
+    char shown[64];
+    switch (value->kind) {
+    case RP_V_INT: snprintf(shown, sizeof shown, "%ld", value->i); break;
+    case RP_V_REAL: snprintf(shown, sizeof shown, "%g", value->r); break;
+    case RP_V_BOOL: snprintf(shown, sizeof shown, "%s", value->i ? "true" : "false"); break;
+    default: snprintf(shown, sizeof shown, "\"%.50s\"", value->s);
+    }
+    return rp_fail(RP_BAD_INPUT, "%s = %s: %s expected%s%s", param->name, shown, wanted,
+                   param->range && *param->range ? ", allowed: " : "", param->range ? param->range : "");
+}
+
+rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value)
+{
+    char *field = (char *)values + param->offset;
+    numeric_range range;
+    switch (param->type) {
+    case RP_REAL: {
+        range = parse_range(param->range);
+        double v;
+        if (value->kind == RP_V_INT)
+            v = (double)value->i;
+        else if (value->kind == RP_V_REAL)
+            v = value->r;
+        else if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
+            *(double *)field = strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
+            return RP_OK;
+        } else
+            return wrong_type(param, value, "a number");
+        if (!isfinite(v)) return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
+        if (!in_range(&range, v))
+            return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
+                           param->range, *param->unit ? " " : "", param->unit);
+        *(double *)field = v;
+        return RP_OK;
+    }
+    case RP_INT:
+        range = parse_range(param->range);
+        if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
+            *(long *)field = -1;
+            return RP_OK;
+        }
+        if (value->kind != RP_V_INT) return wrong_type(param, value, "a whole number");
+        if (!in_range(&range, (double)value->i))
+            return rp_fail(RP_BAD_INPUT, "%s = %ld: out of range, allowed: %s", param->name, value->i,
+                           param->range);
+        *(long *)field = value->i;
+        return RP_OK;
+    case RP_BOOL:
+        if (value->kind != RP_V_BOOL) return wrong_type(param, value, "true or false");
+        *(bool *)field = value->i != 0;
+        return RP_OK;
+    case RP_CHOICE:
+    case RP_FLAGS: {
+        if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
+        int index = word_index(param->range, value->s);
+        if (index < 0)
+            return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s", param->name, value->s,
+                           param->range);
+        if (param->type == RP_CHOICE)
+            *(int *)field = index;
+        else
+            *(unsigned *)field |= 1u << index;
+        return RP_OK;
+    }
+    case RP_TEXT:
+        if (value->kind != RP_V_TEXT) return wrong_type(param, value, "text");
+        *(const char **)field = value->s;
+        return RP_OK;
+    case RP_TEXTS: {
+        rp_texts *texts = (rp_texts *)field;
+        if (value->kind != RP_V_TEXT) return wrong_type(param, value, "text");
+        if (texts->n == sizeof texts->items / sizeof *texts->items)
+            return rp_fail(RP_BAD_INPUT, "%s: given too often", param->name);
+        texts->items[texts->n++] = value->s;
+        return RP_OK;
+    }
+    }
+    return rp_fail(RP_BROKEN, "%s: unknown type", param->name);
+}
+
+static rp_status set_flags_text(const rp_param *param, void *values, const char *text)
+{
+    *(unsigned *)((char *)values + param->offset) = 0;
+    while (*text) {
+        char word[64];
+        size_t n = strcspn(text, ",");
+        snprintf(word, sizeof word, "%.*s", (int)n, text);
+        rp_value v = {.kind = RP_V_TEXT, .s = word};
+        rp_status status = rp_params_set(param, values, &v);
+        if (status) return status;
+        text += n + (text[n] == ',');
+    }
+    return RP_OK;
+}
+
+rp_status rp_params_set_text(const rp_param *param, void *values, const char *text)
+{
+    rp_value v = {.kind = RP_V_TEXT, .s = text};
+    char *end;
+    if (param->type == RP_FLAGS) return set_flags_text(param, values, text);
+    if (param->type == RP_BOOL) {
+        if (strcmp(text, "true") == 0 || strcmp(text, "false") == 0) {
+            v.kind = RP_V_BOOL;
+            v.i = *text == 't';
+        }
+    } else if (param->type == RP_INT || param->type == RP_REAL) {
+        errno = 0;
+        long i = strtol(text, &end, 10);
+        if (*text && !*end && errno == 0) {
+            v.kind = RP_V_INT;
+            v.i = i;
+        } else {
+            double r = strtod(text, &end);
+            /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
+            if (*text && !*end && strspn(text, "+-.0123456789eE") == strlen(text)) {
+                v.kind = RP_V_REAL;
+                v.r = r;
+            }
+        }
+    }
+    return rp_params_set(param, values, &v);
+}
+
+const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size)
+{
+    const char *field = (const char *)values + param->offset;
+    char word[64];
+    switch (param->type) {
+    case RP_REAL: {
+        double v = *(const double *)field;
+        numeric_range range = parse_range(param->range);
+        if (isinf(v) || (v == -1.0 && !in_range(&range, v)))
+            spelling(range.words, !isinf(v), buffer, size);
+        else {
+            /* the shortest form that reads back exactly */
+            for (int digits = 6; digits <= 17; digits++) {
+                snprintf(buffer, size, "%.*g", digits, v);
+                if (strtod(buffer, NULL) == v) break;
+            }
+        }
+        break;
+    }
+    case RP_INT: {
+        long v = *(const long *)field;
+        numeric_range range = parse_range(param->range);
+        if (v == -1 && *range.words)
+            spelling(range.words, true, buffer, size);
+        else
+            snprintf(buffer, size, "%ld", v);
+        break;
+    }
+    case RP_BOOL: snprintf(buffer, size, "%s", *(const bool *)field ? "true" : "false"); break;
+    case RP_CHOICE: rp_params_word(param, *(const int *)field, buffer, size); break;
+    case RP_FLAGS: {
+        unsigned bits = *(const unsigned *)field;
+        size_t used = 0;
+        buffer[0] = '\0';
+        for (int i = 0; *rp_params_word(param, i, word, sizeof word); i++)
+            if (bits & 1u << i && used < size)
+                used += (size_t)snprintf(buffer + used, size - used, "%s%s", used ? "," : "", word);
+        break;
+    }
+    case RP_TEXT: {
+        const char *s = *(const char *const *)field;
+        snprintf(buffer, size, "%s", s ? s : "");
+        break;
+    }
+    case RP_TEXTS: buffer[0] = '\0'; break;
+    }
+    return buffer;
+}
+
+double rp_params_number(const rp_param *param, const void *values)
+{
+    const char *field = (const char *)values + param->offset;
+    switch (param->type) {
+    case RP_REAL: return *(const double *)field;
+    case RP_INT: return (double)*(const long *)field;
+    case RP_BOOL: return *(const bool *)field;
+    case RP_CHOICE: return *(const int *)field;
+    case RP_FLAGS: return *(const unsigned *)field;
+    case RP_TEXT:
+    case RP_TEXTS: break;
+    }
+    return 0.0;
+}
+
+void rp_params_describe(const rp_param *schema, const char *prefix, FILE *out)
+{
+    for (; schema->name; schema++) {
+        fprintf(out, "  %s%-*s %s%s%s", prefix, 22 - (int)strlen(prefix), schema->name, schema->meaning,
+                *schema->unit ? ", " : "", schema->unit);
+        if (schema->range && *schema->range) fprintf(out, "; %s", schema->range);
+        fprintf(out, !schema->fallback ? " (required)\n" : *schema->fallback ? " (default %s)\n" : "\n",
+                schema->fallback);
+    }
+}
+
+void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
+                    int version, char key[33])
+{
+    XXH3_state_t *state = XXH3_createState();
+    XXH3_128bits_reset(state);
+    char text[256], line[384];
+    for (; schema->name; schema++) {
+        int n = snprintf(line, sizeof line, "%s=%s\n", schema->name,
+                         rp_params_text(schema, values, text, sizeof text));
+        XXH3_128bits_update(state, line, (size_t)n);
+    }
+    int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%d\n", seed, run, version);
+    XXH3_128bits_update(state, line, (size_t)n);
+    XXH128_hash_t h = XXH3_128bits_digest(state);
+    XXH3_freeState(state);
+    snprintf(key, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+}

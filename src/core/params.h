@@ -1,0 +1,81 @@
+/* The parameter schema: one table says for each parameter its name, unit, type, default, range and
+ * meaning. Parsing, validation, --help, `repose params` and provenance all come from that table. */
+#ifndef RP_PARAMS_H
+#define RP_PARAMS_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "core/status.h"
+
+typedef enum {
+    RP_REAL,   /* double */
+    RP_INT,    /* long */
+    RP_BOOL,   /* bool */
+    RP_CHOICE, /* int: index into the words of `range` */
+    RP_FLAGS,  /* unsigned: one bit for each word of `range` */
+    RP_TEXT,   /* const char *, borrowed from the caller; any text */
+    RP_TEXTS   /* rp_texts: an option that may be given several times */
+} rp_type;
+
+typedef struct {
+    size_t n;
+    const char *items[32]; /* borrowed */
+} rp_texts;
+
+/* One parameter. `range` reads "[lo, hi]" with ( ) for open ends, for numbers; words after "|" are further
+ * spellings: "auto" stands for -1, any other word for infinity ("[0, inf) | infinite | auto").
+ * For RP_CHOICE and RP_FLAGS it lists the words: "extends | ends | absorbs".
+ * `fallback` is the default as a user would write it; NULL makes the parameter required. */
+typedef struct {
+    const char *name;
+    const char *unit; /* "" where there is none */
+    rp_type type;
+    size_t offset; /* of the field in the structure that holds the values */
+    const char *fallback;
+    const char *range;
+    const char *meaning;
+} rp_param;
+
+/* A schema ends with an entry whose name is NULL. */
+
+/* A value as found in a file or on the command line, before it meets its parameter. */
+typedef struct {
+    enum { RP_V_INT, RP_V_REAL, RP_V_BOOL, RP_V_TEXT } kind;
+    long i; /* RP_V_INT, RP_V_BOOL */
+    double r;
+    const char *s;
+} rp_value;
+
+/* Entry called `name`, or NULL. */
+const rp_param *rp_params_find(const rp_param *schema, const char *name);
+
+/* Write every default; parameters without one are set to zero. */
+void rp_params_defaults(const rp_param *schema, void *values);
+
+/* Check `value` against `param` and store it. RP_FLAGS: sets the bit of one word (clear the field first).
+ * Errors: RP_BAD_INPUT for a wrong type, a number out of range or not finite, an unknown word. */
+rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value);
+
+/* The same from text, as on the command line; RP_FLAGS and RP_CHOICE take words, flags joined by commas.
+ * Errors: RP_BAD_INPUT. */
+rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
+
+/* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
+const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
+
+/* The value as a number: choices give their index, booleans 0 or 1, text 0. */
+double rp_params_number(const rp_param *param, const void *values);
+
+/* Word number `index` of a choice's range, copied into `buffer`; empty if there is none. */
+const char *rp_params_word(const rp_param *param, int index, char *buffer, size_t size);
+
+/* Table of the schema: name, unit, default, range, meaning; `prefix` ("--" or "") goes before each name. */
+void rp_params_describe(const rp_param *schema, const char *prefix, FILE *out);
+
+/* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. `seed` and `version` are
+ * folded in, so that results of another stream or other physics have another key. */
+void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
+                    int version, char key[33]);
+
+#endif

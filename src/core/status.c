@@ -1,0 +1,45 @@
+/* Status codes and messages; see status.h. */
+#include "core/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static _Thread_local char message[1024];
+
+const char *rp_status_text(rp_status status)
+{
+    switch (status) {
+#define X(name, code, text)                                                                                  \
+    case name: return text;
+        RP_STATUS_LIST(X)
+#undef X
+    }
+    return "unknown status";
+}
+
+rp_status rp_fail(rp_status status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    return status;
+}
+
+rp_status rp_prefix(rp_status status, const char *format, ...)
+{
+    char rest[sizeof message];
+    memcpy(rest, message, sizeof message);
+    va_list args;
+    va_start(args, format);
+    int n = vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (n >= 0 && (size_t)n < sizeof message) snprintf(message + n, sizeof message - (size_t)n, "%s", rest);
+    return status;
+}
+
+const char *rp_message(void)
+{
+    return message;
+}

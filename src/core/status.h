@@ -1,0 +1,37 @@
+/* Status codes and the message of the last failure.
+ *
+ * A function that can fail returns an rp_status. Its message (which field, which value, which range,
+ * which file and line) is kept per thread and read with rp_message(). Libraries never print or exit. */
+#ifndef RP_STATUS_H
+#define RP_STATUS_H
+
+/* One list: name, exit status of the program, meaning. */
+#define RP_STATUS_LIST(X)                                                                                    \
+    X(RP_OK, 0, "success")                                                                                   \
+    X(RP_NO_RESULT, 1, "computed without a result")                                                          \
+    X(RP_USAGE, 64, "wrong usage")                                                                           \
+    X(RP_BAD_INPUT, 65, "bad input")                                                                         \
+    X(RP_BROKEN, 70, "broken invariant")                                                                     \
+    X(RP_NO_MEMORY, 71, "out of memory")                                                                     \
+    X(RP_IO, 74, "input or output failed")                                                                   \
+    X(RP_STOPPED, 75, "stopped; run again to resume")
+
+typedef enum {
+#define X(name, code, text) name = code,
+    RP_STATUS_LIST(X)
+#undef X
+} rp_status;
+
+/* Meaning of a status, never NULL. */
+const char *rp_status_text(rp_status status);
+
+/* Record a message and return `status`, so that a caller can write: return rp_fail(RP_BAD_INPUT, ...). */
+rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Put a prefix such as "file:line: " before the message recorded last; returns `status`. */
+rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Message of the last failure in this thread; empty if there was none. */
+const char *rp_message(void);
+
+#endif

@@ -1,0 +1,225 @@
+/* Tables with provenance; see table.h. */
+#include "core/table.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "core/version.h"
+
+void rp_table_provenance(FILE *out, const char *command)
+{
+    rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit(),
+                  RP_MODEL_VERSION);
+    rp_table_note(out, "compiler", "%s", rp_build_compiler());
+    rp_table_note(out, "libraries", "%s", rp_build_libraries());
+    if (command) rp_table_note(out, "command", "%s", command);
+}
+
+void rp_table_note(FILE *out, const char *key, const char *format, ...)
+{
+    va_list args;
+    fprintf(out, "# %s: ", key);
+    va_start(args, format);
+    vfprintf(out, format, args);
+    va_end(args);
+    fputc('\n', out);
+}
+
+void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
+{
+    fputs("# units: ", out);
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", *columns[i][1] ? columns[i][1] : "1");
+    fputs("\n# ", out);
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
+    fputc('\n', out);
+}
+
+static void write_cells(FILE *out, size_t n, const double values[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (isnan(values[i])) /* printf writes "-nan" for some */
+            fprintf(out, "%snan", i ? "\t" : "");
+        else
+            fprintf(out, "%s%.17g", i ? "\t" : "", values[i]);
+}
+
+void rp_table_row(FILE *out, size_t n, const double values[])
+{
+    write_cells(out, n, values);
+    fputc('\n', out);
+}
+
+void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word)
+{
+    write_cells(out, n, values);
+    fprintf(out, "%s%s\n", n ? "\t" : "", word);
+}
+
+rp_status rp_table_finish(FILE *out, const char *name)
+{
+    errno = 0;
+    if (fflush(out) != 0 || ferror(out))
+        return rp_fail(RP_IO, "%s: cannot write: %s", name, strerror(errno ? errno : EIO));
+    return RP_OK;
+}
+
+static void temporary_name(const char *path, char *buffer, size_t size)
+{
+    snprintf(buffer, size, "%s.tmp%ld", path, (long)getpid());
+}
+
+rp_status rp_file_open(const char *path, FILE **out)
+{
+    char temporary[4096];
+    if (strcmp(path, "-") == 0) {
+        *out = stdout;
+        return RP_OK;
+    }
+    temporary_name(path, temporary, sizeof temporary);
+    *out = fopen(temporary, "w");
+    return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+}
+
+rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
+{
+    char temporary[4096];
+    if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
+    temporary_name(path, temporary, sizeof temporary);
+    rp_status status = keep ? keep : rp_table_finish(out, path);
+    if (fclose(out) != 0 && !status) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (!status && rename(temporary, path) != 0)
+        status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (status) unlink(temporary);
+    return status;
+}
+
+rp_status rp_make_directory(const char *path)
+{
+    char part[4096];
+    if (strlen(path) >= sizeof part) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
+    for (size_t i = 1; i <= strlen(path); i++) {
+        if (path[i] != '/' && path[i] != '\0') continue;
+        snprintf(part, sizeof part, "%.*s", (int)i, path);
+        if (mkdir(part, 0777) != 0 && errno != EEXIST)
+            return rp_fail(RP_IO, "%s: cannot make the directory: %s", part, strerror(errno));
+    }
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
+        return rp_fail(RP_IO, "%s: not a directory", path);
+    return RP_OK;
+}
+
+static rp_status read_all(const char *path, char **text)
+{
+    FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    size_t size = 0, room = 1 << 16, n;
+    char *bytes = malloc(room);
+    errno = 0;
+    while (bytes && (n = fread(bytes + size, 1, room - size - 1, in)) > 0) {
+        size += n;
+        if (room - size > 1) continue;
+        char *more = realloc(bytes, room *= 2);
+        if (!more) free(bytes);
+        bytes = more;
+    }
+    int bad = ferror(in), why = errno;
+    if (in != stdin) fclose(in);
+    if (bad) {
+        free(bytes);
+        return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(why));
+    }
+    if (!bytes) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    bytes[size] = '\0';
+    *text = bytes;
+    return RP_OK;
+}
+
+static size_t count_cells(const char *line)
+{
+    size_t n = 0;
+    for (; *line; n++) {
+        line += strspn(line, " \t\r");
+        if (!*line) break;
+        line += strcspn(line, " \t\r");
+    }
+    return n;
+}
+
+static void split_cells(char *line, char **cells)
+{
+    for (char *save, *cell = strtok_r(line, " \t\r", &save); cell; cell = strtok_r(NULL, " \t\r", &save))
+        *cells++ = cell;
+}
+
+rp_status rp_table_read(const char *path, rp_table *table)
+{
+    *table = (rp_table){.path = path};
+    rp_status status = read_all(path, &table->text);
+    if (status) return status;
+    size_t n_lines = 1;
+    for (const char *p = table->text; *p; p++) n_lines += *p == '\n';
+    char *header = NULL;
+    size_t line_number = 0;
+    table->lines = calloc(n_lines, sizeof *table->lines);
+    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    for (char *next = table->text, *line; (line = next);) {
+        next = strchr(line, '\n');
+        if (next) *next++ = '\0';
+        line_number++;
+        if (*line == '#') {
+            if (!table->cells) header = line + 1;
+            continue;
+        }
+        size_t n = count_cells(line);
+        if (n == 0) continue;
+        if (!table->cells) {
+            table->n_columns = n;
+            table->cells = calloc(n_lines * n, sizeof *table->cells);
+            if (!table->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+        }
+        if (n != table->n_columns)
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", path, line_number, n,
+                           table->n_columns);
+        split_cells(line, table->cells + table->n_rows * n);
+        table->lines[table->n_rows++] = line_number;
+    }
+    if (header && table->n_columns == 0) table->n_columns = count_cells(header);
+    table->names = calloc(table->n_columns + 1, sizeof *table->names);
+    if (!table->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    if (header && count_cells(header) == table->n_columns) split_cells(header, table->names);
+    return RP_OK;
+}
+
+void rp_table_free(rp_table *table)
+{
+    free(table->names);
+    free(table->cells);
+    free(table->lines);
+    free(table->text);
+    *table = (rp_table){0};
+}
+
+int rp_table_column(const rp_table *table, const char *name)
+{
+    for (size_t i = 0; i < table->n_columns; i++)
+        if (table->names[i] ? strcmp(table->names[i], name) == 0 : (size_t)atol(name) == i + 1) return (int)i;
+    return -1;
+}
+
+rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
+{
+    const char *cell = table->cells[row * table->n_columns + (size_t)column];
+    char *end;
+    *value = strtod(cell, &end);
+    if (*end || (!isfinite(*value) && !(missing_ok && isnan(*value))))
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number", table->path,
+                       table->lines[row], column + 1, table->names[column] ? " " : "",
+                       table->names[column] ? table->names[column] : "", cell);
+    return RP_OK;
+}

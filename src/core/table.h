@@ -1,0 +1,59 @@
+/* Tables: tab-separated text. Header lines start with '#': how the table was made, then the units, and
+ * last the names of the columns. Numbers carry 17 significant digits; "nan" stands where a row has no
+ * result, and its status column says why. */
+#ifndef RP_TABLE_H
+#define RP_TABLE_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "core/status.h"
+
+/* Header lines: program, version, commit, compiler, libraries, and the command (may be NULL). */
+void rp_table_provenance(FILE *out, const char *command);
+
+/* One more header line, "# key: text". */
+void rp_table_note(FILE *out, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* The last two header lines. `columns` holds n pairs name, unit. */
+void rp_table_columns(FILE *out, size_t n, const char *const columns[][2]);
+
+/* One row of n numbers. */
+void rp_table_row(FILE *out, size_t n, const double values[]);
+
+/* One row of n numbers and a last column of one word, such as a status. */
+void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word);
+
+/* Flush and report what went wrong while writing; `name` is for the message. Errors: RP_IO. */
+rp_status rp_table_finish(FILE *out, const char *name);
+
+/* Open `path` for writing under a temporary name; rp_file_close puts it in place whole, or removes it if
+ * `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
+rp_status rp_file_open(const char *path, FILE **out);
+rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
+
+/* Make a directory and its parents. Errors: RP_IO. */
+rp_status rp_make_directory(const char *path);
+
+/* A table read whole. cells[row * n_columns + column] are texts. */
+typedef struct {
+    size_t n_rows, n_columns;
+    char **names, **cells;
+    char *text;       /* the file's bytes, which names and cells point into */
+    size_t *lines;    /* line of the file of each row */
+    const char *path; /* borrowed */
+} rp_table;
+
+/* Read `path` ("-": standard input). The names come from the last header line; a table without header
+ * has columns "1", "2", ... Free with rp_table_free, also after an error.
+ * Errors: RP_BAD_INPUT (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
+rp_status rp_table_read(const char *path, rp_table *table);
+void rp_table_free(rp_table *table);
+
+/* Index of a column, or -1. */
+int rp_table_column(const rp_table *table, const char *name);
+
+/* A cell as a number; "nan" is allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file, line, column. */
+rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);
+
+#endif

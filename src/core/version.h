@@ -1,0 +1,15 @@
+/* Version of the program, and what it was built from. */
+#ifndef RP_VERSION_H
+#define RP_VERSION_H
+
+#define RP_VERSION "0.1.0"
+
+/* Version of the physics: a result stored under another number is never reused. Raise it whenever the
+ * bits of a run change; the golden digests in tests/test_golden.c fail when that was forgotten. */
+#define RP_MODEL_VERSION 1
+
+const char *rp_build_commit(void);
+const char *rp_build_compiler(void);
+const char *rp_build_libraries(void);
+
+#endif

@@ -1,0 +1,194 @@
+/* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
+ *
+ * Translation only; spheres or disks of any radius; walls are lines or segments; gravity may turn.
+ * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
+ * definition. All functions are deterministic: the same definition gives the same bits. */
+#ifndef DEM_H
+#define DEM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/status.h"
+
+enum { DEM_HERTZ, DEM_LINEAR };              /* normal law */
+enum { DEM_NONE, DEM_SPRING };               /* tangential law */
+enum { DEM_TRUNCATED, DEM_TOTAL };           /* what the shear spring remembers while it slides */
+enum { DEM_SPHERE, DEM_DISK };               /* mass from density: (4/3) pi rho r^3, or rho pi r^2 */
+enum { DEM_MAX_WALLS = 8 };
+
+/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY. */
+typedef struct {
+    double k_n;     /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
+    double gamma_n; /* normal damping, 1/time, times m_eff */
+    double k_s;     /* shear stiffness, force/length */
+    double gamma_s; /* shear damping, 1/time, times m_eff */
+    double mu;      /* Coulomb's coefficient */
+} dem_material;
+
+/* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
+ * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
+ * An end pushes as a corner point. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
+ * `open_speed` its lower end extent[0] runs along the tangent at that speed, as a gate that is lifted. */
+typedef struct {
+    double point[2], direction[2];
+    dem_material material;
+    double extent[2];
+    long open_at_step;
+    double open_speed;
+} dem_wall;
+
+typedef struct {
+    double x, y, r, m, vx, vy;
+} dem_grain;
+
+typedef struct {
+    double gravity[2];
+    double dt;
+    double skin; /* of the neighbour list; 0 chooses one */
+    int normal, tangential, slip;
+    bool tension; /* true: the damped normal force may pull, as (2a) is printed */
+    dem_material material;
+    double x_max, y_min;       /* a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double turn_per_step;      /* gravity turns by this angle a step, radians; positive lowers the side at +x */
+    long turn_from_step;
+    bool reference_kernel;     /* use the loop that decides at run time, for tests */
+    size_t n_walls;
+    dem_wall walls[DEM_MAX_WALLS];
+    size_t n_grains;
+    const dem_grain *grains; /* borrowed until dem_create returns */
+} dem_definition;
+
+/* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
+dem_definition dem_definition_default(void);
+
+typedef struct dem_sim dem_sim;
+
+/* Why a run stopped. */
+#define DEM_FAULT_LIST(X)                                                                                    \
+    X(DEM_FAULT_NONE, "ok")                                                                                  \
+    X(DEM_FAULT_LEAKED, "leaked")                                                                            \
+    X(DEM_FAULT_NON_FINITE, "non_finite")                                                                    \
+    X(DEM_FAULT_OVERLAP, "overlap")                                                                          \
+    X(DEM_FAULT_TOO_FAST, "too_fast")
+typedef enum {
+#define X(name, text) name,
+    DEM_FAULT_LIST(X)
+#undef X
+} dem_fault;
+const char *dem_fault_text(dem_fault fault);
+
+/* Largest time step that the definition allows: 1/lambda of the stiffest contact, with
+ * lambda = gamma/2 + sqrt(gamma^2/4 + k_eff/m_eff), k_eff = 1.5 k_n sqrt(overlap) for Hertz, at the overlap
+ * that an impact from the start's height and speed makes. Verlet becomes unstable at about twice that.
+ * `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come. */
+double dem_time_step_limit(const dem_definition *def, const char **what);
+
+/* Check the definition and make a simulation at step 0; free with dem_free.
+ * Errors: RP_BAD_INPUT (a value, a time step above the limit, grains that overlap by more than the smaller
+ * radius or lie behind a wall), RP_NO_MEMORY. */
+rp_status dem_create(const dem_definition *def, dem_sim **sim);
+
+/* A copy that goes on exactly as the original would. Errors: RP_NO_MEMORY. */
+rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
+void dem_free(dem_sim *sim);
+
+/* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
+ * RP_NO_MEMORY. After an error the simulation can only be read and freed. */
+rp_status dem_run(dem_sim *sim, long steps);
+dem_fault dem_sim_fault(const dem_sim *sim);
+
+/* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
+ * a step (0 stops it). */
+void dem_wall_open(dem_sim *sim, size_t wall, double speed);
+void dem_gravity_turn(dem_sim *sim, double radians_per_step);
+
+/* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
+rp_status dem_neighbours_rebuild(dem_sim *sim);
+
+long dem_step(const dem_sim *sim);
+double dem_time(const dem_sim *sim);
+size_t dem_count(const dem_sim *sim); /* grains still there */
+void dem_gravity(const dem_sim *sim, double gravity[2]);
+const char *dem_kernel_name(const dem_sim *sim);
+
+/* How much work the run was. */
+typedef struct {
+    size_t pairs, contacts, wall_slots; /* now */
+    long rebuilds;                      /* since the start */
+    double grain_steps;                 /* sum over steps of the grains present */
+} dem_counts;
+void dem_count_work(const dem_sim *sim, dem_counts *counts);
+
+typedef struct {
+    uint32_t id;
+    double x, y, r, m, vx, vy;
+    double fx, fy; /* net force, gravity included */
+    int contacts;
+} dem_state;
+
+/* States of the grains in the order of their ids; `states` holds dem_count() entries.
+ * Errors: RP_NO_MEMORY. */
+rp_status dem_states(const dem_sim *sim, dem_state *states);
+
+typedef struct {
+    uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
+    int wall;
+    double x, y, x_b, y_b; /* centres; for a wall its nearest point */
+    double overlap, normal_force, shear_force, shear_spring;
+} dem_contact;
+
+/* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
+rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
+
+/* Energies: kinetic, elastic (normal and shear springs), gravity (from the origin). */
+typedef struct {
+    double kinetic, elastic, gravity;
+} dem_energy;
+void dem_energies(const dem_sim *sim, dem_energy *energy);
+
+/* Force on each wall, in the order of the definition: forces[2 * wall], forces[2 * wall + 1]. */
+void dem_wall_forces(const dem_sim *sim, double *forces);
+
+/* How far from rest the grains with lo < x < hi are. */
+typedef struct {
+    size_t n;              /* grains in the region */
+    double kinetic_energy; /* mean over them */
+    double net_force;      /* largest on a grain with a contact, anywhere in the region */
+    double contact_number; /* mean contacts a grain, walls counted once */
+} dem_rest;
+rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
+
+/* Random filling: grains at rest, dropped nowhere nearer than touching. */
+typedef struct {
+    long N;
+    double W, H; /* grains lie inside (0, W) x (0, H) */
+    double radius_mean, radius_width, radius_min, radius_max;
+    double density;
+    int shape;
+    long seed, run; /* names of the random streams */
+} dem_fill;
+
+/* Grains of random radius (Gaussian, drawn again outside the cut), placed one after the other at random
+ * where they overlap none: `grains` holds fill->N entries.
+ * Errors: RP_NO_RESULT (no room found in a million tries for a grain), RP_NO_MEMORY. */
+rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
+
+/* Mass of a grain. */
+double dem_mass(int shape, double density, double r);
+
+/* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
+ * adaptive Runge-Kutta method: an answer that does not come from the simulator. A pair that never parts has
+ * restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+typedef struct {
+    double restitution, overlap, time;
+} dem_collision_result;
+rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, double m_eff, double v,
+                        dem_collision_result *result);
+
+/* Speed below which a Hertz pair whose damping may pull never parts: gamma_n (m_eff/k_n)^(2/5) v^(-1/5)
+ * = 1.12799. */
+double dem_sticking_speed(double k_n, double gamma_n, double m_eff);
+
+#endif

@@ -1,0 +1,84 @@
+/* What a scene's numbers mean: a single impact solved apart from the simulator, and header notes. */
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+
+#include "core/table.h"
+#include "dem/scene.h"
+#include "dem/sim.h"
+
+typedef struct {
+    int normal;
+    bool tension;
+    double damping; /* gamma_n times the unit of time */
+} impact_problem;
+
+/* Overlap y[0] and its rate y[1], in units of L and L/T: y'' = -f(y) - damping y', f = y^(3/2) or y. */
+static int impact_rates(double t, const double y[], double dydt[], void *params)
+{
+    (void)t;
+    const impact_problem *p = params;
+    const bool apart = y[0] <= 0.0 && y[1] < 0.0;
+    double x = y[0] > 0.0 ? y[0] : 0.0;
+    double force = (p->normal == DEM_HERTZ ? x * sqrt(x) : x) + p->damping * y[1];
+    dydt[0] = y[1];
+    dydt[1] = !apart && (p->tension || force > 0.0) ? -force : 0.0;
+    return GSL_SUCCESS;
+}
+
+rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, double m_eff, double v,
+                        dem_collision_result *result)
+{
+    *result = (dem_collision_result){NAN, NAN, NAN};
+    if (!(k_n > 0.0 && gamma_n >= 0.0 && m_eff > 0.0 && v > 0.0))
+        return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive", k_n,
+                       gamma_n, m_eff, v);
+    /* units: length at which the elastic force has turned the speed, and the time to run it */
+    const double length = normal == DEM_HERTZ ? pow(m_eff * v * v / k_n, 0.4) : v * sqrt(m_eff / k_n);
+    const double time = length / v, most = 1e4, step = 1e-2;
+    impact_problem problem = {normal, tension, gamma_n * time};
+    gsl_odeiv2_system system = {impact_rates, NULL, 2, &problem};
+    gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-3, 1e-13, 1e-13);
+    if (!driver) return rp_fail(RP_NO_MEMORY, "impact: out of memory");
+    double t = 0.0, y[2] = {0.0, 1.0}, last[2] = {0.0, 1.0}, deepest = 0.0;
+    while (t < most && gsl_odeiv2_driver_apply(driver, &t, t + step, y) == GSL_SUCCESS && y[0] > 0.0) {
+        /* a step's parabola holds the turning point to the third order */
+        if (last[1] > 0.0 && y[1] <= 0.0) deepest = y[0] + 0.5 * step * y[1] * y[1] / (last[1] - y[1]);
+        last[0] = y[0];
+        last[1] = y[1];
+    }
+    gsl_odeiv2_driver_free(driver);
+    result->overlap = deepest * length;
+    result->restitution = 0.0;
+    result->time = INFINITY;
+    if (y[0] <= 0.0) {
+        result->restitution = -y[1]; /* no force acts after y = 0 */
+        result->time = (t - y[0] / y[1]) * time;
+    }
+    return RP_OK;
+}
+
+double dem_sticking_speed(double k_n, double gamma_n, double m_eff)
+{
+    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12799, 5.0);
+}
+
+void dem_write_notes(const dem_sim *sim, FILE *out)
+{
+    const dem_material *c = &sim->def.material;
+    const double r = sim->radius_mean, m_eff = 0.5 * sim->mass_mean, v = sim->start_speed;
+    rp_table_note(out, "kernel", "%s", sim->kernel_name);
+    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit, sim->dt_limit_of);
+    if (!(c->k_n > 0.0)) return;
+    if (sim->def.normal == DEM_HERTZ) {
+        rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",
+                      dem_sticking_speed(c->k_n, c->gamma_n, m_eff));
+        rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii", 0.75 * c->k_n / sqrt(0.5 * r));
+    }
+    dem_collision_result impact;
+    if (!(v > 0.0) ||
+        dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)
+        return;
+    rp_table_note(out, "impact", "two mean grains at %.4g cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
+                  v, impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
+}

@@ -1,0 +1,70 @@
+/* Random filling without overlap (random sequential addition), found through square cells. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/random.h"
+#include "dem/dem.h"
+
+static const long MAX_TRIES = 1000000;
+
+typedef struct {
+    long nx, ny;
+    double size;
+    long *head; /* last grain of each cell, -1 for none */
+    long *next; /* the one before it in the same cell */
+} cells;
+
+static bool is_free(const cells *c, const dem_grain *grains, double x, double y, double r)
+{
+    long cx = (long)(x / c->size), cy = (long)(y / c->size);
+    for (long a = cx > 0 ? cx - 1 : 0; a <= cx + 1 && a < c->nx; a++)
+        for (long b = cy > 0 ? cy - 1 : 0; b <= cy + 1 && b < c->ny; b++)
+            for (long k = c->head[b * c->nx + a]; k >= 0; k = c->next[k]) {
+                double dx = grains[k].x - x, dy = grains[k].y - y, radii = grains[k].r + r;
+                if (dx * dx + dy * dy < radii * radii) return false;
+            }
+    return true;
+}
+
+static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng *places, dem_grain *grains)
+{
+    for (long i = 0; i < f->N; i++) {
+        double r = rp_random_cut_normal(radii, f->radius_mean, f->radius_width, f->radius_min, f->radius_max);
+        double x, y;
+        long tries = 0;
+        do {
+            if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
+                return rp_fail(RP_NO_RESULT, "no room for grain %ld of %ld in %g x %g", i + 1, f->N, f->W, f->H);
+            x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
+            y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
+        } while (!is_free(c, grains, x, y, r));
+        grains[i] = (dem_grain){x, y, r, dem_mass(f->shape, f->density, r), 0.0, 0.0};
+        long cell = (long)(y / c->size) * c->nx + (long)(x / c->size);
+        c->next[i] = c->head[cell];
+        c->head[cell] = i;
+    }
+    return RP_OK;
+}
+
+rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains)
+{
+    cells c = {.size = 2.0 * fill->radius_max};
+    c.nx = (long)(fill->W / c.size) + 1;
+    c.ny = (long)(fill->H / c.size) + 1;
+    c.head = malloc((size_t)(c.nx * c.ny) * sizeof *c.head);
+    c.next = malloc((size_t)fill->N * sizeof *c.next);
+    gsl_rng *radii = rp_random_alloc((unsigned long)fill->seed, (unsigned long)fill->run, RP_PURPOSE_RADII);
+    gsl_rng *places = rp_random_alloc((unsigned long)fill->seed, (unsigned long)fill->run, RP_PURPOSE_PLACES);
+    rp_status status = RP_NO_MEMORY;
+    if (c.head && c.next && radii && places) {
+        for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
+        status = place_all(fill, &c, radii, places, grains);
+    } else {
+        rp_fail(status, "filling: out of memory");
+    }
+    free(c.head);
+    free(c.next);
+    if (radii) gsl_rng_free(radii);
+    if (places) gsl_rng_free(places);
+    return status;
+}

@@ -1,0 +1,340 @@
+/* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
+ * large for them); each pair of grains closer than touching + skin has a slot, and each grain near a wall.
+ * A rebuilding carries the shear springs of touching contacts over. It is a function of the state alone. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/sim.h"
+
+/* Work space of a rebuilding, all allocated beforehand but for the lists that grow. */
+struct dem_scratch {
+    size_t cells_x, cells_y; /* powers of two */
+    uint32_t *cell_start;    /* cells + 1 */
+    uint32_t *cell;          /* of each grain */
+    uint32_t *moved_to;      /* new place of each grain; UINT32_MAX where it is gone */
+    dem_record *grain;
+    dem_vec *force;
+    double *radius, *mass, *inverse_mass;
+    uint32_t *id;
+    /* springs of touching pairs, by the lower new index of the two grains */
+    uint32_t *held_start; /* n + 1 */
+    uint32_t *held_partner;
+    double *held_spring;
+    size_t held_room;
+    uint32_t *wall_held; /* old wall slot of each grain, UINT32_MAX for none */
+    dem_wall_slot *wall_slot;
+    size_t wall_room;
+};
+
+static const uint32_t NOWHERE = UINT32_MAX;
+
+static size_t power_of_two(double at_least, size_t most)
+{
+    size_t p = 4; /* three neighbouring columns must differ */
+    while ((double)p < at_least && p < most) p *= 2;
+    return p;
+}
+
+/* The cells' number follows the extent at the start, and stays below some four a grain. */
+static void size_cells(dem_sim *sim, struct dem_scratch *w)
+{
+    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
+    for (size_t i = 0; i < sim->n; i++)
+        for (int a = 0; a < 2; a++) {
+            lo[a] = fmin(lo[a], sim->grain[i].x[a]);
+            hi[a] = fmax(hi[a], sim->grain[i].x[a]);
+        }
+    const double size = 2.0 * sim->r_max + sim->skin;
+    const size_t most = (size_t)1 << 14;
+    w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, most);
+    w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, most);
+    while (w->cells_x * w->cells_y > 4 * sim->n + 64 && (w->cells_x > 4 || w->cells_y > 4))
+        if (w->cells_x > w->cells_y)
+            w->cells_x /= 2;
+        else
+            w->cells_y /= 2;
+}
+
+static bool grow(void *array, size_t size, size_t room)
+{
+    void *more = realloc(*(void **)array, size * room);
+    if (more) *(void **)array = more;
+    return more != NULL;
+}
+
+static rp_status pair_room(dem_sim *sim, size_t more)
+{
+    if (sim->n_pairs + more <= sim->pair_room) return RP_OK;
+    size_t room = sim->pair_room = 2 * (sim->n_pairs + more) + 64;
+    if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
+        grow(&sim->touching, sizeof *sim->touching, room) &&
+        grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
+        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) && grow(&sim->spring, sizeof *sim->spring, room))
+        return RP_OK;
+    return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
+{
+    sim->n_pairs = sim->pair_room = 0;
+    rp_status status = pair_room(sim, like->n_pairs);
+    sim->wall_room = like->n_wall_slots + 1;
+    if (status || !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room))
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    sim->n_pairs = like->n_pairs;
+    memcpy(sim->pair_i, like->pair_i, sim->n_pairs * sizeof *sim->pair_i);
+    memcpy(sim->pair_j, like->pair_j, sim->n_pairs * sizeof *sim->pair_j);
+    memcpy(sim->touching, like->touching, sim->n_touching * sizeof *sim->touching);
+    memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
+    memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
+    memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
+    if (sim->n_wall_slots) memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
+    return RP_OK;
+}
+
+rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
+{
+    struct dem_scratch *w = sim->scratch = calloc(1, sizeof *w);
+    if (!w) return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    const size_t n = sim->n_start + 1;
+    if (like) {
+        w->cells_x = like->scratch->cells_x;
+        w->cells_y = like->scratch->cells_y;
+    } else {
+        size_cells(sim, w);
+    }
+    w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
+    w->cell = calloc(n, sizeof *w->cell);
+    w->moved_to = calloc(n, sizeof *w->moved_to);
+    w->grain = aligned_alloc(64, (n * sizeof *w->grain + 63) / 64 * 64);
+    w->force = aligned_alloc(64, (n * sizeof *w->force + 63) / 64 * 64);
+    w->radius = calloc(n, sizeof *w->radius);
+    w->mass = calloc(n, sizeof *w->mass);
+    w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
+    w->id = calloc(n, sizeof *w->id);
+    w->held_start = calloc(n + 1, sizeof *w->held_start);
+    w->wall_held = malloc(n * sizeof *w->wall_held);
+    if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
+        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held)
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
+    return like ? copy_lists(sim, like) : RP_OK;
+}
+
+void dem_neighbours_free(dem_sim *sim)
+{
+    struct dem_scratch *w = sim->scratch;
+    if (!w) return;
+    free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
+    free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
+    free(w->held_spring), free(w->wall_held), free(w->wall_slot), free(w);
+    sim->scratch = NULL;
+}
+
+/* What must hold of every grain when the list is rebuilt. */
+static rp_status check_grains(dem_sim *sim)
+{
+    const double size = 2.0 * sim->r_max + sim->skin;
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_vec x = sim->grain[i].x, v = sim->grain[i].v;
+        if (!isfinite(x[0] + x[1] + v[0] + v[1]))
+            return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
+        double travel = sqrt(dem_dot(v, v)) * sim->def.dt;
+        if (travel > sim->radius[i])
+            return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
+                            sim->radius[i]);
+        if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
+            return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
+        for (size_t k = 0; k < sim->def.n_walls; k++) {
+            const dem_wall *wall = &sim->def.walls[k];
+            bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
+            bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
+            dem_vec d = x - (dem_vec){wall->point[0], wall->point[1]};
+            if (line && !open && dem_dot(d, (dem_vec){wall->direction[0], wall->direction[1]}) < 0.0)
+                return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
+        }
+    }
+    return RP_OK;
+}
+
+/* Drop the grains that left and sort the rest by cell, keeping their order within one. */
+static void sort_grains(dem_sim *sim)
+{
+    struct dem_scratch *w = sim->scratch;
+    const double inverse_size = 1.0 / (2.0 * sim->r_max + sim->skin);
+    const size_t cells = w->cells_x * w->cells_y;
+    memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_vec x = sim->grain[i].x;
+        if (x[0] > sim->def.x_max || x[1] < sim->def.y_min) {
+            w->cell[i] = NOWHERE;
+            continue;
+        }
+        size_t cx = (size_t)(long)floor(x[0] * inverse_size) & (w->cells_x - 1);
+        size_t cy = (size_t)(long)floor(x[1] * inverse_size) & (w->cells_y - 1);
+        w->cell[i] = (uint32_t)(cy * w->cells_x + cx);
+        w->cell_start[w->cell[i] + 1]++;
+    }
+    for (size_t c = 0; c < cells; c++) w->cell_start[c + 1] += w->cell_start[c];
+    for (size_t i = 0; i < sim->n; i++) {
+        if (w->cell[i] == NOWHERE) {
+            w->moved_to[i] = NOWHERE;
+            continue;
+        }
+        /* cell_start moves up as its cell fills, and is moved back below */
+        size_t to = w->moved_to[i] = w->cell_start[w->cell[i]]++;
+        w->grain[to] = sim->grain[i];
+        w->force[to] = sim->force[i];
+        w->radius[to] = sim->radius[i];
+        w->mass[to] = sim->mass[i];
+        w->inverse_mass[to] = sim->inverse_mass[i];
+        w->id[to] = sim->id[i];
+    }
+    for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
+    w->cell_start[0] = 0;
+    sim->n = w->cell_start[cells];
+#define SWAP(type, field)                                                                                    \
+    do {                                                                                                     \
+        type *swap_ = sim->field;                                                                            \
+        sim->field = w->field;                                                                               \
+        w->field = swap_;                                                                                    \
+    } while (0)
+    SWAP(dem_record, grain);
+    SWAP(dem_vec, force);
+    SWAP(double, radius);
+    SWAP(double, mass);
+    SWAP(double, inverse_mass);
+    SWAP(uint32_t, id);
+#undef SWAP
+    for (size_t i = 0; i < sim->n; i++) sim->ref[i] = sim->grain[i].x;
+}
+
+/* Keep the springs of touching pairs, sorted by the lower new index. */
+static rp_status hold_springs(dem_sim *sim)
+{
+    struct dem_scratch *w = sim->scratch;
+    if (sim->n_touching > w->held_room) {
+        w->held_room = sim->n_touching + sim->n_touching / 2;
+        if (!grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
+            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room))
+            return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    }
+    memset(w->held_start, 0, (sim->n_start + 1) * sizeof *w->held_start);
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t t = 0; t < sim->n_touching; t++) {
+            const uint32_t k = sim->touching[t];
+            uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
+            if (a == NOWHERE || b == NOWHERE || sim->spring[k] == 0.0) continue;
+            uint32_t low = a < b ? a : b;
+            if (pass == 0) {
+                w->held_start[low + 1]++;
+            } else {
+                uint32_t at = w->held_start[low]++;
+                w->held_partner[at] = a < b ? b : a;
+                w->held_spring[at] = sim->spring[k];
+            }
+        }
+        if (pass == 0)
+            for (size_t i = 0; i < sim->n_start; i++) w->held_start[i + 1] += w->held_start[i];
+    }
+    for (size_t i = sim->n_start; i > 0; i--) w->held_start[i] = w->held_start[i - 1];
+    w->held_start[0] = 0;
+    return RP_OK;
+}
+
+static double held_spring(const struct dem_scratch *w, uint32_t a, uint32_t b)
+{
+    uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    for (uint32_t at = w->held_start[low]; at < w->held_start[low + 1]; at++)
+        if (w->held_partner[at] == high) return w->held_spring[at];
+    return 0.0;
+}
+
+/* Slots of grain i with grains from..to. */
+static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+{
+    const dem_vec x = sim->grain[i].x;
+    const double r = sim->radius[i], m = sim->mass[i];
+    for (size_t j = from; j < to; j++) {
+        dem_vec d = x - sim->grain[j].x;
+        double radii = r + sim->radius[j], reach = radii + sim->skin;
+        if (!(dem_dot(d, d) < reach * reach)) continue;
+        size_t k = sim->n_pairs++;
+        sim->pair_i[k] = (uint32_t)i;
+        sim->pair_j[k] = (uint32_t)j;
+        sim->pair_radii[k] = radii;
+        sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
+        sim->spring[k] = dem_dot(d, d) < radii * radii ? held_spring(sim->scratch, (uint32_t)i, (uint32_t)j) : 0.0;
+    }
+}
+
+static rp_status find_pairs(dem_sim *sim)
+{
+    const struct dem_scratch *w = sim->scratch;
+    const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
+    sim->n_pairs = sim->n_touching = 0;
+    for (size_t cy = 0, c = 0; cy < w->cells_y; cy++)
+        for (size_t cx = 0; cx < w->cells_x; cx++, c++) {
+            const size_t up = ((cy + 1) & mask_y) * w->cells_x;
+            const size_t half[4] = {cy * w->cells_x + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
+                                    up + ((cx + 1) & mask_x)};
+            size_t most = w->cell_start[c + 1] - w->cell_start[c];
+            for (int a = 0; a < 4; a++) most += w->cell_start[half[a] + 1] - w->cell_start[half[a]];
+            for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
+                rp_status status = pair_room(sim, most);
+                if (status) return status;
+                add_pairs(sim, i, i + 1, w->cell_start[c + 1]);
+                for (int a = 0; a < 4; a++) add_pairs(sim, i, w->cell_start[half[a]], w->cell_start[half[a] + 1]);
+            }
+        }
+    return RP_OK;
+}
+
+/* Slots of grains near a wall's line; a wall that is gone has none. */
+static rp_status find_wall_slots(dem_sim *sim)
+{
+    struct dem_scratch *w = sim->scratch;
+    const size_t n_old = sim->n_wall_slots;
+    if (n_old > w->wall_room && !grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_room = sim->wall_room))
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    if (n_old) memcpy(w->wall_slot, sim->wall_slot, n_old * sizeof *w->wall_slot);
+    sim->n_wall_slots = 0;
+    for (uint32_t k = 0; k < sim->def.n_walls; k++) {
+        const dem_wall *wall = &sim->def.walls[k];
+        if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
+        const dem_vec direction = {wall->direction[0], wall->direction[1]};
+        const dem_vec point = {wall->point[0], wall->point[1]};
+        for (uint32_t s = 0; s < n_old; s++)
+            if (w->wall_slot[s].wall == k && w->moved_to[w->wall_slot[s].grain] != NOWHERE)
+                w->wall_held[w->moved_to[w->wall_slot[s].grain]] = s;
+        for (uint32_t i = 0; i < sim->n; i++) {
+            double distance = dem_dot(sim->grain[i].x - point, direction);
+            uint32_t held = w->wall_held[i];
+            w->wall_held[i] = NOWHERE;
+            if (!(fabs(distance) < sim->radius[i] + sim->skin)) continue;
+            if (sim->n_wall_slots == sim->wall_room &&
+                !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
+                return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+            dem_wall_slot *slot = &sim->wall_slot[sim->n_wall_slots++];
+            *slot = (dem_wall_slot){k, i, 0.0, distance < 0.0 ? -1.0 : 1.0};
+            if (held != NOWHERE) {
+                slot->spring = w->wall_slot[held].spring;
+                slot->side = w->wall_slot[held].side;
+            }
+        }
+    }
+    return RP_OK;
+}
+
+rp_status dem_neighbours_rebuild(dem_sim *sim)
+{
+    rp_status status = check_grains(sim);
+    if (status) return status;
+    sim->rebuilds++;
+    sort_grains(sim);
+    status = hold_springs(sim);
+    if (!status) status = find_pairs(sim);
+    if (!status) status = find_wall_slots(sim);
+    return status;
+}

@@ -1,0 +1,172 @@
+/* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
+ * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/law_normal.h"
+#include "dem/law_shear.h"
+#include "dem/sim.h"
+
+static dem_vec acceleration(const dem_sim *sim, size_t i)
+{
+    return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
+}
+
+static dem_vec velocity(const dem_sim *sim, size_t i)
+{
+    return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
+}
+
+static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap, dem_vec *wall_velocity)
+{
+    dem_wall_slot slot = sim->wall_slot[k];
+    return dem_wall_touch(sim, &slot, normal, overlap, wall_velocity) && *overlap > 0.0;
+}
+
+/* Contacts of each grain, by place. */
+static int *count_contacts(const dem_sim *sim)
+{
+    int *count = calloc(sim->n + 1, sizeof *count);
+    if (!count) return NULL;
+    for (size_t t = 0; t < sim->n_touching; t++) {
+        count[sim->pair_i[sim->touching[t]]]++;
+        count[sim->pair_j[sim->touching[t]]]++;
+    }
+    dem_vec n, v;
+    double overlap;
+    for (size_t k = 0; k < sim->n_wall_slots; k++)
+        if (wall_contact(sim, k, &n, &overlap, &v)) count[sim->wall_slot[k].grain]++;
+    return count;
+}
+
+rp_status dem_states(const dem_sim *sim, dem_state *states)
+{
+    int *contacts = count_contacts(sim);
+    uint32_t *place = calloc(sim->n_start + 1, sizeof *place); /* of each id, from 1 */
+    if (!contacts || !place) {
+        free(contacts);
+        free(place);
+        return rp_fail(RP_NO_MEMORY, "states: out of memory");
+    }
+    for (size_t i = 0; i < sim->n; i++) place[sim->id[i]] = (uint32_t)i + 1;
+    for (size_t id = 1; id <= sim->n_start; id++) {
+        if (place[id] == 0) continue;
+        const size_t i = place[id] - 1;
+        dem_vec x = sim->grain[i].x, v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        *states++ = (dem_state){(uint32_t)id, x[0], x[1], sim->radius[i], sim->mass[i],
+                                v[0],         v[1], f[0], f[1],           contacts[i]};
+    }
+    free(contacts);
+    free(place);
+    return RP_OK;
+}
+
+static dem_contact pair_contact(const dem_sim *sim, size_t k)
+{
+    const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+    const dem_material *c = &sim->def.material;
+    dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
+    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, spring = sim->spring[k], f_s = 0.0;
+    dem_vec n = d * (1.0 / r);
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k], overlap,
+                                dem_dot(v, n));
+    if (sim->def.tangential == DEM_SPRING)
+        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
+                            dem_dot(v, dem_clockwise(n)), f_n, 0.0, &spring);
+    return (dem_contact){sim->id[i], sim->id[j], -1, a[0], a[1], b[0], b[1], overlap, f_n, f_s, spring};
+}
+
+rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
+{
+    *n = 0;
+    *contacts = malloc((sim->n_touching + sim->n_wall_slots + 1) * sizeof **contacts);
+    if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
+    for (size_t t = 0; t < sim->n_touching; t++) (*contacts)[(*n)++] = pair_contact(sim, sim->touching[t]);
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        dem_vec normal, wall_velocity;
+        double overlap, f_s = 0.0, spring = sim->wall_slot[k].spring;
+        if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) continue;
+        const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
+        const dem_material *c = &sim->def.walls[w].material;
+        dem_vec v = sim->grain[i].v - wall_velocity, x = sim->grain[i].x;
+        dem_vec at = x - (sim->radius[i] - overlap) * normal;
+        double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
+                                    dem_dot(v, normal));
+        if (sim->def.tangential == DEM_SPRING)
+            f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[w], sim->mass[i],
+                                dem_dot(v, dem_clockwise(normal)), f_n, 0.0, &spring);
+        (*contacts)[(*n)++] =
+            (dem_contact){sim->id[i], 0, (int)w, x[0], x[1], at[0], at[1], overlap, f_n, f_s, spring};
+    }
+    return RP_OK;
+}
+
+/* Energy of a normal spring. */
+static double spring_energy(int law, double k_n, double overlap)
+{
+    return law == DEM_HERTZ ? 0.4 * k_n * overlap * overlap * sqrt(overlap) : 0.5 * k_n * overlap * overlap;
+}
+
+void dem_energies(const dem_sim *sim, dem_energy *energy)
+{
+    *energy = (dem_energy){0};
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_vec v = velocity(sim, i);
+        energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
+        energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
+    }
+    for (size_t t = 0; t < sim->n_touching; t++) {
+        const size_t k = sim->touching[t];
+        dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
+        energy->elastic +=
+            spring_energy(sim->def.normal, sim->def.material.k_n, sim->pair_radii[k] - sqrt(dem_dot(d, d)));
+        if (sim->def.tangential == DEM_SPRING)
+            energy->elastic += 0.5 * sim->def.material.k_s * sim->spring[k] * sim->spring[k];
+    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        dem_vec n, v;
+        double overlap, ds = sim->wall_slot[k].spring;
+        if (!wall_contact(sim, k, &n, &overlap, &v)) continue;
+        const dem_material *c = &sim->def.walls[sim->wall_slot[k].wall].material;
+        energy->elastic += spring_energy(sim->def.normal, c->k_n, overlap);
+        if (sim->def.tangential == DEM_SPRING) energy->elastic += 0.5 * c->k_s * ds * ds;
+    }
+}
+
+void dem_wall_forces(const dem_sim *sim, double *forces)
+{
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        forces[2 * w] = sim->wall_force[w][0];
+        forces[2 * w + 1] = sim->wall_force[w][1];
+    }
+}
+
+rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest)
+{
+    *rest = (dem_rest){0};
+    int *contacts = count_contacts(sim);
+    if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
+    double force2 = 0.0;
+    for (size_t i = 0; i < sim->n; i++) {
+        double x = sim->grain[i].x[0];
+        if (!(x > lo && x < hi)) continue;
+        dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        rest->n++;
+        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v);
+        rest->contact_number += contacts[i];
+        if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
+    }
+    free(contacts);
+    rest->net_force = sqrt(force2);
+    if (rest->n > 0) {
+        rest->kinetic_energy /= (double)rest->n;
+        rest->contact_number /= (double)rest->n;
+    }
+    return RP_OK;
+}
+
+void dem_count_work(const dem_sim *sim, dem_counts *counts)
+{
+    *counts = (dem_counts){sim->n_pairs, sim->n_touching, sim->n_wall_slots, sim->rebuilds, sim->grain_steps};
+}

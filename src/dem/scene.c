@@ -1,0 +1,535 @@
+/* Scene files, through schemas; see scene.h. */
+#include "dem/scene.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/config.h"
+#include "core/table.h"
+
+/* What a scene file says, before defaults that depend on one another are filled in. */
+typedef struct {
+    bool rotation;
+    int shape, integrator, kernel;
+    double density, dt, skin, x_max, y_min, turn_deg;
+    long steps, turn_from_step;
+    const char *particles_file;
+} scene_values;
+
+typedef struct {
+    int law, slip;
+    bool tension;
+    dem_material material;
+} law_values;
+
+typedef struct {
+    dem_material material;
+    long open_at_step;
+    double open_speed;
+} wall_values;
+
+typedef struct {
+    double x, y, r, m, vx, vy, omega;
+} particle_values;
+
+#define AT(type, field) offsetof(type, field)
+
+static const rp_param top_schema[] = {
+    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "", "whether grains rotate; only false so far"},
+    {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk", "gives the mass from the density"},
+    {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)", "of the grains (disk: g/cm^2)"},
+    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet", "time integration"},
+    {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
+    {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
+    {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
+    {"x_max", "cm", RP_REAL, AT(scene_values, x_max), "none", "(-inf, inf) | none",
+     "a grain whose centre passes it is taken out"},
+    {"y_min", "cm", RP_REAL, AT(scene_values, y_min), "none", "(-inf, inf) | none",
+     "a grain whose centre sinks below it is taken out"},
+    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, turn_deg), "0.0", "[-10, 10]",
+     "gravity's turn a step; positive lowers the side at +x"},
+    {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
+     "first step at which gravity turns"},
+    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference",
+     "the instance for the scene's laws, or the general loop; the same bits"},
+    {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
+     "table with columns x y r and, if wanted, m vx vy; instead of `particles`"},
+    {0}};
+
+static const rp_param normal_schema[] = {
+    {"law", "", RP_CHOICE, AT(law_values, law), "hertz", "hertz | linear", "normal force, eq (2a)"},
+    {"k_n", "dyn/cm^1.5", RP_REAL, AT(law_values, material.k_n), "1e6", "[0, inf)", "normal stiffness (linear: dyn/cm)"},
+    {"gamma_n", "1/s", RP_REAL, AT(law_values, material.gamma_n), "500.0", "[0, inf)", "normal damping"},
+    {"tension", "", RP_BOOL, AT(law_values, tension), "true", "", "whether the damped force may pull, as printed"},
+    {0}};
+
+static const rp_param tangential_schema[] = {
+    {"law", "", RP_CHOICE, AT(law_values, law), "none", "none | spring", "shear force, eq (2b)"},
+    {"k_s", "dyn/cm", RP_REAL, AT(law_values, material.k_s), "1e4", "(0, inf)", "shear stiffness"},
+    {"gamma_s", "1/s", RP_REAL, AT(law_values, material.gamma_s), "auto", "[0, inf) | auto",
+     "shear damping; auto: gamma_n/100"},
+    {"mu", "", RP_REAL, AT(law_values, material.mu), "0.0", "[0, inf) | infinite", "Coulomb's coefficient"},
+    {"slip", "", RP_CHOICE, AT(law_values, slip), "truncated", "truncated | total",
+     "what the shear spring remembers while it slides"},
+    {0}};
+
+static const rp_param wall_schema[] = {
+    {"k_n", "dyn/cm^1.5", RP_REAL, AT(wall_values, material.k_n), "auto", "[0, inf) | auto", "auto: twice the grains'"},
+    {"gamma_n", "1/s", RP_REAL, AT(wall_values, material.gamma_n), "auto", "[0, inf) | auto", "auto: the grains'"},
+    {"k_s", "dyn/cm", RP_REAL, AT(wall_values, material.k_s), "auto", "(0, inf) | auto", "auto: the grains'"},
+    {"gamma_s", "1/s", RP_REAL, AT(wall_values, material.gamma_s), "auto", "[0, inf) | auto", "auto: the grains'"},
+    {"mu", "", RP_REAL, AT(wall_values, material.mu), "auto", "[0, inf) | infinite | auto", "auto: the grains'"},
+    {"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never", "[0, 2147483647] | never",
+     "step from which the wall is gone"},
+    {"open_speed", "cm/s", RP_REAL, AT(wall_values, open_speed), "instant", "[0, inf) | instant",
+     "speed at which its lower end moves then"},
+    {0}};
+
+static const rp_param particle_schema[] = {
+    {"x", "cm", RP_REAL, AT(particle_values, x), NULL, "(-inf, inf)", "centre"},
+    {"y", "cm", RP_REAL, AT(particle_values, y), NULL, "(-inf, inf)", "centre"},
+    {"r", "cm", RP_REAL, AT(particle_values, r), NULL, "(0, inf)", "radius"},
+    {"m", "g", RP_REAL, AT(particle_values, m), "auto", "(0, inf) | auto", "mass; auto: from density and shape"},
+    {"vx", "cm/s", RP_REAL, AT(particle_values, vx), "0.0", "(-inf, inf)", "velocity"},
+    {"vy", "cm/s", RP_REAL, AT(particle_values, vy), "0.0", "(-inf, inf)", "velocity"},
+    {"omega", "1/s", RP_REAL, AT(particle_values, omega), "0.0", "[0, 0]", "spin; 0 where nothing rotates"},
+    {0}};
+
+static const rp_param fill_schema[] = {
+    {"N", "", RP_INT, AT(dem_fill, N), NULL, "[1, 100000000]", "number of grains"},
+    {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = 0"},
+    {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = 0"},
+    {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
+    {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
+    {"radius_mean", "cm", RP_REAL, AT(dem_fill, radius_mean), "0.1", "(0, inf)", "of the Gaussian"},
+    {"radius_width", "cm", RP_REAL, AT(dem_fill, radius_width), "0.02", "[0, inf)", "standard deviation before the cut"},
+    {"radius_min", "cm", RP_REAL, AT(dem_fill, radius_min), "0.07", "(0, inf)", "drawn again below"},
+    {"radius_max", "cm", RP_REAL, AT(dem_fill, radius_max), "0.13", "(0, inf)", "drawn again above"},
+    {0}};
+
+const dem_scene_group dem_scene_schemas[] = {
+    {"scene", top_schema},   {"normal", normal_schema}, {"tangential", tangential_schema},
+    {"walls", wall_schema},  {"particles", particle_schema}, {"fill", fill_schema}, {NULL, NULL}};
+
+static double or_else(double value, double fallback)
+{
+    return value < 0.0 ? fallback : value;
+}
+
+static rp_status read_laws(const config_setting_t *root, dem_definition *def)
+{
+    law_values v;
+    rp_status status = RP_OK;
+    const config_setting_t *group = config_setting_get_member(root, "normal");
+    rp_params_defaults(normal_schema, &v);
+    if (group) status = rp_config_group(group, normal_schema, &v, NULL);
+    if (status) return status;
+    def->normal = v.law;
+    def->tension = v.tension;
+    def->material = v.material;
+    group = config_setting_get_member(root, "tangential");
+    rp_params_defaults(tangential_schema, &v);
+    if (group) status = rp_config_group(group, tangential_schema, &v, NULL);
+    if (status) return status;
+    if (v.law == DEM_NONE && v.material.mu > 0.0)
+        return rp_config_fail(group, "mu = %g: needs law = \"spring\"", v.material.mu);
+    def->tangential = v.law;
+    def->slip = v.slip;
+    def->material.k_s = v.material.k_s;
+    def->material.gamma_s = or_else(v.material.gamma_s, def->material.gamma_n / 100.0);
+    def->material.mu = v.material.mu;
+    return RP_OK;
+}
+
+static rp_status read_wall(const config_setting_t *setting, const dem_definition *def, dem_wall *wall)
+{
+    static const char *const others[] = {"point", "direction", "extent", NULL};
+    wall_values v;
+    rp_params_defaults(wall_schema, &v);
+    rp_status status = rp_config_group(setting, wall_schema, &v, others);
+    if (status) return status;
+    const config_setting_t *point = config_setting_get_member(setting, "point");
+    const config_setting_t *direction = config_setting_get_member(setting, "direction");
+    const config_setting_t *extent = config_setting_get_member(setting, "extent");
+    if (!point || !direction)
+        return rp_config_fail(setting, "%s: missing", point ? "direction" : "point");
+    *wall = (dem_wall){.extent = {-INFINITY, INFINITY}, .open_at_step = v.open_at_step, .open_speed = v.open_speed};
+    status = rp_config_pair(point, wall->point);
+    if (!status) status = rp_config_pair(direction, wall->direction);
+    if (!status && extent) status = rp_config_pair(extent, wall->extent);
+    if (status) return status;
+    if (!(fabs(hypot(wall->direction[0], wall->direction[1]) - 1.0) < 1e-9))
+        return rp_config_fail(direction, "direction = [%g, %g]: a unit vector expected", wall->direction[0],
+                              wall->direction[1]);
+    if (!(wall->extent[0] < wall->extent[1]))
+        return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
+                              wall->extent[1]);
+    if (def->tangential == DEM_NONE && v.material.mu > 0.0)
+        return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }", v.material.mu);
+    wall->material = (dem_material){or_else(v.material.k_n, 2.0 * def->material.k_n),
+                                    or_else(v.material.gamma_n, def->material.gamma_n),
+                                    or_else(v.material.k_s, def->material.k_s),
+                                    or_else(v.material.gamma_s, def->material.gamma_s),
+                                    or_else(v.material.mu, def->material.mu)};
+    return RP_OK;
+}
+
+static rp_status read_walls(const config_setting_t *root, dem_definition *def)
+{
+    const config_setting_t *list = config_setting_get_member(root, "walls");
+    if (!list) return RP_OK;
+    if (!config_setting_is_list(list)) return rp_config_fail(list, "walls: a list ( { ... } ) expected");
+    int n = config_setting_length(list);
+    if (n > DEM_MAX_WALLS) return rp_config_fail(list, "walls: %d given, at most %d", n, DEM_MAX_WALLS);
+    for (int i = 0; i < n; i++) {
+        rp_status status = read_wall(config_setting_get_elem(list, (unsigned)i), def, &def->walls[i]);
+        if (status) return status;
+    }
+    def->n_walls = (size_t)n;
+    return RP_OK;
+}
+
+static rp_status read_particles(const config_setting_t *list, const scene_values *top, dem_scene *scene)
+{
+    if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
+    size_t n = (size_t)config_setting_length(list);
+    scene->grains = malloc((n + 1) * sizeof *scene->grains);
+    if (!scene->grains) return rp_fail(RP_NO_MEMORY, "particles: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        particle_values v;
+        rp_params_defaults(particle_schema, &v);
+        rp_status status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
+        if (status) return status;
+        double m = or_else(v.m, dem_mass(top->shape, top->density, v.r));
+        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy};
+    }
+    scene->def.n_grains = n;
+    return RP_OK;
+}
+
+static rp_status read_particles_table(const rp_table *table, const scene_values *top, dem_scene *scene)
+{
+    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy"};
+    int columns[6];
+    bool named = table->n_columns > 0 && table->names[0];
+    for (int c = 0; c < 6; c++) {
+        columns[c] = named ? rp_table_column(table, names[c]) : c < (int)table->n_columns ? c : -1;
+        if (columns[c] < 0 && c < 3) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, names[c]);
+    }
+    scene->grains = malloc((table->n_rows + 1) * sizeof *scene->grains);
+    if (!scene->grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    for (size_t i = 0; i < table->n_rows; i++) {
+        double v[6] = {0.0};
+        for (int c = 0; c < 6; c++) {
+            rp_status status = columns[c] < 0 ? RP_OK : rp_table_number(table, i, columns[c], 0, &v[c]);
+            if (status) return status;
+        }
+        if (!(v[2] > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
+                           table->lines[i], v[2]);
+        if (columns[3] < 0) v[3] = dem_mass(top->shape, top->density, v[2]);
+        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5]};
+    }
+    scene->def.n_grains = table->n_rows;
+    return RP_OK;
+}
+
+static rp_status read_fill(const config_setting_t *group, const scene_values *top, dem_scene *scene)
+{
+    dem_fill *f = &scene->fill;
+    rp_params_defaults(fill_schema, f);
+    rp_status status = rp_config_group(group, fill_schema, f, NULL);
+    if (status) return status;
+    if (!(f->radius_min <= f->radius_mean && f->radius_mean <= f->radius_max))
+        return rp_config_fail(group, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                              f->radius_mean, f->radius_min, f->radius_max);
+    f->shape = top->shape;
+    f->density = top->density;
+    scene->has_fill = true;
+    return RP_OK;
+}
+
+static rp_status read_grains(const char *path, const config_setting_t *root, const scene_values *top,
+                             dem_scene *scene)
+{
+    const config_setting_t *list = config_setting_get_member(root, "particles");
+    const config_setting_t *fill = config_setting_get_member(root, "fill");
+    const bool file = top->particles_file && *top->particles_file;
+    if ((list != NULL) + (fill != NULL) + file != 1)
+        return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
+    if (fill) return read_fill(fill, top, scene);
+    if (list) {
+        rp_status status = read_particles(list, top, scene);
+        return !status && scene->def.n_grains == 0 ? rp_config_fail(list, "particles: no particles") : status;
+    }
+    /* a relative name is meant from the scene file's folder */
+    char name[4096];
+    const char *slash = strrchr(path, '/');
+    int folder = slash && top->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
+    snprintf(name, sizeof name, "%.*s%s", folder, path, top->particles_file);
+    rp_table table;
+    rp_status status = rp_table_read(name, &table);
+    if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
+    if (!status) status = read_particles_table(&table, top, scene);
+    rp_table_free(&table);
+    return status;
+}
+
+/* Put "group.key=value" into the tree that was read, in place of what stands there. */
+static rp_status change(config_t *config, const char *text)
+{
+    char path[128], line[512];
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || equals - text >= (long)sizeof path)
+        return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
+    snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
+    config_t one;
+    config_init(&one);
+    /* a bare word is a string */
+    snprintf(line, sizeof line, "v = %s;", equals + 1);
+    if (!config_read_string(&one, line)) {
+        snprintf(line, sizeof line, "v = \"%s\";", equals + 1);
+        if (!config_read_string(&one, line)) {
+            config_destroy(&one);
+            return rp_fail(RP_BAD_INPUT, "--set %s: cannot read the value", text);
+        }
+    }
+    const config_setting_t *value = config_lookup(&one, "v");
+    config_setting_t *parent = config_root_setting(config);
+    char *dot = strrchr(path, '.'), *key = dot ? dot + 1 : path;
+    if (dot) {
+        *dot = '\0';
+        parent = config_lookup(config, path);
+    }
+    rp_status status = RP_OK;
+    int type = config_setting_type(value);
+    if (!parent || !config_setting_is_group(parent) || config_setting_is_aggregate(value))
+        status = rp_fail(RP_BAD_INPUT, "--set %s: %s", text,
+                         parent ? "one number, word or boolean expected" : "the file has no such group");
+    if (!status) {
+        if (config_setting_get_member(parent, key)) config_setting_remove(parent, key);
+        config_setting_t *member = config_setting_add(parent, key, type);
+        if (!member)
+            status = rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
+        else if (type == CONFIG_TYPE_INT)
+            config_setting_set_int(member, config_setting_get_int(value));
+        else if (type == CONFIG_TYPE_INT64)
+            config_setting_set_int64(member, config_setting_get_int64(value));
+        else if (type == CONFIG_TYPE_FLOAT)
+            config_setting_set_float(member, config_setting_get_float(value));
+        else if (type == CONFIG_TYPE_BOOL)
+            config_setting_set_bool(member, config_setting_get_bool(value));
+        else
+            config_setting_set_string(member, config_setting_get_string(value));
+    }
+    config_destroy(&one);
+    return status;
+}
+
+static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
+{
+    static const char *const others[] = {"gravity", "normal", "tangential", "walls", "particles", "fill", NULL};
+    rp_status status = rp_config_read(path, config);
+    for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
+    if (status) return status;
+    const config_setting_t *root = config_root_setting(config);
+    scene_values top;
+    rp_params_defaults(top_schema, &top);
+    status = rp_config_group(root, top_schema, &top, others);
+    if (status) return status;
+    if (top.rotation)
+        return rp_config_fail(config_setting_get_member(root, "rotation"), "rotation = true: only false so far");
+    dem_definition *def = &scene->def;
+    const config_setting_t *gravity = config_setting_get_member(root, "gravity");
+    if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
+    def->dt = top.dt;
+    def->skin = fmax(top.skin, 0.0);
+    def->x_max = top.x_max;
+    def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
+    def->turn_per_step = top.turn_deg * (M_PI / 180.0);
+    def->turn_from_step = top.turn_from_step;
+    def->reference_kernel = top.kernel == 1;
+    scene->steps = top.steps;
+    status = read_laws(root, def);
+    if (!status) status = read_walls(root, def);
+    if (!status) status = read_grains(path, root, &top, scene);
+    return status;
+}
+
+rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
+{
+    config_t config;
+    *scene = (dem_scene){.def = dem_definition_default()};
+    rp_status status = read_scene(path, &config, changes, scene);
+    config_destroy(&config);
+    return status;
+}
+
+void dem_scene_free(dem_scene *scene)
+{
+    free(scene->grains);
+    scene->grains = NULL;
+}
+
+rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
+{
+    *sim = NULL;
+    dem_definition def = scene->def;
+    if (!scene->has_fill) {
+        def.grains = scene->grains;
+        return dem_create(&def, sim);
+    }
+    dem_grain *grains = malloc((size_t)scene->fill.N * sizeof *grains);
+    if (!grains) return rp_fail(RP_NO_MEMORY, "%ld particles: out of memory", scene->fill.N);
+    rp_status status = dem_fill_random(&scene->fill, grains);
+    def.grains = grains;
+    def.n_grains = (size_t)scene->fill.N;
+    if (!status) status = dem_create(&def, sim);
+    free(grains);
+    return status;
+}
+
+/* A number with a point or exponent, as libconfig wants it for a float. */
+static void write_number(FILE *out, const char *key, double value)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.17g", value);
+    fprintf(out, "%s = %s%s; ", key, text, strpbrk(text, ".en") ? "" : ".0");
+}
+
+static void write_pair(FILE *out, const char *key, const double pair[2])
+{
+    fprintf(out, "%s = ( %.17g, %.17g ); ", key, pair[0], pair[1]);
+}
+
+static void write_material(FILE *out, const dem_definition *def, const dem_material *c)
+{
+    write_number(out, "k_n", c->k_n);
+    write_number(out, "gamma_n", c->gamma_n);
+    if (def->tangential == DEM_NONE) return;
+    write_number(out, "k_s", c->k_s);
+    write_number(out, "gamma_s", c->gamma_s);
+    if (isinf(c->mu))
+        fputs("mu = \"infinite\"; ", out);
+    else
+        write_number(out, "mu", c->mu);
+}
+
+void dem_scene_write(const dem_scene *scene, FILE *out)
+{
+    const dem_definition *def = &scene->def;
+    const dem_material *c = &def->material;
+    write_pair(out, "gravity", def->gravity);
+    write_number(out, "dt", def->dt);
+    fprintf(out, "steps = %ld;\n", scene->steps);
+    if (def->skin > 0.0) write_number(out, "skin", def->skin);
+    if (isfinite(def->x_max)) write_number(out, "x_max", def->x_max);
+    if (isfinite(def->y_min)) write_number(out, "y_min", def->y_min);
+    if (def->turn_per_step != 0.0) {
+        write_number(out, "gravity_turn_deg_per_step", def->turn_per_step * (180.0 / M_PI));
+        fprintf(out, "turn_from_step = %ld;\n", def->turn_from_step);
+    }
+    fprintf(out, "normal = { law = \"%s\"; tension = %s; ", def->normal == DEM_HERTZ ? "hertz" : "linear",
+            def->tension ? "true" : "false");
+    write_number(out, "k_n", c->k_n);
+    write_number(out, "gamma_n", c->gamma_n);
+    fputs("};\n", out);
+    if (def->tangential == DEM_SPRING) {
+        fprintf(out, "tangential = { law = \"spring\"; slip = \"%s\"; ",
+                def->slip == DEM_TRUNCATED ? "truncated" : "total");
+        write_number(out, "k_s", c->k_s);
+        write_number(out, "gamma_s", c->gamma_s);
+        if (isinf(c->mu))
+            fputs("mu = \"infinite\"; ", out);
+        else
+            write_number(out, "mu", c->mu);
+        fputs("};\n", out);
+    }
+    fputs("walls = (", out);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &def->walls[w];
+        fputs(w ? ",\n  { " : "\n  { ", out);
+        write_pair(out, "point", wall->point);
+        write_pair(out, "direction", wall->direction);
+        /* libconfig has no infinity: an open end is written as a number far away */
+        double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
+        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
+        write_material(out, def, &wall->material);
+        if (wall->open_at_step >= 0) fprintf(out, "open_at_step = %ld; ", wall->open_at_step);
+        if (wall->open_at_step >= 0 && isfinite(wall->open_speed))
+            write_number(out, "open_speed", wall->open_speed);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+    if (scene->has_fill) {
+        const dem_fill *f = &scene->fill;
+        fprintf(out, "shape = \"%s\"; ", f->shape == DEM_SPHERE ? "sphere" : "disk");
+        write_number(out, "density", f->density);
+        fprintf(out, "\nfill = { N = %ld; seed = %ld; run = %ld; ", f->N, f->seed, f->run);
+        write_number(out, "W", f->W);
+        write_number(out, "H", f->H);
+        write_number(out, "radius_mean", f->radius_mean);
+        write_number(out, "radius_width", f->radius_width);
+        write_number(out, "radius_min", f->radius_min);
+        write_number(out, "radius_max", f->radius_max);
+        fputs("};\n", out);
+        return;
+    }
+    fputs("particles = (", out);
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &scene->grains[i];
+        fputs(i ? ",\n  { " : "\n  { ", out);
+        write_number(out, "x", p->x);
+        write_number(out, "y", p->y);
+        write_number(out, "r", p->r);
+        write_number(out, "m", p->m);
+        write_number(out, "vx", p->vx);
+        write_number(out, "vy", p->vy);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+void dem_write_state_columns(FILE *out)
+{
+    static const char *const columns[][2] = {
+        {"step", ""},     {"t", "s"},        {"id", ""},    {"x", "cm"},   {"y", "cm"}, {"angle", "rad"}, {"vx", "cm/s"},
+        {"vy", "cm/s"}, {"omega", "rad/s"}, {"fx", "dyn"}, {"fy", "dyn"}, {"r", "cm"}, {"m", "g"},       {"contacts", ""}};
+    rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+}
+
+rp_status dem_write_states(const dem_sim *sim, FILE *out)
+{
+    dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
+    if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
+    rp_status status = dem_states(sim, states);
+    for (size_t i = 0; !status && i < dem_count(sim); i++) {
+        const dem_state *p = &states[i];
+        rp_table_row(out, 14,
+                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, 0.0, p->vx, p->vy, 0.0,
+                                p->fx, p->fy, p->r, p->m, p->contacts});
+    }
+    free(states);
+    return status;
+}
+
+rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
+{
+    static const char *const columns[][2] = {
+        {"id_a", ""},    {"id_b", ""},     {"wall", ""},          {"x", "cm"},           {"y", "cm"},           {"x_b", "cm"},
+        {"y_b", "cm"}, {"overlap", "cm"}, {"normal_force", "dyn"}, {"shear_force", "dyn"}, {"shear_spring", "cm"}};
+    dem_contact *contacts;
+    size_t n;
+    rp_status status = dem_contacts(sim, &contacts, &n);
+    rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    for (size_t k = 0; !status && k < n; k++) {
+        const dem_contact *c = &contacts[k];
+        rp_table_row(out, 11,
+                     (double[]){c->id_a, c->id_b, c->wall + 1, c->x, c->y, c->x_b, c->y_b, c->overlap,
+                                c->normal_force, c->shear_force, c->shear_spring});
+    }
+    free(contacts);
+    return status;
+}

@@ -1,0 +1,48 @@
+/* Scenes: a definition as a file, read and written; tables of a simulation's state. */
+#ifndef DEM_SCENE_H
+#define DEM_SCENE_H
+
+#include <stdio.h>
+
+#include "core/params.h"
+#include "dem/dem.h"
+
+typedef struct {
+    dem_definition def; /* its grains are the scene's, or NULL with a fill */
+    bool has_fill;
+    dem_fill fill; /* H here is the height of the region that grains are placed in */
+    long steps;
+    dem_grain *grains; /* owned */
+} dem_scene;
+
+/* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
+ * booleans, that replace the file's. Free with dem_scene_free, also after an error.
+ * Errors: RP_BAD_INPUT with file, line, key, value and allowed range; RP_NO_MEMORY. */
+rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene);
+void dem_scene_free(dem_scene *scene);
+
+/* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_random, dem_create. */
+rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
+
+/* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
+void dem_scene_write(const dem_scene *scene, FILE *out);
+
+/* The schemas of a scene file: top level, then groups; ended by a NULL name. */
+typedef struct {
+    const char *name;
+    const rp_param *schema;
+} dem_scene_group;
+extern const dem_scene_group dem_scene_schemas[];
+
+/* Table rows: step t id x y angle vx vy omega fx fy r m contacts. Nothing rotates: angle and omega are 0. */
+void dem_write_state_columns(FILE *out);
+rp_status dem_write_states(const dem_sim *sim, FILE *out);
+
+/* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring. */
+rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
+
+/* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
+ * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
+void dem_write_notes(const dem_sim *sim, FILE *out);
+
+#endif

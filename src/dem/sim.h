@@ -1,0 +1,96 @@
+/* Inside of the simulator: the state, and what its files do for one another. */
+#ifndef DEM_SIM_H
+#define DEM_SIM_H
+
+#include "dem/dem.h"
+
+/* Two doubles as one value: + - * act on both. */
+typedef double dem_vec __attribute__((vector_size(16)));
+
+/* What the pair loop reads of a grain, in one 32-byte piece. The velocity is that of half a step before
+ * the positions: v(n - 1/2); observers add half a step's acceleration. */
+typedef struct {
+    dem_vec x, v;
+} dem_record;
+
+/* Grains near a wall: one slot each, from one rebuilding of the list to the next. `side` is +1 where the
+ * grain is on the side of the wall's direction; -1 only behind a wall that it came round the end of. */
+typedef struct {
+    uint32_t wall, grain;
+    double spring, side;
+} dem_wall_slot;
+
+typedef void dem_kernel(struct dem_sim *sim, double h);
+
+struct dem_sim {
+    dem_definition def; /* its `grains` is NULL */
+    long step;
+    dem_fault fault;
+    const char *kernel_name;
+    dem_kernel *kernel;
+    dem_vec gravity;
+    double gravity_norm, turn_cos, turn_sin;
+    double mu;      /* finite stand-in for an infinite one */
+    double wall_mu[DEM_MAX_WALLS];
+    double r_min, r_max, skin;
+    double radius_mean, mass_mean, start_speed, dt_limit; /* for the header's notes */
+    const char *dt_limit_of;
+    bool alarm;     /* an overlap beyond the smallest radius was seen */
+
+    /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
+    size_t n, n_start;
+    dem_record *grain;
+    dem_vec *force; /* contact forces, without gravity */
+    dem_vec *ref;
+    double *radius, *mass, *inverse_mass;
+    uint32_t *id;
+
+    /* pairs closer than touching + skin; `spring` is 0 while they do not touch */
+    size_t n_pairs, pair_room, n_touching;
+    uint32_t *pair_i, *pair_j, *touching;
+    double *pair_radii, *pair_mass, *spring;
+
+    size_t n_wall_slots, wall_room;
+    dem_wall_slot *wall_slot;
+    dem_vec wall_force[DEM_MAX_WALLS];
+
+    struct dem_scratch *scratch; /* of the neighbour list */
+    long rebuilds;
+    double grain_steps;
+};
+
+static inline double dem_dot(dem_vec a, dem_vec b)
+{
+    dem_vec p = a * b;
+    return p[0] + p[1];
+}
+
+/* The normal turned clockwise by 90 degrees: the paper's s. */
+static inline dem_vec dem_clockwise(dem_vec n)
+{
+    return (dem_vec){n[1], -n[0]};
+}
+
+/* Choose the kernel of the definition; kernels.c. */
+void dem_kernel_choose(dem_sim *sim);
+
+/* Advance velocities and positions by a step and clear the forces; true if the neighbour list has run out,
+ * a grain left or a number is not finite; integrators.c. */
+bool dem_integrate(dem_sim *sim);
+
+/* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
+rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
+void dem_neighbours_free(dem_sim *sim);
+
+/* Add the forces of the walls; walls.c. */
+void dem_walls_apply(dem_sim *sim, double h);
+
+/* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
+ * overlap; brings slot->side up to date. False where the wall is open. */
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap, dem_vec *velocity);
+
+/* Record a fault with step and grain; returns RP_BROKEN. */
+rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+#endif

@@ -1,0 +1,50 @@
+/* A protocol: one kind of numerical experiment that a sweep repeats over a grid of parameters.
+ * A new protocol is one file protocol_<name>.c and one line in the list SWEEP_PROTOCOLS. */
+#ifndef SWEEP_PROTOCOL_H
+#define SWEEP_PROTOCOL_H
+
+#include <stddef.h>
+
+#include "core/params.h"
+
+enum { SWEEP_MAX_OUTPUTS = 48 };
+
+/* One number that a run yields, a column of the store. */
+typedef struct {
+    const char *name;
+    const char *unit; /* "" where there is none */
+    const char *meaning;
+} sweep_output;
+
+/* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
+ * run has no result for are NaN. Wall time is kept apart, by the caller. */
+typedef struct {
+    char status[24];
+    char message[232]; /* empty, or why there is no result */
+    double values[SWEEP_MAX_OUTPUTS];
+} sweep_result;
+
+typedef struct {
+    const char *name;
+    const char *about;            /* one line */
+    const rp_param *schema;       /* of the structure below */
+    size_t params_size;           /* bytes of the structure that the schema fills */
+    const sweep_output *outputs;  /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
+
+    /* Refuse combinations of parameters that can't work, before anything runs: a time step too large, a
+     * box without grains. Errors: RP_BAD_INPUT. */
+    rp_status (*check)(const void *params);
+
+    /* One run with the random streams (seed, run, purpose). Physics without a result (a leak, a pile that
+     * never rests) is RP_OK with its status word; an error is for what stops the whole sweep. */
+    rp_status (*run)(const void *params, unsigned long seed, unsigned long run, sweep_result *result);
+} sweep_protocol;
+
+/* One list: every protocol. */
+#define SWEEP_PROTOCOLS(X) X(repose)
+
+#define X(name) extern const sweep_protocol sweep_protocol_##name;
+SWEEP_PROTOCOLS(X)
+#undef X
+
+#endif

@@ -1,0 +1,69 @@
+/* What the test files share. A suite is one function here and one line in the list. */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include <CUnit/CUnit.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "core/status.h"
+
+/* In the order in which they run: unit tests first, then the validation against closed forms. */
+#define CHECK_SUITES(X)                                                                                      \
+    X(suite_core)                                                                                            \
+    X(suite_analytic)                                                                                        \
+    X(suite_angle)                                                                                           \
+    X(suite_dem)                                                                                             \
+    X(suite_scene)                                                                                           \
+    X(suite_sweep)                                                                                           \
+    X(suite_cli)                                                                                             \
+    X(suite_golden)                                                                                          \
+    X(suite_impact)
+
+#define X(suite) void suite(void);
+CHECK_SUITES(X)
+#undef X
+
+/* Register a suite of (name, function) pairs ended by a NULL name. */
+typedef struct {
+    const char *name;
+    void (*function)(void);
+} check_case;
+void check_register(const char *suite, const check_case *cases);
+
+/* True in the sanitizer build, where long tests take a smaller size. */
+bool check_fast(void);
+
+/* |a - b| <= tolerance; NaN fails. On failure the values are printed. */
+#define CHECK_NEAR(a, b, tolerance)                                                                          \
+    do {                                                                                                     \
+        double a_ = (a), b_ = (b), t_ = (tolerance);                                                         \
+        bool near_ = fabs(a_ - b_) <= t_;                                                                    \
+        if (!near_)                                                                                          \
+            fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", __FILE__, __LINE__, #a, a_, b_, \
+                    t_);                                                                                     \
+        CU_ASSERT(near_);                                                                                    \
+    } while (0)
+
+/* The call fails with this status, and its message contains `text`. */
+#define CHECK_FAILS(call, status, text)                                                                      \
+    do {                                                                                                     \
+        rp_status got_ = (call);                                                                             \
+        bool right_ = got_ == (status) && strstr(rp_message(), (text)) != NULL;                              \
+        if (!right_)                                                                                         \
+            fprintf(stderr, "%s:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__,         \
+                    __LINE__, #call, (int)got_, rp_message(), (int)(status), (text));                        \
+        CU_ASSERT(right_);                                                                                   \
+    } while (0)
+
+#define CHECK_OK(call)                                                                                       \
+    do {                                                                                                     \
+        rp_status got_ = (call);                                                                             \
+        if (got_)                                                                                            \
+            fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, rp_status_text(got_),          \
+                    rp_message());                                                                           \
+        CU_ASSERT(got_ == RP_OK);                                                                            \
+    } while (0)
+
+#endif

@@ -1,0 +1,683 @@
+/* The angle toolkit against closed forms, planted surfaces and GSL. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_multifit.h>
+#include <gsl/gsl_poly.h>
+#include <gsl/gsl_randist.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "core/random.h"
+#include "tests/check.h"
+
+static const double deg = M_PI / 180.0;
+/* a dozen rounded operations on numbers of order 1 */
+static const double tight = 1e-14;
+/* what is promised for theta_T, rad */
+static const double root_error = 1e-12;
+/* slopes of order 1: sums of 20 to 50 terms and their cancellation */
+static const double sum_error = 1e-12;
+/* a random quantity against its expectation: 4 of its standard errors; seeds are fixed */
+static const double sigmas = 4.0;
+
+/* ---- theory ---- */
+
+static const double phis_deg[] = {31.7, 44.9, 52.3, 60.0, 73.9};
+static const double mus[] = {0.0371, 0.2, 0.4385, 0.713, 1.931};
+static const double fractions[] = {0.0, 0.137, 0.581, 0.967, 1.0}; /* of the steepest pile that stands */
+
+/* Every (phi, mu, theta_r) above with theta_r < phi. */
+static void for_each_pile(void (*test)(double phi, double mu, double theta_r))
+{
+    for (int i = 0; i < 5; i++)
+        for (int j = 0; j < 5; j++)
+            for (int k = 0; k < 5; k++) {
+                double phi = phis_deg[i] * deg, theta_ms;
+                CHECK_OK(ang_marginal(mus[j], phi, &theta_ms, NULL));
+                double theta_r = fractions[k] * theta_ms;
+                if (theta_r < 0.99 * phi) test(phi, mus[j], theta_r);
+            }
+}
+
+static double closed_form(ang_form form, double phi, double mu, double theta_r)
+{
+    double t = tan(theta_r), k = tan(phi) * tan(phi), f = atan(mu);
+    if (form == ANG_SINE) return 0.5 * (f - theta_r - asin(cos(2.0 * phi) * sin(f + theta_r)));
+    if (form == ANG_LATTICE) return atan((mu - t / k) / (1.0 - mu * t));
+    double lead = 1.0 - mu * t, u[3] = {NAN, NAN, NAN};
+    CU_ASSERT(gsl_poly_solve_cubic((t * k - mu) / lead, -(k + mu * t * (2.0 + k)) / lead, (mu * k - t) / lead,
+                                   &u[0], &u[1], &u[2]) == 3);
+    return atan(u[1]);
+}
+
+static void closed_forms_of(double phi, double mu, double theta_r)
+{
+    ang_tilt_result r;
+    bool slides = atan(mu) + theta_r < M_PI_2;
+    for (int form = 0; form < ANG_PRINTED; form++) {
+        CHECK_OK(ang_tilt((ang_form)form, mu, theta_r, phi, &r));
+        if (!slides) {
+            CU_ASSERT(r.status == ANG_TILT_NO_SLIDE && isnan(r.theta_t));
+        } else if (r.limit - closed_form((ang_form)form, phi, mu, theta_r) > 1e-9) {
+            CHECK_NEAR(r.theta_t, closed_form((ang_form)form, phi, mu, theta_r), root_error);
+            bool pulls = form == ANG_LATTICE && r.theta_t > M_PI_2 - phi;
+            CU_ASSERT(r.status == (pulls ? ANG_TILT_OK_PULLING : ANG_TILT_OK));
+        } else { /* a flat layer: the root lies beyond the inclination of the rays */
+            CU_ASSERT(r.status == ANG_TILT_NO_SLIDE);
+        }
+    }
+}
+
+static void test_closed_forms(void)
+{
+    for_each_pile(closed_forms_of);
+}
+
+/* Each form asks for less friction below theta_t and for more above it, up to the limit. */
+static void crossings_of(double phi, double mu, double theta_r)
+{
+    ang_tilt_result r;
+    double needed;
+    for (int form = 0; form < ANG_N_FORMS; form++) {
+        CHECK_OK(ang_tilt((ang_form)form, mu, theta_r, phi, &r));
+        double end = r.status == ANG_TILT_NO_SLIDE ? r.limit : r.theta_t;
+        for (int i = 0; i < 50; i++) {
+            double theta = end * i / 50.0;
+            if (theta >= end) continue;
+            CHECK_OK(ang_friction((ang_form)form, theta_r, theta, phi, &needed));
+            CU_ASSERT(needed < mu + tight);
+        }
+        for (int i = 1; i < 50 && r.status == ANG_TILT_OK; i++) {
+            CHECK_OK(ang_friction((ang_form)form, theta_r, end + (r.limit - end) * i / 50.0, phi, &needed));
+            CU_ASSERT(needed > mu - tight || needed < 0.0); /* N < 0: the base grain lifts off */
+        }
+    }
+}
+
+static void test_crossings(void)
+{
+    for_each_pile(crossings_of);
+}
+
+/* T/N from rays drawn in the frame of gravity and cut with the flank, independent of the library. */
+static double by_geometry(ang_form form, double phi, double theta_r, double theta)
+{
+    double turn = form == ANG_LATTICE ? theta : 0.0; /* rays turn with the pile or not */
+    double up[2] = {cos(theta), sin(theta)}, normal[2] = {-sin(theta), cos(theta)};
+    double flank[2] = {cos(theta + theta_r), sin(theta + theta_r)};
+    double ray[2][2] = {{cos(phi + turn), sin(phi + turn)}, {-cos(phi - turn), sin(phi - turn)}};
+    /* (0, -1) = -(F_A ray_A + F_B ray_B), by Cramer's rule */
+    double det = ray[0][0] * ray[1][1] - ray[0][1] * ray[1][0];
+    double share[2] = {-ray[1][0] / det, ray[0][0] / det}, t = 0.0, n = 0.0;
+    for (int i = 0; i < 2; i++) {
+        /* s ray = 1.37 normal + w flank */
+        double cross = ray[i][0] * flank[1] - ray[i][1] * flank[0];
+        double chord = 1.37 * (normal[0] * flank[1] - normal[1] * flank[0]) / cross;
+        double width = fabs(ray[i][0] * up[1] - ray[i][1] * up[0]);
+        double force = form == ANG_SINE ? chord : chord * width * share[i];
+        t += force * (ray[i][0] * up[0] + ray[i][1] * up[1]);
+        n += force * (ray[i][0] * normal[0] + ray[i][1] * normal[1]);
+    }
+    return t / n;
+}
+
+static void test_geometry(void)
+{
+    for (int form = 0; form < ANG_PRINTED; form++)
+        for (int i = 0; i < 5; i++) {
+            double phi = phis_deg[i] * deg, mu;
+            for (int j = 0; j < 4; j++) {
+                double theta_r = 0.231 * j * phi, theta = 0.83 * (phi - theta_r);
+                CHECK_OK(ang_friction((ang_form)form, theta_r, theta, phi, &mu));
+                CHECK_NEAR(mu / by_geometry((ang_form)form, phi, theta_r, theta), 1.0, 10.0 * tight);
+            }
+        }
+}
+
+static void test_reference_angles(void)
+{
+    static const struct {
+        ang_form form;
+        double pile_deg, layer_deg;
+        double pile_digit, layer_digit; /* half the last digit given */
+    } known[] = {{ANG_PRINTED, 3.533, 4.87, 5e-4, 5e-3},
+                 {ANG_SINE, 3.739, 8.47, 5e-4, 5e-3},
+                 {ANG_BALANCED, 4.83, 11.31, 5e-3, 5e-3},
+                 {ANG_LATTICE, 5.60, 11.31, 5e-3, 5e-3}};
+    ang_tilt_result r;
+    for (int i = 0; i < 4; i++) {
+        CHECK_OK(ang_tilt(known[i].form, 0.2, 18.0 * deg, 60.0 * deg, &r));
+        CHECK_NEAR(r.theta_t / deg, known[i].pile_deg, known[i].pile_digit);
+        CHECK_NEAR(r.margin / deg, 12.96, 5e-3);
+        CHECK_OK(ang_tilt(known[i].form, 0.2, 0.0, 60.0 * deg, &r));
+        CHECK_NEAR(r.theta_t / deg, known[i].layer_deg, known[i].layer_digit);
+    }
+}
+
+/* At theta_T = 0 the forms must be (3); the printed one asks for half the friction. */
+static void test_zero_tilt(void)
+{
+    double t = tan(0.3127), mu, third = M_PI / 3.0, theta_ms;
+    ang_tilt_result r;
+    for (int form = 0; form < ANG_N_FORMS; form++) {
+        CHECK_OK(ang_friction((ang_form)form, 0.3127, 0.0, third, &mu));
+        CHECK_NEAR(mu, form == ANG_PRINTED ? t / 6.0 : t / 3.0, tight);
+        CHECK_OK(ang_friction((ang_form)form, 0.3127, 0.0, 0.823, &mu));
+        CHECK_NEAR(mu, t / pow(tan(0.823), 2.0) * (form == ANG_PRINTED ? cos(0.823) : 1.0), tight);
+        CHECK_OK(ang_marginal(0.2385, 0.823, &theta_ms, NULL));
+        CHECK_OK(ang_tilt((ang_form)form, 0.2385, theta_ms, 0.823, &r));
+        CU_ASSERT(r.status == ANG_TILT_OK && r.margin == 0.0);
+        if (form != ANG_PRINTED) CHECK_NEAR(r.theta_t, 0.0, root_error);
+        if (form == ANG_PRINTED) CU_ASSERT(r.theta_t > deg);
+    }
+}
+
+static void test_marginal(void)
+{
+    double theta;
+    bool extrapolated;
+    CHECK_OK(ang_marginal(0.2385, M_PI / 3.0, &theta, &extrapolated));
+    CHECK_NEAR(theta, atan(3.0 * 0.2385), tight);
+    CU_ASSERT(!extrapolated);
+    CHECK_OK(ang_marginal(0.2385, 0.913, &theta, NULL));
+    CHECK_NEAR(tan(theta), 0.2385 * pow(tan(0.913), 2.0), tight);
+    CHECK_OK(ang_marginal(0.0, 0.913, &theta, NULL));
+    CHECK_NEAR(theta, 0.0, 0.0);
+    CHECK_OK(ang_marginal(INFINITY, 0.913, &theta, &extrapolated));
+    CHECK_NEAR(theta, M_PI_2, 0.0);
+    CU_ASSERT(extrapolated);
+    CHECK_OK(ang_marginal(0.58, M_PI / 3.0, &theta, &extrapolated)); /* cot(pi/3) = 0.577 */
+    CU_ASSERT(extrapolated);
+}
+
+static void test_tilt_without_root(void)
+{
+    ang_tilt_result r;
+    for (int i = 0; i < ANG_N_FORMS; i++) {
+        ang_form form = (ang_form)i;
+        CHECK_OK(ang_tilt(form, 0.2, 35.0 * deg, 60.0 * deg, &r));
+        CU_ASSERT(r.status == ANG_TILT_ALREADY_UNSTABLE && isnan(r.theta_t));
+        CHECK_NEAR(r.margin, atan(0.6) - 35.0 * deg, tight);
+        CHECK_OK(ang_tilt(form, 0.0, 0.013, 1.0, &r));
+        CU_ASSERT(r.status == ANG_TILT_ALREADY_UNSTABLE);
+        CHECK_OK(ang_tilt(form, 0.0, 0.0, 1.0, &r));
+        CU_ASSERT(r.status == ANG_TILT_OK);
+        CHECK_NEAR(r.theta_t, 0.0, 0.0);
+        for (double theta_r = 0.0; theta_r < 1.0; theta_r += 0.237) {
+            CHECK_OK(ang_tilt(form, INFINITY, theta_r, 1.0, &r));
+            CU_ASSERT(r.status == ANG_TILT_NO_SLIDE && isnan(r.theta_t));
+            CHECK_NEAR(r.theta_ms, M_PI_2, 0.0);
+        }
+        CHECK_OK(ang_tilt(form, 50.0, 1.57, 1.56, &r));
+        CU_ASSERT(r.status == ANG_TILT_RAYS_MISS && r.margin > 0.0);
+    }
+    CHECK_OK(ang_tilt(ANG_BALANCED, 5.0, 0.4385, 1.0, &r)); /* limits: phi - theta_r; sin a = t cos^2 a */
+    CHECK_NEAR(r.limit, 1.0 - 0.4385, tight);
+    CHECK_OK(ang_tilt(ANG_PRINTED, 5.0, 0.4385, 0.913, &r));
+    double a = 0.913 - r.limit;
+    CHECK_NEAR(sin(a), tan(0.4385) * cos(a) * cos(a), tight);
+    CHECK_OK(ang_tilt(ANG_PRINTED, 0.2, 0.1, 1.2, &r));
+    CHECK_NEAR(r.limit, M_PI_2 - 1.2, tight);
+}
+
+static void test_theory_errors(void)
+{
+    ang_tilt_result r;
+    double v;
+    CHECK_FAILS(ang_marginal(-0.1, 1.0, &v, NULL), RP_BAD_INPUT, "mu = -0.1");
+    CHECK_FAILS(ang_marginal(NAN, 1.0, &v, NULL), RP_BAD_INPUT, "mu");
+    CHECK_FAILS(ang_marginal(0.1, 0.0, &v, NULL), RP_BAD_INPUT, "phi = 0");
+    CHECK_FAILS(ang_marginal(0.1, M_PI_2, &v, NULL), RP_BAD_INPUT, "phi");
+    CHECK_FAILS(ang_marginal(0.1, NAN, &v, NULL), RP_BAD_INPUT, "phi");
+    CHECK_FAILS(ang_tilt(ANG_SINE, -1.0, 0.1, 1.0, &r), RP_BAD_INPUT, "mu = -1");
+    CHECK_FAILS(ang_tilt(ANG_SINE, 0.2, -0.1, 1.0, &r), RP_BAD_INPUT, "theta_r = -0.1");
+    CHECK_FAILS(ang_tilt(ANG_SINE, 0.2, M_PI_2, 1.0, &r), RP_BAD_INPUT, "theta_r");
+    CHECK_FAILS(ang_tilt(ANG_SINE, 0.2, NAN, 1.0, &r), RP_BAD_INPUT, "theta_r");
+    CHECK_FAILS(ang_tilt(ANG_SINE, 0.2, 0.1, 1.6, &r), RP_BAD_INPUT, "phi = 1.6");
+    CHECK_FAILS(ang_tilt(ANG_N_FORMS, 0.2, 0.1, 1.0, &r), RP_BAD_INPUT, "form = 4");
+    CHECK_FAILS(ang_friction(ANG_SINE, 1.1, 0.1, 1.0, &v), RP_BAD_INPUT, "theta_r = 1.1");
+    CHECK_FAILS(ang_friction(ANG_SINE, 0.3, 0.71, 1.0, &v), RP_BAD_INPUT, "theta_t = 0.71");
+    CHECK_FAILS(ang_friction(ANG_SINE, 0.3, -0.01, 1.0, &v), RP_BAD_INPUT, "theta_t");
+}
+
+/* ---- surface ---- */
+
+/* 2.13/0.2 rounds to 11 cells of 0.19363...; grains 0 to 5 lie in cells 0, 0, 1, 3, 4, 10. */
+static const double grain_x[] = {0.0, 0.1, 0.25, 0.6, 0.9, 2.1299999, 2.13, -0.01};
+static const double grain_y[] = {1.3, 1.21, 0.95, 0.07, 0.41, 0.1, 9.0, 9.0};
+static const double grain_r[] = {0.08, 0.19, 0.1, 0.11, 0.12, 0.1, 0.1, 0.1};
+enum { N_GRAINS = 8 };
+
+static void check_heights(const ang_options *options, size_t n, const double expected[])
+{
+    ang_surface s;
+    CHECK_OK(ang_surface_make(N_GRAINS, grain_x, grain_y, grain_r, 2.13, options, &s));
+    CU_ASSERT(s.n_cells == 11 && s.n_occupied == 5 && s.n == n);
+    CHECK_NEAR(s.cell, 2.13 / 11.0, tight);
+    for (size_t k = 0; k < s.n && k < n; k++) CHECK_NEAR(s.h[k], expected[k], tight);
+    CU_ASSERT(s.n == 11 ? s.column[10] == 10 : s.column[2] == 3 && s.column[4] == 10);
+    ang_surface_free(&s);
+}
+
+static void test_surface(void)
+{
+    ang_options o = ANG_OPTIONS_DEFAULT;
+    check_heights(&o, 11, (double[]){1.2, 0.85, 0.0, 0.0, 0.31, 0, 0, 0, 0, 0, 0.0});
+    o.height = ANG_RAW_CENTRE;
+    check_heights(&o, 11, (double[]){1.3, 0.95, 0.0, 0.07, 0.41, 0, 0, 0, 0, 0, 0.1});
+    o.height = ANG_TOP;
+    check_heights(&o, 11, (double[]){1.4, 1.05, 0.0, 0.18, 0.53, 0, 0, 0, 0, 0, 0.2});
+    /* the last number below the width can divide to n_cells; it belongs to the last cell */
+    for (double width = 1.01; width < 6.0; width += 0.037) {
+        double x[] = {0.1, 0.3, 0.5, 0.7, nextafter(width, 0.0)};
+        ang_surface s;
+        ang_options raw = {0.2, ANG_RAW_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE};
+        CHECK_OK(ang_surface_make(5, x, grain_y, NULL, width, &raw, &s));
+        CHECK_NEAR(s.h[s.n_cells - 1], grain_y[4], 0.0);
+        ang_surface_free(&s);
+    }
+    o.empty = ANG_EMPTY_SKIP;
+    check_heights(&o, 5, (double[]){1.4, 1.05, 0.18, 0.53, 0.2});
+}
+
+static void test_surface_errors(void)
+{
+    ang_options o = ANG_OPTIONS_DEFAULT;
+    ang_surface s;
+    double bad[N_GRAINS] = {0.1, NAN, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+#define MAKE(n, y, r, width) ang_surface_make(n, grain_x, y, r, width, &o, &s)
+    CHECK_FAILS(MAKE(5, grain_y, NULL, 2.13), RP_NO_RESULT, "4 of 11 cells");
+    ang_surface_free(&s);
+    CHECK_FAILS(MAKE(0, grain_y, NULL, 2.13), RP_NO_RESULT, "0 of 11 cells");
+    CU_ASSERT(s.n_cells == 11 && s.n_occupied == 0);
+    ang_surface_free(&s);
+    CHECK_FAILS(MAKE(N_GRAINS, bad, NULL, 2.13), RP_BAD_INPUT, "grain 2");
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0");
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, NAN), RP_BAD_INPUT, "width");
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.09), RP_BAD_INPUT, "0 cells");
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 1e30), RP_BAD_INPUT, "allowed: 1 to 1e+08");
+    o.height = ANG_TOP;
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 2.13), RP_BAD_INPUT, "radii");
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, bad, 2.13), RP_BAD_INPUT, "grain 2: radius");
+    o.diameter = -0.2;
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, grain_r, 2.13), RP_BAD_INPUT, "diameter) = -0.2");
+    ang_surface_free(&s);
+#undef MAKE
+}
+
+/* ---- slopes ---- */
+
+/* A straight surface keeps its slope, whatever cells are missing, and has no error. */
+static void test_exact_lines(void)
+{
+    static const size_t gaps[] = {1, 2, 3, 7, 8, 12, 13, 14, 19};
+    ang_slope s[ANG_N_METHODS];
+    double h[50];
+    for (int parabola = 0; parabola < 2; parabola++)
+        for (size_t n = 3; n <= 50; n += 3)
+            for (double slope = -0.7; slope < 1.0; slope += 0.341) {
+                bool skip = n == 9;
+                for (size_t k = 0; k < n; k++) h[k] = 3.17 - slope * 0.193 * (double)(skip ? gaps[k] : k);
+                CHECK_OK(ang_slopes(n, skip ? gaps : NULL, h, 0.193, (ang_parabola)parabola, s));
+                for (int m = 0; m < ANG_N_METHODS; m++) {
+                    CHECK_NEAR(s[m].slope, slope, sum_error);
+                    CHECK_NEAR(s[m].theta, atan(slope), sum_error);
+                    CHECK_NEAR(s[m].slope_se, 0.0, sum_error);
+                }
+            }
+}
+
+/* The paper's way: second derivative of a parabola fitted to the running sum; se: of that fit itself. */
+static double fit_running_sum(size_t n, const double h[], double cell, bool origin, double *se)
+{
+    size_t p = origin ? 2 : 3;
+    gsl_matrix *x = gsl_matrix_alloc(n, p), *cov = gsl_matrix_alloc(p, p);
+    gsl_vector *y = gsl_vector_alloc(n), *c = gsl_vector_alloc(p);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, p);
+    double sum = 0.0, chi2;
+    for (size_t j = 0; j < n; j++) {
+        double z = (double)(j + 1);
+        sum += h[j];
+        gsl_vector_set(y, j, sum);
+        gsl_matrix_set(x, j, 0, z * z);
+        gsl_matrix_set(x, j, 1, z);
+        if (!origin) gsl_matrix_set(x, j, 2, 1.0);
+    }
+    CU_ASSERT(gsl_multifit_linear(x, y, c, cov, &chi2, work) == 0);
+    double slope = -2.0 * gsl_vector_get(c, 0) / cell;
+    *se = 2.0 * sqrt(gsl_matrix_get(cov, 0, 0)) / cell;
+    gsl_multifit_linear_free(work);
+    gsl_matrix_free(x), gsl_matrix_free(cov);
+    gsl_vector_free(y), gsl_vector_free(c);
+    return slope;
+}
+
+static void rough_line(gsl_rng *rng, size_t n, double slope, double cell, double h[])
+{
+    for (size_t j = 0; j < n; j++) h[j] = 2.385 - slope * cell * (double)j + gsl_ran_gaussian(rng, 0.11);
+}
+
+static void test_methods_against_gsl(void)
+{
+    gsl_rng *rng = rp_random_alloc(1, 0, RP_PURPOSE_TEST);
+    ang_slope s[ANG_N_METHODS], mirrored[ANG_N_METHODS];
+    double h[37], back[37], x[37], naive, c0, c1, cov00, cov01, cov11, squares;
+    rough_line(rng, 37, 0.41, 0.193, h);
+    for (size_t j = 0; j < 37; j++) {
+        back[j] = h[36 - j];
+        x[j] = 0.193 * ((double)j + 0.5);
+    }
+    for (int parabola = 0; parabola < 2; parabola++) {
+        CHECK_OK(ang_slopes(37, NULL, h, 0.193, (ang_parabola)parabola, s));
+        CHECK_NEAR(s[2].slope, fit_running_sum(37, h, 0.193, parabola == ANG_PARABOLA_ORIGIN, &naive),
+                   sum_error);
+    }
+    CHECK_OK(ang_slopes(37, NULL, h, 0.193, ANG_PARABOLA_FREE, s));
+    CHECK_NEAR(s[0].slope, (h[0] - h[36]) / (36.0 * 0.193), sum_error);
+    gsl_fit_linear(x, 1, h, 1, 37, &c0, &c1, &cov00, &cov01, &cov11, &squares);
+    CHECK_NEAR(s[1].slope, -c1, sum_error);
+    CHECK_NEAR(s[1].slope_se, sqrt(cov11), sum_error);
+    CHECK_NEAR(s[0].slope_se, sqrt(2.0 * squares / 35.0) / (36.0 * 0.193), sum_error);
+    CHECK_NEAR(s[1].theta_se, sqrt(cov11) / (1.0 + c1 * c1), sum_error);
+    CHECK_OK(ang_slopes(37, NULL, back, 0.193, ANG_PARABOLA_FREE, mirrored));
+    for (int m = 0; m < 2; m++) CHECK_NEAR(mirrored[m].slope, -s[m].slope, sum_error);
+    gsl_rng_free(rng);
+}
+
+/* A cell that is left out counts in the sum as the mean of its neighbours. */
+static void test_gap(void)
+{
+    static const size_t column[] = {0, 1, 3, 4, 5, 8, 9};
+    static const double h[] = {2.1, 1.7, 1.9, 1.2, 1.3, 0.4, 0.6};
+    double full[10] = {2.1, 1.7, 1.8, 1.9, 1.2, 1.3, 0.85, 0.85, 0.4, 0.6};
+    double z3 = 0.0, z2 = 0.0, top = 0.0, norm = 0.0, sum = 0.0; /* parabola through 0 at the places used */
+    ang_slope s[ANG_N_METHODS];
+    for (int k = 0; k < 7; k++) {
+        double z = (double)(column[k] + 1);
+        z2 += z * z;
+        z3 += z * z * z;
+    }
+    for (size_t j = 0, k = 0; j < 10; j++) {
+        sum += full[j];
+        if (column[k] != j) continue;
+        double z = (double)(j + 1), e = z * z - z3 / z2 * z;
+        top += e * sum;
+        norm += e * e;
+        k++;
+    }
+    CHECK_OK(ang_slopes(7, column, h, 0.5, ANG_PARABOLA_ORIGIN, s));
+    CHECK_NEAR(s[2].slope, -2.0 * top / norm / 0.5, sum_error);
+    CHECK_NEAR(s[0].slope, 1.5 / 4.5, sum_error);
+}
+
+/* Propagated errors match the scatter over an ensemble; the parabola's own do not. */
+static void test_propagated_errors(void)
+{
+    enum { N = 20 };
+    const size_t n_piles = check_fast() ? 1000 : 10000;
+    gsl_rng *rng = rp_random_alloc(2, 0, RP_PURPOSE_TEST);
+    for (int parabola = 0; parabola < 2; parabola++) {
+        double sum[3] = {0}, squares[3] = {0}, predicted[3] = {0}, naive_squares = 0.0, h[N], naive;
+        ang_slope s[ANG_N_METHODS];
+        for (size_t i = 0; i < n_piles; i++) {
+            rough_line(rng, N, 0.35, 0.2, h);
+            CHECK_OK(ang_slopes(N, NULL, h, 0.2, (ang_parabola)parabola, s));
+            for (int m = 0; m < 3; m++) {
+                sum[m] += s[m].slope - 0.35;
+                squares[m] += pow(s[m].slope - 0.35, 2.0);
+                predicted[m] += s[m].slope_se * s[m].slope_se;
+            }
+            fit_running_sum(N, h, 0.2, parabola == ANG_PARABOLA_ORIGIN, &naive);
+            naive_squares += naive * naive;
+        }
+        double many = (double)n_piles;
+        /* relative error of a standard deviation from M piles, 1/sqrt(2 M), and of the predicted variance */
+        double uncertainty = sqrt(1.0 / (2.0 * many) + 1.0 / (2.0 * (N - 2.0) * many));
+        for (int m = 0; m < 3; m++) {
+            CHECK_NEAR(sum[m] / many, 0.0, sigmas * sqrt(squares[m]) / many);
+            CHECK_NEAR(sqrt(predicted[m] / squares[m]), 1.0, sigmas * uncertainty);
+        }
+        /* about a third */
+        if (parabola == ANG_PARABOLA_FREE) CHECK_NEAR(sqrt(squares[2] / naive_squares), 3.0, 0.5);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Heaps of random grains below a planted line: every method recovers its slope. */
+static void test_planted_heaps(void)
+{
+    enum { N = 3000, PILES = 60 };
+    gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
+    ang_options o = ANG_OPTIONS_DEFAULT;
+    double x[N], y[N], slopes[ANG_N_METHODS][PILES];
+    const double slope = 0.3249, width = 4.0;
+    for (int i = 0; i < PILES; i++) {
+        ang_surface surface;
+        ang_slope s[ANG_N_METHODS];
+        for (int k = 0; k < N;) { /* uniform below the line, so every cell misses it by the same law */
+            x[k] = width * gsl_rng_uniform(rng);
+            y[k] = 2.5 * gsl_rng_uniform(rng);
+            k += y[k] < 2.5 - slope * x[k];
+        }
+        CHECK_OK(ang_surface_make(N, x, y, NULL, width, &o, &surface));
+        CHECK_OK(ang_slopes(surface.n, surface.column, surface.h, surface.cell, o.parabola, s));
+        for (int m = 0; m < ANG_N_METHODS; m++) slopes[m][i] = s[m].slope;
+        ang_surface_free(&surface);
+    }
+    for (int m = 0; m < ANG_N_METHODS; m++) {
+        ang_stats stats;
+        CHECK_OK(ang_mean(PILES, slopes[m], &stats));
+        CHECK_NEAR(stats.mean, slope, sigmas * stats.se);
+        CU_ASSERT(stats.se < 0.01);
+    }
+    gsl_rng_free(rng);
+}
+
+static void test_slope_errors(void)
+{
+    ang_slope s[ANG_N_METHODS];
+    double h[4] = {3.0, 2.0, NAN, 1.0};
+    size_t column[4] = {0, 2, 2, 3};
+    CHECK_FAILS(ang_slopes(2, NULL, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "2 cells");
+    CHECK_FAILS(ang_slopes(4, NULL, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "height 3");
+    CHECK_FAILS(ang_slopes(4, NULL, h, 0.0, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "cell = 0");
+    h[2] = 1.5;
+    CHECK_FAILS(ang_slopes(4, column, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "column 3");
+}
+
+/* ---- ensembles ---- */
+
+static void test_mean(void)
+{
+    static const double v[] = {2.385, 1.172, 3.906, 2.041}, same[] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+    ang_stats s;
+    CHECK_OK(ang_mean(4, v, &s));
+    CHECK_NEAR(s.mean, 2.376, tight);
+    double sd = sqrt((0.009 * 0.009 + 1.204 * 1.204 + 1.53 * 1.53 + 0.335 * 0.335) / 3.0);
+    CHECK_NEAR(s.sd, sd, tight);
+    CHECK_NEAR(s.se, sd / 2.0, tight);
+    /* Student's t of 97.5 % with 3 degrees of freedom, from tables, half a digit */
+    CHECK_NEAR((s.hi - s.mean) / s.se, 3.182446, 5e-7);
+    CHECK_NEAR((s.mean - s.lo) / s.se, 3.182446, 5e-7);
+    CHECK_OK(ang_mean(2, v, &s));
+    CHECK_NEAR((s.hi - s.mean) / s.se, 12.706205, 5e-7);
+    CHECK_NEAR(s.se, (2.385 - 1.172) / 2.0, tight);
+    CHECK_OK(ang_mean(7, same, &s));
+    CU_ASSERT(s.n == 7 && s.mean == 0.1 && s.sd == 0.0 && s.lo == 0.1 && s.hi == 0.1);
+    CHECK_OK(ang_mean(1, v, &s));
+    CU_ASSERT(s.n == 1 && s.mean == 2.385 && isnan(s.sd) && isnan(s.se) && isnan(s.lo) && isnan(s.hi));
+    CHECK_FAILS(ang_mean(0, v, &s), RP_NO_RESULT, "no values");
+    CU_ASSERT(s.n == 0 && isnan(s.mean));
+    CHECK_FAILS(ang_mean(2, (double[]){1.0, INFINITY}, &s), RP_BAD_INPUT, "value 2");
+    CU_ASSERT(isnan(s.mean));
+}
+
+static void test_paired(void)
+{
+    static const double a[] = {20.1, 18.7, 17.2}, b[] = {18.9, 17.1, 16.4};
+    ang_stats s;
+    CHECK_OK(ang_paired(3, a, -1.0, b, &s));
+    CHECK_NEAR(s.mean, 1.2, tight);
+    CHECK_NEAR(s.sd, 0.4, 10.0 * tight);
+    CHECK_OK(ang_paired(3, a, 1.0, b, &s));
+    CHECK_NEAR(s.mean, (39.0 + 35.8 + 33.6) / 3.0, 10.0 * tight);
+    CHECK_FAILS(ang_paired(3, a, -1.0, (double[]){1.0, 2.0, NAN}, &s), RP_BAD_INPUT, "value 3");
+    CHECK_FAILS(ang_paired(0, a, -1.0, b, &s), RP_NO_RESULT, "no values");
+}
+
+static void test_bootstrap(void)
+{
+    enum { N = 40, B = 20000 };
+    double v[N], *means = malloc(B * sizeof *means), lo, hi, lo2, hi2;
+    ang_stats s;
+    gsl_rng *rng = rp_random_alloc(4, 0, RP_PURPOSE_TEST);
+    for (int i = 0; i < N; i++) v[i] = 18.0 + gsl_ran_gaussian(rng, 1.7);
+    CHECK_OK(ang_mean(N, v, &s));
+    gsl_rng_set(rng, 77);
+    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
+    /* the resampled mean has SD se sqrt((n-1)/n); a quantile of B draws errs by sqrt(p (1-p)/B)/density,
+     * 0.019 se, and the sample's own skewness moves it by a few 0.01 se */
+    double half = gsl_cdf_ugaussian_Pinv(0.975) * s.se * sqrt((N - 1.0) / N);
+    CHECK_NEAR(lo, s.mean - half, 0.12 * s.se);
+    CHECK_NEAR(hi, s.mean + half, 0.12 * s.se);
+    gsl_rng_set(rng, 77);
+    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo2, &hi2));
+    CU_ASSERT(lo2 == lo && hi2 == hi);
+    CHECK_OK(ang_bootstrap(N, v, 0.5, B, rng, means, &lo2, &hi2));
+    CU_ASSERT(lo2 > lo && hi2 < hi);
+    for (int i = 0; i < N; i++) v[i] = 0.1;
+    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
+    CU_ASSERT(lo == 0.1 && hi == 0.1);
+    CHECK_OK(ang_bootstrap(1, v, 0.95, B, rng, means, &lo, &hi));
+    CU_ASSERT(isnan(lo) && isnan(hi));
+    CHECK_FAILS(ang_bootstrap(0, v, 0.95, B, rng, means, &lo, &hi), RP_NO_RESULT, "no values");
+    CHECK_FAILS(ang_bootstrap(N, v, 1.0, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level = 1");
+    CHECK_FAILS(ang_bootstrap(N, v, NAN, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level");
+    CHECK_FAILS(ang_bootstrap(N, v, 0.95, 1, rng, means, &lo, &hi), RP_BAD_INPUT, "resamples = 1");
+    v[3] = NAN;
+    CHECK_FAILS(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi), RP_BAD_INPUT, "value 4");
+    gsl_rng_free(rng);
+    free(means);
+}
+
+static void test_line_fit(void)
+{
+    static const double x[] = {0.05, 0.1, 0.15, 0.2, 0.25}, y[] = {5.31, 10.7, 14.2, 19.3, 21.8};
+    static const double se[] = {0.41, 0.33, 0.52, 0.29, 0.71};
+    double w[5], c0, c1, cov00, cov01, cov11, chi2;
+    ang_line line;
+    for (int i = 0; i < 5; i++) w[i] = 1.0 / (se[i] * se[i]);
+    gsl_fit_wlinear(x, 1, w, 1, y, 1, 5, &c0, &c1, &cov00, &cov01, &cov11, &chi2);
+    CHECK_OK(ang_line_fit(5, x, y, se, false, &line));
+    /* numbers up to 100, cancellation of a few digits */
+    const double fit_error = 1e-11;
+    CHECK_NEAR(line.slope, c1, fit_error);
+    CHECK_NEAR(line.intercept, c0, fit_error);
+    CHECK_NEAR(line.slope_se, sqrt(cov11), fit_error);
+    CHECK_NEAR(line.intercept_se, sqrt(cov00), fit_error);
+    CHECK_NEAR(line.covariance, cov01, fit_error);
+    CHECK_NEAR(line.chi2, chi2, fit_error);
+    CHECK_NEAR(line.p_value, gsl_cdf_chisq_Q(chi2, 3.0), fit_error);
+    CU_ASSERT(line.n == 5 && line.dof == 3);
+    gsl_fit_wmul(x, 1, w, 1, y, 1, 5, &c1, &cov11, &chi2);
+    CHECK_OK(ang_line_fit(5, x, y, se, true, &line));
+    CHECK_NEAR(line.slope, c1, fit_error);
+    CHECK_NEAR(line.slope_se, sqrt(cov11), fit_error);
+    CHECK_NEAR(line.chi2, chi2, fit_error);
+    CU_ASSERT(line.dof == 4 && line.intercept == 0.0 && line.covariance == 0.0);
+    CHECK_OK(ang_line_fit(2, x, y, se, false, &line));
+    CHECK_NEAR(line.slope, (10.7 - 5.31) / 0.05, fit_error);
+    CU_ASSERT(line.dof == 0 && isnan(line.p_value));
+    CHECK_FAILS(ang_line_fit(0, x, y, se, false, &line), RP_NO_RESULT, "0 points");
+    CHECK_FAILS(ang_line_fit(1, x, y, se, false, &line), RP_NO_RESULT, "1 points");
+    CHECK_FAILS(ang_line_fit(2, (double[]){0.1, 0.1}, y, se, false, &line), RP_NO_RESULT, "two different x");
+    CHECK_FAILS(ang_line_fit(1, (double[]){0.0}, y, se, true, &line), RP_NO_RESULT, "other than 0");
+    CHECK_FAILS(ang_line_fit(2, x, (double[]){1.0, NAN}, se, false, &line), RP_BAD_INPUT, "point 2");
+    CHECK_FAILS(ang_line_fit(2, x, y, (double[]){1.0, 0.0}, false, &line), RP_BAD_INPUT,
+                "standard error = 0");
+    CHECK_FAILS(ang_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
+}
+
+/* ---- piles against theory ---- */
+
+static void test_compare(void)
+{
+    enum { N = 50, B = 4000 };
+    double r[N], t[N], rate[ANG_N_FORMS]; /* d theta_T/d theta_r */
+    const double phi = M_PI / 3.0;
+    gsl_rng *rng = rp_random_alloc(5, 0, RP_PURPOSE_TEST);
+    for (int i = 0; i < N; i++) { /* steep piles slide early */
+        r[i] = 0.31 + gsl_ran_gaussian(rng, 0.03);
+        t[i] = 0.07 - 0.5 * (r[i] - 0.31) + gsl_ran_gaussian(rng, 0.01);
+    }
+    r[7] = 0.56;
+    ang_comparison c;
+    CHECK_OK(ang_compare(N, r, t, 0.2, phi, B, rng, &c));
+    CHECK_NEAR(c.theta_ms, atan(0.6), tight);
+    CHECK_NEAR(c.theta_rt.mean, c.theta_r.mean + c.theta_t.mean, 10.0 * tight);
+    CHECK_NEAR(c.diff_ms.value, c.theta_rt.mean - atan(0.6), tight);
+    CU_ASSERT(c.n_unstable == 1 && c.n_lost == 0);
+    /* the bootstrap divides by n, the standard error by n - 1; B resamples give 1/sqrt(2 B) */
+    const double ratio = sqrt((N - 1.0) / N), uncertainty = sigmas / sqrt(2.0 * B);
+    CHECK_NEAR(c.diff_ms.se / c.theta_rt.se, ratio, uncertainty);
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        ang_tilt_result at, low;
+        double u[N];
+        const double step = 1e-5; /* one-sided derivative, to about step */
+        ang_stats s;
+        CHECK_OK(ang_tilt((ang_form)f, 0.2, c.theta_r.mean, phi, &at));
+        CHECK_OK(ang_tilt((ang_form)f, 0.2, c.theta_r.mean - step, phi, &low));
+        rate[f] = (at.theta_t - low.theta_t) / step;
+        CU_ASSERT(c.form[f].status == ANG_TILT_OK);
+        CHECK_NEAR(c.form[f].theta_t.value, at.theta_t, root_error);
+        CHECK_NEAR(c.form[f].diff.value, c.theta_t.mean - at.theta_t, root_error);
+        CHECK_NEAR(c.form[f].theta_rt.value, c.theta_r.mean + at.theta_t, root_error);
+        /* linearised: exact to the curvature, a few se^2 */
+        CHECK_NEAR(c.form[f].theta_t.se / (fabs(rate[f]) * c.theta_r.se), ratio, uncertainty + 0.01);
+        CHECK_NEAR(c.form[f].theta_rt.se / ((1.0 + rate[f]) * c.theta_r.se), ratio, uncertainty + 0.01);
+        for (int i = 0; i < N; i++) u[i] = t[i] - rate[f] * r[i];
+        CHECK_OK(ang_mean(N, u, &s));
+        CHECK_NEAR(c.form[f].diff.se / s.se, ratio, uncertainty + 0.01);
+    }
+    CHECK_OK(ang_compare(1, r, t, 0.2, phi, B, rng, &c));
+    CU_ASSERT(isnan(c.diff_ms.se) && isnan(c.form[0].theta_t.se) && !isnan(c.form[0].theta_t.value));
+    CHECK_OK(ang_compare(N, r, t, 0.1, phi, B, rng, &c)); /* theta_ms = 0.291, below the mean */
+    CU_ASSERT(c.form[0].status == ANG_TILT_ALREADY_UNSTABLE && isnan(c.form[0].diff.se) && c.n_lost > B / 2);
+    CU_ASSERT(isnan(c.form[0].theta_t.value) && isfinite(c.diff_ms.se));
+    CHECK_FAILS(ang_compare(0, r, t, 0.2, phi, B, rng, &c), RP_NO_RESULT, "no values");
+    CHECK_FAILS(ang_compare(N, r, t, 0.2, phi, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(ang_compare(N, r, t, -0.2, phi, B, rng, &c), RP_BAD_INPUT, "mu = -0.2");
+    r[0] = NAN;
+    CHECK_FAILS(ang_compare(N, r, t, 0.2, phi, B, rng, &c), RP_BAD_INPUT, "value 1");
+    gsl_rng_free(rng);
+}
+
+void suite_angle(void)
+{
+    static const check_case cases[] = {
+        {"closed forms of theta_T", test_closed_forms},
+        {"one crossing below the limit", test_crossings},
+        {"forces on the base by geometry", test_geometry},
+        {"reference angles", test_reference_angles},
+        {"zero tilt against (3)", test_zero_tilt},
+        {"theta_MS", test_marginal},
+        {"piles without theta_T", test_tilt_without_root},
+        {"errors of the theory", test_theory_errors},
+        {"surface and its variants", test_surface},
+        {"errors of the surface", test_surface_errors},
+        {"straight surfaces", test_exact_lines},
+        {"slopes against GSL", test_methods_against_gsl},
+        {"cells left out", test_gap},
+        {"propagated errors of slopes", test_propagated_errors},
+        {"planted heaps", test_planted_heaps},
+        {"errors of slopes", test_slope_errors},
+        {"mean and its interval", test_mean},
+        {"paired values", test_paired},
+        {"bootstrap", test_bootstrap},
+        {"line fit", test_line_fit},
+        {"piles against theory", test_compare},
+        {NULL, NULL},
+    };
+    check_register("angle", cases);
+}

@@ -1,0 +1,278 @@
+/* Core: parameter schema, parameter files, random streams, tables. */
+#include <gsl/gsl_cdf.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/config.h"
+#include "core/random.h"
+#include "core/table.h"
+#include "core/version.h"
+#include "tests/check.h"
+
+typedef struct {
+    double a, b;
+    long n;
+    bool flag;
+    int word;
+    unsigned set;
+    const char *text;
+    rp_texts many;
+} values;
+
+static const rp_param schema[] = {
+    {"a", "cm", RP_REAL, offsetof(values, a), "0.5", "(0, 60)", "open range"},
+    {"b", "", RP_REAL, offsetof(values, b), "auto", "[0, inf) | infinite | auto", "with words"},
+    {"n", "", RP_INT, offsetof(values, n), "auto", "[1, 100] | auto", "whole"},
+    {"flag", "", RP_BOOL, offsetof(values, flag), "true", "", "boolean"},
+    {"word", "", RP_CHOICE, offsetof(values, word), "second", "first | second | third", "choice"},
+    {"set", "", RP_FLAGS, offsetof(values, set), "one", "one | two | three", "flags"},
+    {"text", "", RP_TEXT, offsetof(values, text), "none", "", "text"},
+    {"many", "", RP_TEXTS, offsetof(values, many), "", "", "texts"},
+    {0}};
+
+static rp_status set(values *v, const char *name, const char *text)
+{
+    return rp_params_set_text(rp_params_find(schema, name), v, text);
+}
+
+static void defaults_and_text(void)
+{
+    values v, back;
+    char text[128];
+    rp_params_defaults(schema, &v);
+    CU_ASSERT(v.a == 0.5 && v.b == -1.0 && v.n == -1 && v.flag && v.word == 1 && v.set == 1u);
+    CU_ASSERT_STRING_EQUAL(v.text, "none");
+    CU_ASSERT(v.many.n == 0);
+    CHECK_OK(set(&v, "a", "0.1"));
+    CHECK_OK(set(&v, "b", "infinite"));
+    CHECK_OK(set(&v, "n", "37"));
+    CHECK_OK(set(&v, "set", "two,three"));
+    CU_ASSERT(isinf(v.b) && v.set == 6u);
+    rp_params_defaults(schema, &back);
+    for (const rp_param *p = schema; p->name; p++) /* what is written reads back exactly */
+        if (p->type != RP_TEXTS) CHECK_OK(set(&back, p->name, rp_params_text(p, &v, text, sizeof text)));
+    CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 && back.set == 6u);
+    CU_ASSERT_STRING_EQUAL(rp_params_text(&schema[0], &v, text, sizeof text), "0.1");
+    CU_ASSERT(rp_params_number(&schema[4], &v) == 1.0);
+    CU_ASSERT_PTR_NULL(rp_params_find(schema, "absent"));
+}
+
+static void refused_values(void)
+{
+    values v;
+    rp_params_defaults(schema, &v);
+    CHECK_FAILS(set(&v, "a", "60"), RP_BAD_INPUT, "a = 60: out of range, allowed: (0, 60) cm");
+    CHECK_FAILS(set(&v, "a", "0"), RP_BAD_INPUT, "out of range");
+    CHECK_FAILS(set(&v, "a", "nan"), RP_BAD_INPUT, "a number expected");
+    CHECK_FAILS(set(&v, "a", "inf"), RP_BAD_INPUT, "a number expected");
+    CHECK_FAILS(set(&v, "a", "1e400"), RP_BAD_INPUT, "finite");
+    CHECK_FAILS(set(&v, "a", "infinite"), RP_BAD_INPUT, "a number expected");
+    CHECK_FAILS(set(&v, "a", ""), RP_BAD_INPUT, "a number expected");
+    CHECK_FAILS(set(&v, "a", "2x"), RP_BAD_INPUT, "a number expected");
+    CHECK_FAILS(set(&v, "b", "-1"), RP_BAD_INPUT, "b = -1");
+    CHECK_FAILS(set(&v, "n", "1.5"), RP_BAD_INPUT, "a whole number expected");
+    CHECK_FAILS(set(&v, "n", "101"), RP_BAD_INPUT, "n = 101");
+    CHECK_FAILS(set(&v, "n", "99999999999999999999"), RP_BAD_INPUT, "n");
+    CHECK_FAILS(set(&v, "flag", "yes"), RP_BAD_INPUT, "true or false");
+    CHECK_FAILS(set(&v, "word", "fourth"), RP_BAD_INPUT, "first | second | third");
+    CHECK_FAILS(set(&v, "set", "one,four"), RP_BAD_INPUT, "four");
+    CU_ASSERT(v.a == 0.5 && v.n == -1 && v.word == 1); /* a refused value changes nothing */
+}
+
+static void keys(void)
+{
+    values v;
+    char one[33], two[33];
+    rp_params_defaults(schema, &v);
+    rp_params_hash(schema, &v, 1993, 0, 1, one);
+    rp_params_hash(schema, &v, 1993, 0, 1, two);
+    CU_ASSERT_STRING_EQUAL(one, two);
+    CU_ASSERT_EQUAL(strlen(one), 32);
+    rp_params_hash(schema, &v, 1993, 1, 1, two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+    rp_params_hash(schema, &v, 1994, 0, 1, two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+    rp_params_hash(schema, &v, 1993, 0, 2, two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+    v.a = nextafter(v.a, 1.0);
+    rp_params_hash(schema, &v, 1993, 0, 1, two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+}
+
+/* Write `text` to a file, read it through the schema. */
+static rp_status read_text(const char *text, values *v)
+{
+    char path[] = "/tmp/repose-test-XXXXXX";
+    int handle = mkstemp(path);
+    CU_ASSERT_FATAL(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
+    close(handle);
+    config_t config;
+    rp_params_defaults(schema, v);
+    rp_status status = rp_config_read(path, &config);
+    if (!status) status = rp_config_group(config_root_setting(&config), schema, v, NULL);
+    v->text = NULL; /* borrowed from the config */
+    config_destroy(&config);
+    unlink(path);
+    return status;
+}
+
+static void files(void)
+{
+    values v;
+    CHECK_OK(read_text("a = 7; // an integer is a number\nb = \"infinite\"; n = 5;\nset = [\"one\", \"three\"];", &v));
+    CU_ASSERT(v.a == 7.0 && isinf(v.b) && v.n == 5 && v.set == 5u);
+    CHECK_FAILS(read_text("a = 1.0;\nc = 2;", &v), RP_BAD_INPUT, ":2: c: unknown key");
+    CHECK_FAILS(read_text("a = 1.0;\n\na = 2.0;", &v), RP_BAD_INPUT, ":3: duplicate setting name");
+    CHECK_FAILS(read_text("n = 2.0;", &v), RP_BAD_INPUT, ":1: n = 2: a whole number expected");
+    CHECK_FAILS(read_text("a = \"2.0\";", &v), RP_BAD_INPUT, ":1: a = \"2.0\": a number expected");
+    CHECK_FAILS(read_text("a = true;", &v), RP_BAD_INPUT, "a = true: a number expected");
+    CHECK_FAILS(read_text("flag = 1;", &v), RP_BAD_INPUT, "flag = 1: true or false expected");
+    CHECK_FAILS(read_text("a = 61.5;", &v), RP_BAD_INPUT, ":1: a = 61.5: out of range");
+    CHECK_FAILS(read_text("a = 1e400;", &v), RP_BAD_INPUT, "finite");
+    CHECK_FAILS(read_text("n = 2147483648;", &v), RP_BAD_INPUT, ":1: 2147483648: whole numbers go up to");
+    CHECK_FAILS(read_text("// 99999999999\n/* 2147483648 \n */ text = \"4294967296\"; n = 4294967297;", &v), RP_BAD_INPUT,
+                ":3: 4294967297");
+    CHECK_OK(read_text("a = 3.0; // 2147483648\n# 2147483648\ntext = \"2147483648\";", &v));
+    CHECK_FAILS(read_text("a = [0, 0.1];", &v), RP_BAD_INPUT, "write 0.0 for 0");
+    CHECK_FAILS(read_text("a = (1.0);", &v), RP_BAD_INPUT, "a: one value expected, not a list");
+    CHECK_OK(read_text("a = 1.0", &v)); /* the last semicolon may be left out */
+    CHECK_FAILS(read_text("a = = 1.0;", &v), RP_BAD_INPUT, ":1: syntax error");
+    CHECK_FAILS(read_text("set = [1, 2];", &v), RP_BAD_INPUT, "a list of words expected");
+    config_t config;
+    CHECK_FAILS(rp_config_read("/no/such/file.cfg", &config), RP_BAD_INPUT, "/no/such/file.cfg: cannot read");
+    config_destroy(&config);
+    CHECK_FAILS(rp_config_read("/tmp", &config), RP_BAD_INPUT, "is a directory");
+    config_destroy(&config);
+}
+
+/* Philox4x32-10 of the key and counter 0: the known answer of its authors' test vectors. */
+static void random_known_answer(void)
+{
+    gsl_rng *r = gsl_rng_alloc(rp_rng_philox);
+    gsl_rng_set(r, 0);
+    const unsigned long known[4] = {0x6627e8d5UL, 0xe169c58dUL, 0xbc57ac4cUL, 0x9b00dbd8UL};
+    for (int i = 0; i < 4; i++) CU_ASSERT_EQUAL(gsl_rng_get(r), known[i]);
+    gsl_rng_free(r);
+}
+
+static void random_streams(void)
+{
+    const unsigned long names[][3] = {{1993, 0, RP_PURPOSE_RADII}, {1993, 1, RP_PURPOSE_RADII},
+                                      {1993, 0, RP_PURPOSE_PLACES}, {1994, 0, RP_PURPOSE_RADII},
+                                      {0, 0, RP_PURPOSE_RADII},     {4357, 0, RP_PURPOSE_RADII}};
+    double first[6];
+    for (int i = 0; i < 6; i++) {
+        gsl_rng *r = rp_random_alloc(names[i][0], names[i][1], (rp_purpose)names[i][2]);
+        first[i] = gsl_rng_uniform(r);
+        double sum = first[i];
+        for (int k = 1; k < 10000; k++) {
+            double u = gsl_rng_uniform(r);
+            CU_ASSERT(u >= 0.0 && u < 1.0);
+            sum += u;
+        }
+        CHECK_NEAR(sum / 10000.0, 0.5, 5.0 * sqrt(1.0 / 12.0 / 10000.0)); /* five standard errors */
+        for (int j = 0; j < i; j++) CU_ASSERT(first[i] != first[j]);
+        gsl_rng_free(r);
+    }
+}
+
+/* Kolmogorov's distance of 40 000 deviates from the cut normal stays below the 1e-4 quantile, 2.23/sqrt(n). */
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void cut_normal(void)
+{
+    enum { N = 40000 };
+    const double cases[][4] = {{0.1, 0.02, 0.07, 0.13}, {0.1, 0.02, 0.0, 0.2}, {2.0, 1.0, -1.5, 2.5}, {0.0, 1.0, -3.9, -0.4}};
+    double *v = malloc(N * sizeof *v);
+    for (int c = 0; c < 4; c++) {
+        const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
+        gsl_rng *r = rp_random_alloc(7, (unsigned long)c, RP_PURPOSE_TEST);
+        for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(r, m, w, lo, hi);
+        gsl_rng_free(r);
+        qsort(v, N, sizeof *v, ascending);
+        CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
+        double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low, most = 0.0;
+        for (int i = 0; i < N; i++)
+            most = fmax(most, fabs((gsl_cdf_ugaussian_P((v[i] - m) / w) - low) / all - (i + 0.5) / N));
+        CHECK_NEAR(most, 0.0, 2.23 / sqrt(N));
+    }
+    gsl_rng *r = rp_random_alloc(7, 9, RP_PURPOSE_TEST);
+    CU_ASSERT(rp_random_cut_normal(r, 0.1, 0.0, 0.07, 0.13) == 0.1);
+    gsl_rng_free(r);
+    free(v);
+}
+
+static void tables(void)
+{
+    char path[] = "/tmp/repose-table-XXXXXX";
+    close(mkstemp(path));
+    static const char *const columns[][2] = {{"x", "cm"}, {"y", ""}};
+    FILE *out;
+    CHECK_OK(rp_file_open(path, &out));
+    rp_table_provenance(out, "a test");
+    rp_table_columns(out, 2, columns);
+    rp_table_row(out, 2, (double[]){0.1, -1.0 / 3.0});
+    rp_table_row(out, 2, (double[]){2.0, -NAN});
+    CHECK_OK(rp_file_close(path, out, RP_OK));
+    rp_table t;
+    double v;
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT(t.n_rows == 2 && t.n_columns == 2 && rp_table_column(&t, "y") == 1);
+    CU_ASSERT_EQUAL(rp_table_column(&t, "z"), -1);
+    CHECK_OK(rp_table_number(&t, 0, 1, 0, &v));
+    CU_ASSERT(v == -1.0 / 3.0);
+    CHECK_OK(rp_table_number(&t, 1, 1, 1, &v));
+    CU_ASSERT(isnan(v));
+    CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
+    rp_table_free(&t);
+    /* a failed table leaves the old one in place */
+    CHECK_OK(rp_file_open(path, &out));
+    fputs("half", out);
+    CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT_EQUAL(t.n_rows, 2);
+    rp_table_free(&t);
+    out = fopen(path, "w");
+    fputs("1 2\n3\n", out);
+    fclose(out);
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 2 are expected");
+    rp_table_free(&t);
+    unlink(path);
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, "cannot read");
+    rp_table_free(&t);
+    CHECK_FAILS(rp_file_open("/no/such/folder/x", &out), RP_IO, "cannot write");
+    CHECK_FAILS(rp_make_directory("/dev/null/x"), RP_IO, "/dev/null");
+    out = fopen("/dev/full", "w");
+    fputs("x", out);
+    CHECK_FAILS(rp_table_finish(out, "full"), RP_IO, "full: cannot write");
+    fclose(out);
+}
+
+static void statuses(void)
+{
+    CU_ASSERT_STRING_EQUAL(rp_status_text(RP_IO), "input or output failed");
+    CU_ASSERT(RP_USAGE == 64 && RP_BAD_INPUT == 65 && RP_BROKEN == 70 && RP_IO == 74 && RP_STOPPED == 75);
+    rp_fail(RP_IO, "value %d", 3);
+    CU_ASSERT_EQUAL(rp_prefix(RP_IO, "file:%d: ", 7), RP_IO);
+    CU_ASSERT_STRING_EQUAL(rp_message(), "file:7: value 3");
+}
+
+void suite_core(void)
+{
+    static const check_case cases[] = {{"statuses and messages", statuses},
+                                       {"defaults, text and back", defaults_and_text},
+                                       {"refused values", refused_values},
+                                       {"keys", keys},
+                                       {"parameter files", files},
+                                       {"random numbers: known answer", random_known_answer},
+                                       {"random streams are apart", random_streams},
+                                       {"cut normal deviates", cut_normal},
+                                       {"tables", tables},
+                                       {NULL, NULL}};
+    check_register("core", cases);
+}

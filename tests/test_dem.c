@@ -1,0 +1,512 @@
+/* The simulator: symmetries, conservation, the neighbour list, determinism, kernels, faults, bad input. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/random.h"
+#include "dem/dem.h"
+#include "tests/check.h"
+
+static const double INF = INFINITY;
+
+static dem_wall line(double x, double y, double nx, double ny, const dem_material *c)
+{
+    dem_wall w = {{x, y}, {nx, ny}, *c, {-INF, INF}, -1, INF};
+    w.material.k_n *= 2.0;
+    return w;
+}
+
+/* N grains loosely filled into a box of width W, with floor, left and right wall. Free *grains. */
+static dem_definition box(long N, double W, long run, dem_grain **grains)
+{
+    dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, run};
+    dem_definition def = dem_definition_default();
+    *grains = malloc((size_t)N * sizeof **grains);
+    CHECK_OK(dem_fill_random(&fill, *grains));
+    def.grains = *grains;
+    def.n_grains = (size_t)N;
+    def.n_walls = 3;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[1] = line(0.0, 0.0, 1.0, 0.0, &def.material);
+    def.walls[2] = line(W, 0.0, -1.0, 0.0, &def.material);
+    return def;
+}
+
+static dem_sim *start(const dem_definition *def)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+/* Largest difference of position or velocity between two simulations of the same grains. */
+static double distance(const dem_sim *a, const dem_sim *b)
+{
+    const size_t n = dem_count(a);
+    if (n != dem_count(b)) return INF;
+    dem_state *s = malloc(2 * n * sizeof *s), *t = s + n;
+    double most = 0.0;
+    dem_states(a, s);
+    dem_states(b, t);
+    for (size_t i = 0; i < n; i++) {
+        double d = fabs(s[i].x - t[i].x) + fabs(s[i].y - t[i].y) + fabs(s[i].vx - t[i].vx) + fabs(s[i].vy - t[i].vy);
+        if (!(d <= most)) most = d; /* NaN wins */
+    }
+    free(s);
+    return most;
+}
+
+static bool same_bits(const dem_sim *a, const dem_sim *b)
+{
+    const size_t n = dem_count(a);
+    if (n != dem_count(b)) return false;
+    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
+    dem_states(a, s);
+    dem_states(b, t);
+    bool same = memcmp(s, t, n * sizeof *s) == 0;
+    free(s);
+    return same;
+}
+
+static void momentum(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(60, 2.0, 3, &grains);
+    double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, scale = 0.0;
+    def.n_walls = 0;
+    def.gravity[1] = 0.0;
+    for (size_t i = 0; i < 60; i++) { /* towards the middle */
+        grains[i].vx = 20.0 * (1.0 - grains[i].x);
+        grains[i].vy = 20.0 * (1.5 - grains[i].y);
+        p0[0] += grains[i].m * grains[i].vx;
+        p0[1] += grains[i].m * grains[i].vy;
+        scale += grains[i].m * 40.0;
+    }
+    dem_sim *sim = start(&def);
+    dem_state s[60];
+    CHECK_OK(dem_run(sim, 4000));
+    dem_states(sim, s);
+    int touched = 0;
+    for (int i = 0; i < 60; i++) {
+        p1[0] += s[i].m * s[i].vx;
+        p1[1] += s[i].m * s[i].vy;
+        touched += s[i].contacts > 0 || fabs(s[i].vx - grains[i].vx) > 1e-9;
+    }
+    CU_ASSERT(touched > 30); /* else nothing was tested */
+    /* round-off of 4000 additions a grain, random signs: sqrt(4000 * 60) eps */
+    CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
+    CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
+    dem_free(sim);
+    free(grains);
+}
+
+/* A mirrored box, and one with its grains numbered backwards, follow the same course. Round-off grows in
+ * an avalanche, so the comparison ends while the grains settle. */
+static void mirror_and_relabel(void)
+{
+    dem_grain *grains, other[80];
+    dem_definition def = box(80, 2.4, 5, &grains);
+    dem_sim *sim = start(&def), *mirrored, *renumbered;
+    for (int i = 0; i < 80; i++) {
+        other[i] = grains[i];
+        other[i].x = 2.4 - grains[i].x;
+    }
+    dem_definition changed = def;
+    changed.grains = other;
+    mirrored = start(&changed);
+    for (int i = 0; i < 80; i++) other[i] = grains[79 - i];
+    renumbered = start(&changed);
+    const long steps = 1000;
+    CHECK_OK(dem_run(sim, steps));
+    CHECK_OK(dem_run(mirrored, steps));
+    CHECK_OK(dem_run(renumbered, steps));
+    dem_state s[80], m[80], r[80];
+    dem_states(sim, s);
+    dem_states(mirrored, m);
+    dem_states(renumbered, r);
+    int contacts = 0;
+    for (int i = 0; i < 80; i++) {
+        contacts += s[i].contacts;
+        CHECK_NEAR(m[i].x, 2.4 - s[i].x, 1e-9);
+        CHECK_NEAR(m[i].y, s[i].y, 1e-9);
+        CHECK_NEAR(m[i].vx, -s[i].vx, 1e-6);
+        CHECK_NEAR(r[79 - i].x, s[i].x, 1e-9);
+        CHECK_NEAR(r[79 - i].vy, s[i].vy, 1e-6);
+    }
+    CU_ASSERT(contacts > 40);
+    dem_free(sim);
+    dem_free(mirrored);
+    dem_free(renumbered);
+    free(grains);
+}
+
+/* The list finds every touching pair, through an avalanche. */
+static void list_is_complete(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(120, 2.6, 11, &grains);
+    dem_sim *sim = start(&def);
+    dem_state s[120];
+    for (int round = 0; round < 60; round++) {
+        if (round == 30) dem_wall_open(sim, 2, INF);
+        CHECK_OK(dem_run(sim, 137));
+        dem_states(sim, s);
+        size_t touching = 0, n = dem_count(sim);
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < i; j++) {
+                double x = s[i].x - s[j].x, y = s[i].y - s[j].y, r = s[i].r + s[j].r;
+                touching += x * x + y * y < r * r;
+            }
+        dem_counts counts;
+        dem_count_work(sim, &counts);
+        CU_ASSERT_EQUAL(counts.contacts, touching);
+    }
+    dem_free(sim);
+    free(grains);
+}
+
+/* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
+static void extra_rebuilds(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(100, 2.2, 2, &grains);
+    dem_sim *sim = start(&def), *rebuilt;
+    CHECK_OK(dem_run(sim, 8000));
+    CHECK_OK(dem_clone(sim, &rebuilt));
+    for (int k = 0; k < 40; k++) {
+        CHECK_OK(dem_run(sim, 50));
+        CHECK_OK(dem_neighbours_rebuild(rebuilt));
+        CHECK_OK(dem_run(rebuilt, 50));
+    }
+    /* a lost spring would shift a grain by mu m g / k_s = 1e-4 */
+    CU_ASSERT(distance(sim, rebuilt) < 1e-9);
+    dem_contact *a, *b;
+    size_t n, m;
+    double spring_a = 0.0, spring_b = 0.0;
+    CHECK_OK(dem_contacts(sim, &a, &n));
+    CHECK_OK(dem_contacts(rebuilt, &b, &m));
+    CU_ASSERT_EQUAL(n, m);
+    for (size_t k = 0; k < n; k++) spring_a += fabs(a[k].shear_spring);
+    for (size_t k = 0; k < m; k++) spring_b += fabs(b[k].shear_spring);
+    CU_ASSERT(spring_a > 1e-4);
+    CHECK_NEAR(spring_a, spring_b, 1e-9);
+    free(a);
+    free(b);
+    dem_free(sim);
+    dem_free(rebuilt);
+    free(grains);
+}
+
+/* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
+static void kernels_match_reference(void)
+{
+    for (int laws = 0; laws < 12; laws++) {
+        dem_grain *grains;
+        dem_definition def = box(60, 2.0, laws, &grains);
+        def.normal = laws & 1 ? DEM_LINEAR : DEM_HERTZ;
+        def.tension = laws & 2;
+        def.tangential = laws / 4 == 0 ? DEM_NONE : DEM_SPRING;
+        def.slip = laws / 4 == 2 ? DEM_TOTAL : DEM_TRUNCATED;
+        if (def.normal == DEM_LINEAR) def.material.k_n = 1e5;
+        if (def.tangential == DEM_NONE) def.material.mu = 0.0;
+        for (int w = 0; w < 3; w++) {
+            def.walls[w].material = def.material;
+            def.walls[w].material.k_n *= 2.0;
+        }
+        def.walls[2].open_at_step = 3000;
+        dem_sim *sim = start(&def), *reference;
+        def.reference_kernel = true;
+        reference = start(&def);
+        CU_ASSERT_STRING_EQUAL(dem_kernel_name(reference), "reference");
+        CU_ASSERT_STRING_NOT_EQUAL(dem_kernel_name(sim), "reference");
+        CHECK_OK(dem_run(sim, 6000));
+        CHECK_OK(dem_run(reference, 6000));
+        CU_ASSERT(same_bits(sim, reference));
+        dem_free(sim);
+        dem_free(reference);
+        free(grains);
+    }
+}
+
+/* The same bits however the steps are cut, from a copy, with the wall opened by the definition or by a
+ * call, and with observers looking on. */
+static void determinism(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(90, 2.2, 17, &grains);
+    dem_sim *whole, *cut = start(&def), *copy;
+    def.walls[2].open_at_step = 4001;
+    whole = start(&def);
+    CHECK_OK(dem_run(whole, 9000));
+    dem_state s[90];
+    for (int k = 0; k < 40; k++) {
+        dem_energy e;
+        dem_rest rest;
+        CHECK_OK(dem_run(cut, 100));
+        dem_states(cut, s);
+        dem_energies(cut, &e);
+        dem_rest_state(cut, 0.0, 2.2, &rest);
+    }
+    dem_wall_open(cut, 2, INF);
+    CHECK_OK(dem_run(cut, 2500));
+    CHECK_OK(dem_clone(cut, &copy));
+    dem_free(cut);
+    CHECK_OK(dem_run(copy, 2500));
+    CU_ASSERT(same_bits(whole, copy));
+    CU_ASSERT(dem_count(copy) == 90);
+    dem_free(whole);
+    dem_free(copy);
+    free(grains);
+}
+
+/* The turn of gravity keeps its length and adds up to the angle. */
+static void gravity_turns(void)
+{
+    dem_grain grain = {0.0, 0.0, 0.1, 0.004, 0.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.grains = &grain;
+    def.n_grains = 1;
+    dem_sim *sim = start(&def);
+    double g[2], rate = 1e-3 * M_PI / 180.0;
+    dem_gravity_turn(sim, rate);
+    CHECK_OK(dem_run(sim, 30000));
+    dem_gravity(sim, g);
+    /* 30000 products of rounding errors of some eps each */
+    CHECK_NEAR(g[0], 981.0 * sin(30000 * rate), 1e-9);
+    CHECK_NEAR(g[1], -981.0 * cos(30000 * rate), 1e-9);
+    CHECK_NEAR(hypot(g[0], g[1]), 981.0, 1e-12 * 981.0);
+    dem_gravity_turn(sim, 0.0);
+    CHECK_OK(dem_run(sim, 10));
+    dem_gravity(sim, g);
+    CHECK_NEAR(g[0], 981.0 * sin(30000 * rate), 1e-9);
+    dem_free(sim);
+}
+
+/* A smooth undamped grain slides off a floor that ends, over the corner, and under it: energy is kept, the
+ * force turns continuously, and no leak is seen. */
+static void floor_that_ends(void)
+{
+    const double r = 0.1, m = 0.0042, g = 981.0, k = 2e6;
+    dem_grain grain = {0.8, r - pow(m * g / k, 2.0 / 3.0), r, m, 3.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.tangential = DEM_NONE;
+    def.material = (dem_material){.k_n = 1e6};
+    def.dt = 1e-5;
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[0].extent[1] = 1.0;
+    def.y_min = -0.4;
+    dem_sim *sim = start(&def);
+    dem_energy e0, e;
+    dem_state s;
+    dem_energies(sim, &e0);
+    double lowest = 1.0, most = 0.0;
+    long step = 0;
+    for (; step < 40000 && dem_count(sim) == 1; step++) {
+        CHECK_OK(dem_run(sim, 1));
+        if (dem_count(sim) == 0) break;
+        dem_states(sim, &s);
+        dem_energies(sim, &e);
+        if (s.y < lowest) lowest = s.y;
+        most = fmax(most, fabs(e.kinetic + e.elastic + e.gravity - e0.kinetic - e0.elastic - e0.gravity));
+    }
+    CU_ASSERT(dem_count(sim) == 0); /* dropped below y_min */
+    CU_ASSERT(lowest < -0.3);
+    CHECK_NEAR(most, 0.0, 1e-4 * m * g * 0.4); /* second order in dt at the soft corner */
+    dem_free(sim);
+    /* blown back under the floor, it bounces off the underside and is no leak */
+    grain = (dem_grain){1.09, -0.15, r, m, -30.0, 20.0};
+    sim = start(&def);
+    CHECK_OK(dem_run(sim, 300));
+    dem_states(sim, &s);
+    CU_ASSERT(s.vy < 0.0 && s.y < 0.0);
+    dem_free(sim);
+}
+
+/* A wall that is lifted lets grains out below, and holds those above. */
+static void lifted_wall(void)
+{
+    dem_grain grains[2] = {{0.9, 0.1, 0.1, 0.0042, 0.0, 0.0}, {0.9, 0.8, 0.1, 0.0042, 50.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.material.mu = 0.0;
+    def.grains = grains;
+    def.n_grains = 2;
+    def.n_walls = 1;
+    def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
+    def.walls[0].extent[0] = -0.2;
+    def.walls[0].open_at_step = 100;
+    def.walls[0].open_speed = 100.0;
+    grains[0].vx = 30.0;
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 99));
+    dem_state s[2];
+    dem_states(sim, s);
+    CU_ASSERT(s[0].vx < 0.0 && s[1].vx < 0.0); /* both came back from the closed wall */
+    dem_free(sim);
+    def.walls[0].open_at_step = 1; /* 0.1 s for the lower end to pass y = 0.8: too late for the upper grain */
+    grains[0].x = 0.6;
+    sim = start(&def);
+    CHECK_OK(dem_run(sim, 700));
+    dem_states(sim, s);
+    CU_ASSERT(s[0].x > 1.2);
+    CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
+    dem_free(sim);
+}
+
+static void filling(void)
+{
+    const dem_fill fill = {500, 4.0, 9.0, 0.1, 0.02, 0.07, 0.13, 1.3, DEM_DISK, 1993, 4};
+    dem_grain a[500], b[500];
+    CHECK_OK(dem_fill_random(&fill, a));
+    CHECK_OK(dem_fill_random(&fill, b));
+    CU_ASSERT(memcmp(a, b, sizeof a) == 0);
+    double mean = 0.0, square = 0.0;
+    for (int i = 0; i < 500; i++) {
+        mean += a[i].r / 500.0;
+        square += a[i].r * a[i].r / 500.0;
+        CU_ASSERT(a[i].r >= 0.07 && a[i].r <= 0.13);
+        CU_ASSERT(a[i].x >= a[i].r && a[i].x <= 4.0 - a[i].r && a[i].y >= a[i].r && a[i].y <= 9.0 - a[i].r);
+        CHECK_NEAR(a[i].m, 1.3 * M_PI * a[i].r * a[i].r, 1e-15);
+        for (int j = 0; j < i; j++) CU_ASSERT(hypot(a[i].x - a[j].x, a[i].y - a[j].y) >= a[i].r + a[j].r);
+    }
+    /* a Gaussian cut at +-1.5 widths has the variance 1 - 2 c phi(c)/(2 Phi(c) - 1) = 0.5515 of the whole */
+    CHECK_NEAR(mean, 0.1, 4.0 * 0.02 * sqrt(0.5515 / 500.0));
+    CHECK_NEAR((square - mean * mean) / 4e-4, 0.5515, 4.0 * 0.5515 * sqrt(2.0 / 500.0));
+    dem_fill other = fill;
+    other.run = 5;
+    CHECK_OK(dem_fill_random(&other, b));
+    CU_ASSERT(a[0].x != b[0].x && a[0].r != b[0].r);
+    other.W = 0.9;
+    other.H = 1.0;
+    CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "no room for grain");
+}
+
+/* Grains that cannot be followed stop the run, with step and grain. */
+static void faults(void)
+{
+    dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    def.grains = grains;
+    def.n_grains = 2;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[0].material.k_n = 10.0; /* too soft to carry the fall */
+    dem_sim *sim = start(&def);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "grain 1: its centre passed wall 1");
+    CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
+    dem_free(sim);
+
+    def.n_walls = 0;
+    def.gravity[1] = 0.0;
+    def.material.k_n = 1.0;
+    def.material.gamma_n = 0.0;
+    grains[1].vy = -200.0;
+    sim = start(&def);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "overlap at step");
+    CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
+    dem_free(sim);
+
+    def = dem_definition_default();
+    def.grains = grains;
+    def.n_grains = 1;
+    def.gravity[1] = -1e9;
+    sim = start(&def);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
+    dem_free(sim);
+    def.gravity[1] = -1e308;
+    def.dt = 1e100;
+    def.material.k_n = def.material.k_s = 1e-300;
+    def.material.gamma_n = def.material.gamma_s = 0.0;
+    sim = start(&def);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "non_finite at step");
+    dem_free(sim);
+}
+
+static void bad_definitions(void)
+{
+    dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
+    const dem_grain good = grains[0];
+    dem_definition def = dem_definition_default(), bad;
+    dem_sim *sim;
+    def.grains = grains;
+    def.n_grains = 2;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+#define REFUSES(change, text)                                                                                \
+    do {                                                                                                     \
+        bad = def;                                                                                           \
+        change;                                                                                              \
+        CHECK_FAILS(dem_create(&bad, &sim), RP_BAD_INPUT, text);                                             \
+        CU_ASSERT_PTR_NULL(sim);                                                                             \
+        grains[0] = good;                                                                                    \
+    } while (0)
+    REFUSES(bad.n_grains = 0, "no particles");
+    REFUSES(grains[0].r = -0.1, "particle 1: r = -0.1");
+    REFUSES(grains[0].m = 0.0, "particle 1: m = 0");
+    REFUSES(grains[0].x = NAN, "particle 1");
+    REFUSES(grains[0].y = 0.85, "overlap");
+    REFUSES(grains[0].y = -0.05, "behind wall 1");
+    REFUSES(bad.dt = 0.0, "dt = 0");
+    REFUSES(bad.dt = NAN, "dt = nan");
+    REFUSES(bad.dt = 1e-3, "the limit is");
+    REFUSES(bad.material.k_n = -1.0, "k_n = -1");
+    REFUSES(bad.material.gamma_n = INF, "gamma_n = inf");
+    REFUSES(bad.material.mu = -0.1, "mu = -0.1");
+    REFUSES(bad.material.k_s = 0.0, "k_s = 0");
+    REFUSES(bad.tangential = DEM_NONE, "needs a tangential law");
+    REFUSES(bad.walls[0].direction[0] = 0.3, "unit vector");
+    REFUSES((bad.walls[0].extent[0] = 2.0, bad.walls[0].extent[1] = 1.0), "extent");
+    REFUSES(bad.n_walls = 9, "9 walls");
+    REFUSES((bad.walls[0].open_at_step = 1, bad.walls[0].open_speed = 1.0), "open_speed");
+    REFUSES(bad.gravity[0] = NAN, "gravity");
+    REFUSES(bad.skin = -1.0, "skin");
+#undef REFUSES
+}
+
+/* The limit of dt is on the safe side of blowing up: a box at the limit settles. */
+static void time_step_limit(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(60, 2.0, 1, &grains);
+    const char *what;
+    double limit = dem_time_step_limit(&def, &what);
+    CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
+    def.dt = limit;
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 20000));
+    dem_rest rest;
+    dem_rest_state(sim, 0.0, 2.0, &rest);
+    CU_ASSERT(rest.kinetic_energy < 1e-5);
+    CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
+    dem_free(sim);
+    /* the scale of a contact: dt falls as k_n^(-2/5) for Hertz */
+    for (int w = 0; w < 3; w++) def.walls[w].material.k_n *= 32.0;
+    def.material.gamma_n = 0.0;
+    for (int w = 0; w < 3; w++) def.walls[w].material.gamma_n = 0.0;
+    def.material.k_n *= 32.0;
+    double stiff = dem_time_step_limit(&def, NULL);
+    CU_ASSERT(stiff < limit / 3.8 && stiff > limit / 4.2);
+    free(grains);
+}
+
+void suite_dem(void)
+{
+    static const check_case cases[] = {{"momentum", momentum},
+                                       {"mirror and relabelling symmetry", mirror_and_relabel},
+                                       {"neighbour list finds every contact", list_is_complete},
+                                       {"extra rebuilds change round-off only", extra_rebuilds},
+                                       {"each kernel matches the reference loop", kernels_match_reference},
+                                       {"same bits however it is run", determinism},
+                                       {"gravity turns", gravity_turns},
+                                       {"floor that ends", floor_that_ends},
+                                       {"lifted wall", lifted_wall},
+                                       {"random filling", filling},
+                                       {"faults stop the run", faults},
+                                       {"bad definitions", bad_definitions},
+                                       {"limit of the time step", time_step_limit},
+                                       {NULL, NULL}};
+    check_register("dem", cases);
+}

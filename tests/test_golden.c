@@ -1,0 +1,4 @@
+#include "tests/check.h"
+void suite_golden(void)
+{
+}

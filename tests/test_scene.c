@@ -1,0 +1,179 @@
+/* Scene files: what they say, what they refuse, and that what is written reads back to the same bits. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "dem/scene.h"
+#include "tests/check.h"
+
+static const char *const EXAMPLE =
+    "gravity = [0.0, -981.0];  rotation = false;  shape = \"sphere\";\n"
+    "integrator = \"verlet\";    dt = 5.0e-5;  steps = 400;\n"
+    "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 500.0; tension = true; };\n"
+    "tangential = { law = \"spring\"; k_s = 1.0e4; gamma_s = 5.0; mu = 0.2; slip = \"truncated\"; };\n"
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 2.0e6; mu = 0.2; } );\n"
+    "particles = ( { x = 0.0; y = 0.2385; r = 0.1; m = 1.0; vx = 0.0; vy = -1.0; omega = 0.0; },\n"
+    "              { x = 0.05; y = 0.5; r = 0.12; } );\n";
+
+static rp_status read_text(const char *text, const rp_texts *changes, dem_scene *scene)
+{
+    char path[] = "/tmp/repose-scene-XXXXXX";
+    int handle = mkstemp(path);
+    CU_ASSERT_FATAL(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
+    close(handle);
+    rp_status status = dem_scene_read(path, changes, scene);
+    unlink(path);
+    return status;
+}
+
+static void example(void)
+{
+    dem_scene s;
+    CHECK_OK(read_text(EXAMPLE, NULL, &s));
+    CU_ASSERT(s.def.gravity[1] == -981.0 && s.def.dt == 5e-5 && s.steps == 400);
+    CU_ASSERT(s.def.normal == DEM_HERTZ && s.def.tangential == DEM_SPRING && s.def.slip == DEM_TRUNCATED && s.def.tension);
+    CU_ASSERT(s.def.material.k_n == 1e6 && s.def.material.gamma_s == 5.0 && s.def.material.mu == 0.2);
+    CU_ASSERT(s.def.n_walls == 1 && s.def.walls[0].direction[1] == 1.0 && isinf(s.def.walls[0].extent[1]));
+    /* what the wall leaves out */
+    CU_ASSERT(s.def.walls[0].material.gamma_n == 500.0 && s.def.walls[0].material.k_s == 1e4);
+    CU_ASSERT(s.def.walls[0].open_at_step == -1);
+    CU_ASSERT(s.def.n_grains == 2 && s.grains[0].m == 1.0 && s.grains[0].vy == -1.0);
+    CHECK_NEAR(s.grains[1].m, 4.0 / 3.0 * M_PI * 0.12 * 0.12 * 0.12, 1e-16);
+    dem_scene_free(&s);
+    rp_texts changes = {3, {"tangential.mu=infinite", "steps=7", "shape=disk"}};
+    CHECK_OK(read_text(EXAMPLE, &changes, &s));
+    CU_ASSERT(isinf(s.def.material.mu) && s.steps == 7);
+    CHECK_NEAR(s.grains[1].m, M_PI * 0.12 * 0.12, 1e-16);
+    dem_scene_free(&s);
+}
+
+/* Write, read, and run both: the same bits. With particles, and with a filling and a wall that opens. */
+static void written_and_read(void)
+{
+    static const char *const texts[] = {
+        NULL,
+        "steps = 3000; x_max = 4.5; y_min = -0.4; gravity_turn_deg_per_step = 0.001; turn_from_step = 2000;\n"
+        "normal = { law = \"linear\"; k_n = 1.0e5; tension = false; };\n"
+        "tangential = { law = \"spring\"; mu = \"infinite\"; slip = \"total\"; };\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0e9, 1.5]; },\n"
+        "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
+        "          { point = [1.5, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 1e3]; open_at_step = 1500;\n"
+        "            open_speed = 37.0; } );\n"
+        "fill = { N = 40; W = 1.5; H = 3.0; seed = 5; run = 3; };\n"};
+    for (int k = 0; k < 2; k++) {
+        dem_scene s, back;
+        dem_sim *a = NULL, *b = NULL;
+        dem_state p[40], q[40];
+        char *text;
+        size_t size;
+        CHECK_OK(read_text(k == 0 ? EXAMPLE : texts[k], NULL, &s));
+        FILE *out = open_memstream(&text, &size);
+        dem_scene_write(&s, out);
+        fclose(out);
+        CHECK_OK(read_text(text, NULL, &back));
+        CU_ASSERT_EQUAL(s.steps, back.steps);
+        CHECK_OK(dem_scene_start(&s, &a));
+        CHECK_OK(dem_scene_start(&back, &b));
+        CHECK_OK(dem_run(a, s.steps));
+        CHECK_OK(dem_run(b, s.steps));
+        CU_ASSERT(dem_count(a) == dem_count(b) && dem_count(a) > 1);
+        memset(p, 0, sizeof p);
+        memset(q, 0, sizeof q);
+        CHECK_OK(dem_states(a, p));
+        CHECK_OK(dem_states(b, q));
+        CU_ASSERT(memcmp(p, q, sizeof p) == 0);
+        dem_free(a);
+        dem_free(b);
+        dem_scene_free(&s);
+        dem_scene_free(&back);
+        free(text);
+    }
+}
+
+static void refused(void)
+{
+    static const struct {
+        const char *change; /* appended to a file with one grain */
+        const char *message;
+    } cases[] = {{"colour = 1;", ":2: colour: unknown key"},
+                 {"dt = 0.0;", ":2: dt = 0: out of range"},
+                 {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
+                 {"rotation = true;", ":2: rotation = true: only false"},
+                 {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
+                 {"gravity = 981.0;", ":2: gravity: two numbers"},
+                 {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet"},
+                 {"normal = 3;", ":2: normal: a group { ... } expected"},
+                 {"normal = { law = \"cubic\"; };", "hertz | linear"},
+                 {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},
+                 {"tangential = { law = \"spring\"; mu = -0.3; };", ":2: mu = -0.3: out of range, allowed: [0, inf) | infinite"},
+                 {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
+                 {"walls = ( { point = [0.0, 0.0]; direction = [1.0, 1.0]; } );", "a unit vector expected"},
+                 {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );", "needs tangential"},
+                 {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );", "extent = [1, 0]"},
+                 {"walls = { point = 1; };", "walls: a list"},
+                 {"fill = { N = 3; W = 1.0; H = 1.0; };", "exactly one of particles, particles_file and fill"},
+                 {"steps = -3;", ":2: steps = -3: out of range"}};
+    dem_scene s;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[512];
+        snprintf(text, sizeof text, "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
+        CHECK_FAILS(read_text(text, NULL, &s), RP_BAD_INPUT, cases[k].message);
+        dem_scene_free(&s);
+    }
+    static const char *const whole[][2] = {
+        {"steps = 3;", "exactly one of"},
+        {"particles = ( );", ":1: particles: no particles"},
+        {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );", ":1: r = -0.1: out of range, allowed: (0, inf) cm"},
+        {"particles = ( { x = 0.0; y = 0.5; } );", "r: missing"},
+        {"particles = ( { x = 0.0; y = 0.5; r = 0.1; omega = 2.0; } );", "omega = 2: out of range"},
+        {"particles_file = \"/no/such/table.tsv\";", "/no/such/table.tsv: cannot read"},
+        {"fill = { N = 0; W = 1.0; H = 1.0; };", "N = 0: out of range"},
+        {"fill = { N = 4; W = 1.0; H = 1.0; radius_mean = 0.2; };", "radius_mean = 0.2: must lie between"},
+        {"fill = { W = 1.0; H = 1.0; };", "N: missing (number of grains)"}};
+    for (size_t k = 0; k < sizeof whole / sizeof *whole; k++) {
+        CHECK_FAILS(read_text(whole[k][0], NULL, &s), RP_BAD_INPUT, whole[k][1]);
+        dem_scene_free(&s);
+    }
+    static const char *const sets[][2] = {{"steps", "key=value expected"},
+                                          {"nothing.mu=0.1", "no such group"},
+                                          {"mu=0.1", "mu: unknown key"},
+                                          {"dt=-1", "dt = -1: out of range"},
+                                          {"dt=[1.0,2.0]", "one number, word or boolean"}};
+    for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
+        rp_texts changes = {1, {sets[k][0]}};
+        CHECK_FAILS(read_text(EXAMPLE, &changes, &s), RP_BAD_INPUT, sets[k][1]);
+        dem_scene_free(&s);
+    }
+    CHECK_FAILS(dem_scene_read("/no/such/scene.cfg", NULL, &s), RP_BAD_INPUT, "cannot read");
+}
+
+/* particles_file: named columns in any order, masses from the density where there is no column m. */
+static void particles_from_table(void)
+{
+    char table[] = "/tmp/repose-grains-XXXXXX", text[128];
+    FILE *out = fdopen(mkstemp(table), "w");
+    fputs("# r x y vy\n0.1 0.5 0.7 -2.0\n0.08 0.1 0.9 0.0\n", out);
+    fclose(out);
+    dem_scene s;
+    snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
+    CHECK_OK(read_text(text, NULL, &s));
+    CU_ASSERT(s.def.n_grains == 2 && s.grains[0].x == 0.5 && s.grains[0].vy == -2.0 && s.grains[1].r == 0.08);
+    CHECK_NEAR(s.grains[1].m, 2.0 * 4.0 / 3.0 * M_PI * 0.08 * 0.08 * 0.08, 1e-16);
+    dem_scene_free(&s);
+    out = fopen(table, "w");
+    fputs("# x y r\n0.5 0.7 -0.1\n", out);
+    fclose(out);
+    CHECK_FAILS(read_text(text, NULL, &s), RP_BAD_INPUT, ":2: r = -0.1: out of range");
+    dem_scene_free(&s);
+    unlink(table);
+}
+
+void suite_scene(void)
+{
+    static const check_case cases[] = {{"the documented example", example},
+                                       {"written and read: the same bits", written_and_read},
+                                       {"particles from a table", particles_from_table},
+                                       {"refused scenes", refused},
+                                       {NULL, NULL}};
+    check_register("scene", cases);
+}

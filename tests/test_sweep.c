@@ -1,0 +1,606 @@
+/* The sweep driver with toy protocols: plans, resume, crashes, determinism, tables, and every bad input. */
+#include <fcntl.h>
+#include <ftw.h>
+#include <gsl/gsl_rng.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/random.h"
+#include "core/table.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+
+/* The toy: y = x + k + noise of the run's own stream. */
+enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK };
+typedef struct {
+    double x, mass;
+    long k;
+    bool odd;
+    int mode;
+    unsigned picks;
+} toy;
+
+static const rp_param toy_schema[] = {
+    {"x", "cm", RP_REAL, offsetof(toy, x), "0.25", "[-10, 10]", "shift"},
+    {"mass", "g", RP_REAL, offsetof(toy, mass), "infinite", "(0, inf) | infinite", "not used"},
+    {"k", "", RP_INT, offsetof(toy, k), "3", "[0, 100] | auto", "second shift"},
+    {"odd", "", RP_BOOL, offsetof(toy, odd), "false", "", "not used"},
+    {"mode", "", RP_CHOICE, offsetof(toy, mode), "plain", "plain | slow | crash | half_no_pile | break",
+     "conduct"},
+    {"picks", "", RP_FLAGS, offsetof(toy, picks), "", "red | green", "not used"},
+    {0}};
+
+static const sweep_output toy_outputs[] = {
+    {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
+
+static rp_status toy_check(const void *params)
+{
+    const toy *p = params;
+    return p->x == 9.5 ? rp_fail(RP_BAD_INPUT, "x = 9.5: refused by the toy") : RP_OK;
+}
+
+static rp_status toy_run(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
+{
+    const toy *p = params;
+    gsl_rng *r = rp_random_alloc(seed, run, RP_PURPOSE_TEST);
+    result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
+    gsl_rng_free(r);
+    snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
+    if (p->mode == SLOW) usleep(20000);
+    if (p->mode == CRASH && run % 3 == 1) abort();
+    if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
+    return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
+}
+
+#define TOY(NAME)                                                                                            \
+    {                                                                                                        \
+        NAME, "toy", toy_schema, sizeof(toy), toy_outputs, toy_check, toy_run                                \
+    }
+static const sweep_protocol toy_protocol = TOY("toy"), other_protocol = TOY("other");
+static const sweep_protocol *const toys[] = {&toy_protocol, &other_protocol, NULL};
+
+/* One folder for each test: `base` holds s.cfg and the sweep `dir`. */
+static char base[64], file[96], dir[96], store[128];
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type, (void)ftw;
+    return remove(path);
+}
+
+static void clean(void)
+{
+    nftw(base, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+static void write_text(const char *path, const char *text)
+{
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    fputs(text, out);
+    fclose(out);
+}
+
+static void fresh(const char *text)
+{
+    strcpy(base, "/tmp/repose_sweep_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    snprintf(file, sizeof file, "%s/s.cfg", base);
+    snprintf(dir, sizeof dir, "%s/deep/d", base);
+    snprintf(store, sizeof store, "%s/store.sqlite", dir);
+    write_text(file, text);
+}
+
+static rp_status prepare(sweep_counts *counts)
+{
+    sweep_counts ignored;
+    return sweep_prepare(file, dir, toys, counts ? counts : &ignored);
+}
+
+static rp_status run(int workers, sweep_counts *counts)
+{
+    sweep_counts ignored;
+    return sweep_run(dir, toys, &(sweep_options){.workers = workers}, counts ? counts : &ignored);
+}
+
+/* The digest of the sweep in `dir`; empty, and a failed assertion, if there is none. */
+static const char *digest(size_t rows)
+{
+    static char texts[4][33];
+    static unsigned next;
+    char *text = texts[next++ % 4];
+    size_t n = 0;
+    text[0] = '\0';
+    CHECK_OK(sweep_digest(dir, toys, text, &n));
+    CU_ASSERT(n == rows);
+    return text;
+}
+
+static void sql(const char *text)
+{
+    sqlite3 *db;
+    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_exec(db, text, NULL, NULL, NULL) == SQLITE_OK);
+    sqlite3_close(db);
+}
+
+static sqlite3_int64 sql_number(const char *text)
+{
+    sqlite3 *db;
+    sqlite3_stmt *q = NULL;
+    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_prepare_v2(db, text, -1, &q, NULL) == SQLITE_OK);
+    CU_ASSERT(sqlite3_step(q) == SQLITE_ROW);
+    sqlite3_int64 n = sqlite3_column_int64(q, 0);
+    sqlite3_finalize(q);
+    sqlite3_close(db);
+    return n;
+}
+
+static void export_table(bool reduce, rp_table *t, char *path, size_t size)
+{
+    snprintf(path, size, "%s/table.tsv", base);
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    CHECK_OK(sweep_export(dir, toys, reduce, "the command", out));
+    fclose(out);
+    CHECK_OK(rp_table_read(path, t));
+}
+
+static const char *cell(const rp_table *t, size_t row, const char *name)
+{
+    int c = rp_table_column(t, name);
+    CU_ASSERT_FATAL(c >= 0 && row < t->n_rows);
+    return t->cells[row * t->n_columns + (size_t)c];
+}
+
+/* What the toy must yield, in every bit. */
+static double expected(double x, long k, unsigned long seed, unsigned long run_index)
+{
+    gsl_rng *r = rp_random_alloc(seed, run_index, RP_PURPOSE_TEST);
+    double u = gsl_rng_uniform(r);
+    gsl_rng_free(r);
+    return x + (double)k + u;
+}
+
+static void test_order(void)
+{
+    fresh("protocol = \"toy\"; replicas = 3; seed = 77; fixed = { picks = [\"green\"]; odd = true; };"
+          "grid = { x = [0.125, 2.385]; k = (5, \"auto\"); };");
+    sweep_counts c;
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 12 && c.points == 4 && c.replicas == 3 && c.stored == 0);
+    CHECK_OK(run(2, &c));
+    CU_ASSERT(c.stored == 12 && c.failed == 0 && c.n_words == 2);
+    rp_table t;
+    char path[128];
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 12);
+    static const char *const names[] = {"run", "status", "x", "k", "replica", "y_deg", "never", "seconds"};
+    CU_ASSERT(t.n_columns == 8);
+    for (int i = 0; i < 8; i++) CU_ASSERT(rp_table_column(&t, names[i]) == i);
+    for (size_t r = 0; r < 12; r++) { /* the last list fastest, replicas innermost */
+        double x = r < 6 ? 0.125 : 2.385;
+        bool five = r % 6 < 3;
+        CU_ASSERT(strtoul(cell(&t, r, "run"), NULL, 10) == r);
+        CU_ASSERT(strtod(cell(&t, r, "x"), NULL) == x);
+        CU_ASSERT_STRING_EQUAL(cell(&t, r, "k"), five ? "5" : "auto");
+        CU_ASSERT(strtoul(cell(&t, r, "replica"), NULL, 10) == r % 3);
+        CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(x, five ? 5 : -1, 77, r));
+        CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
+    }
+    rp_table_free(&t);
+    /* the store says the same to one who opens it */
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE x = 2.385 AND k = 'auto' AND picks = 'green'"
+                         " AND odd = 'true' AND mass = 'infinite' AND never IS NULL AND seed = 77") == 3);
+    clean();
+}
+
+static void test_zip(void)
+{
+    fresh("protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 3);
+    CHECK_OK(run(1, NULL));
+    CU_ASSERT(sql_number("SELECT 2 * sum(x * k) FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
+    clean();
+}
+
+/* Student's t for 3 degrees of freedom at 97.5 %: 3.182446305284263 (tables). */
+static void test_reduce(void)
+{
+    fresh("protocol = \"toy\"; replicas = 8; grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(2, NULL));
+    sql("DELETE FROM runs WHERE run = 14"); /* one result of the second point is missing */
+    rp_table t;
+    char path[128];
+    export_table(true, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 2);
+    double y[4], mean = 0.0, square = 0.0;
+    for (size_t i = 0; i < 4; i++) mean += (y[i] = expected(1.25, 3, 1993, 2 * i)) / 4.0;
+    for (size_t i = 0; i < 4; i++) square += (y[i] - mean) * (y[i] - mean);
+    double sd = sqrt(square / 3.0), half = 3.182446305284263 * sd / 2.0;
+    const double tolerance = 1e-13; /* a few roundings of numbers near 5, and of the quantile */
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "mode"), "half_no_pile");
+    CHECK_NEAR(strtod(cell(&t, 0, "y_deg_mean"), NULL), mean, tolerance);
+    CHECK_NEAR(strtod(cell(&t, 0, "y_deg_sd"), NULL), sd, tolerance);
+    CHECK_NEAR(strtod(cell(&t, 0, "y_deg_se"), NULL), sd / 2.0, tolerance);
+    CHECK_NEAR(strtod(cell(&t, 0, "y_deg_lo95"), NULL), mean - half, tolerance);
+    CHECK_NEAR(strtod(cell(&t, 0, "y_deg_hi95"), NULL), mean + half, tolerance);
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "y_deg_n"), "4");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "never_n"), "0");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "never_mean"), "nan");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n"), "4");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n_failed"), "4");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 1, "x"), "2.75");
+    CU_ASSERT_STRING_EQUAL(cell(&t, 1, "n"), "3");
+    rp_table_free(&t);
+    char text[4096] = "";
+    FILE *in = fopen(path, "r");
+    CU_ASSERT(fread(text, 1, sizeof text - 1, in) > 0);
+    fclose(in);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# missing: 1 of 16\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# failed: 8 of 15\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# command: the command\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "s.cfg, protocol toy, seed 1993, 2 grid points x 8 replicas\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# k: 3\n"));
+    CU_ASSERT_PTR_NULL(strstr(text, "# x: "));
+    char d[33];
+    size_t n;
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "1 of 16 runs are missing");
+    clean();
+}
+
+#define SLOW_SWEEP                                                                                           \
+    "protocol = \"toy\"; replicas = 15; fixed = { mode = \"slow\"; }; grid = { x = [0.125, 2.385]; };"
+enum { SLOW_RUNS = 30 };
+
+/* Run the sweep in a process of its own, and send it `signal` once `rows` rows are stored. */
+static int interrupted(int signal, size_t rows)
+{
+    sweep_counts c = {0};
+    int end = 0;
+    pid_t child = fork();
+    if (child == 0) _exit((int)run(2, NULL));
+    while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
+        CHECK_OK(sweep_status(dir, toys, &c));
+        usleep(2000);
+    }
+    kill(child, signal);
+    waitpid(child, &end, 0);
+    return end;
+}
+
+static void test_digest(void)
+{
+    fresh(SLOW_SWEEP);
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *one = digest(SLOW_RUNS);
+    clean();
+    fresh(SLOW_SWEEP);
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(2, NULL));
+    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
+    sql("UPDATE runs SET seconds = 1e6, message = 'elsewhere'");
+    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
+    sql("UPDATE runs SET y_deg = y_deg * (1 + 2.3e-16) WHERE run = 17"); /* one bit */
+    CU_ASSERT_STRING_NOT_EQUAL(digest(SLOW_RUNS), one);
+    clean();
+
+    fresh(SLOW_SWEEP);
+    CHECK_OK(prepare(NULL));
+    int end = interrupted(SIGKILL, 4);
+    CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL);
+    sweep_counts c;
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT(c.stored >= 4 && c.stored < SLOW_RUNS);
+    sql("UPDATE runs SET message = 'kept'");
+    CHECK_OK(run(2, NULL));
+    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE message = 'kept'") == (sqlite3_int64)c.stored);
+
+    sql("DELETE FROM runs WHERE run >= 5");
+    end = interrupted(SIGTERM, 9);
+    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_STOPPED);
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT(c.stored >= 9 && c.stored < SLOW_RUNS);
+    CHECK_OK(run(3, NULL));
+    CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
+    clean();
+}
+
+/* Workers that outlive the parent would go on computing, and could hold the lock. */
+static void count_calls(const sweep_progress *p, void *context)
+{
+    size_t *calls = context;
+    CU_ASSERT(p->planned == SLOW_RUNS && p->stored <= p->planned && p->failed == 0);
+    CU_ASSERT(isnan(p->left) ? p->elapsed < 1.0 : p->left >= 0.0);
+    CU_ASSERT(p->stored < p->planned || p->left == 0.0);
+    if (++*calls == 3) raise(SIGINT); /* blocked: seen by the pool, not by this process */
+}
+
+static void test_stop(void)
+{
+    fresh(SLOW_SWEEP);
+    CHECK_OK(prepare(NULL));
+    size_t calls = 0;
+    sweep_counts c;
+    sweep_options o = {2, count_calls, &calls};
+    CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, " of 30 stored; run again to resume");
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT(c.stored > 0 && c.stored < SLOW_RUNS);
+    CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1); /* no worker is left */
+    CHECK_OK(sweep_run(dir, toys, &o, &c));
+    CU_ASSERT(c.stored == SLOW_RUNS);
+    size_t before = calls;
+    CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
+    CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
+    clean();
+}
+
+static void test_crash(void)
+{
+    fresh("protocol = \"toy\"; replicas = 10; fixed = { mode = \"crash\"; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(2, &c));
+    CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
+    CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
+    CU_ASSERT(
+        sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
+                   " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
+    clean();
+    /* an error of the protocol, in contrast, stops the sweep; what was stored before stays */
+    fresh("protocol = \"toy\"; replicas = 6; grid = { mode = [\"break\"]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (mode = break): planted failure");
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT(c.stored == 3);
+    clean();
+}
+
+static void test_plan_again(void)
+{
+    fresh("protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5, 2.5]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 8 && c.stored == 4); /* x = 1.5 is no longer planned, but stays in the store */
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs") == 6);
+    char path[128];
+    rp_table t;
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT(t.n_rows == 4);
+    rp_table_free(&t);
+    sql("UPDATE runs SET message = 'kept'");
+    CHECK_OK(run(2, &c));
+    CU_ASSERT(c.stored == 8 && sql_number("SELECT count(*) FROM runs WHERE message = 'kept'") == 6);
+    write_text(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.stored == 0); /* another seed, other results */
+    write_text(file, "protocol = \"other\"; replicas = 2;");
+    CHECK_FAILS(prepare(&c), RP_BAD_INPUT, "holds runs of protocol \"toy\", not \"other\"");
+    CHECK_OK(sweep_status(dir, toys, &c)); /* and the refused plan changed nothing */
+    CU_ASSERT(c.planned == 8);
+    /* a copy of the file that was edited in place */
+    char copy[128];
+    snprintf(copy, sizeof copy, "%s/sweep.cfg", dir);
+    write_text(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
+    CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "plan again");
+    CHECK_OK(sweep_prepare(copy, dir, toys, &c)); /* the folder's own file can be planned */
+    CU_ASSERT(c.planned == 2);
+    /* an output that the store has no column for yet */
+    sql("DELETE FROM runs; ALTER TABLE runs DROP COLUMN never");
+    CHECK_FAILS(run(1, NULL), RP_IO, "never");
+    CHECK_OK(sweep_prepare(copy, dir, toys, &c));
+    CHECK_OK(run(1, NULL));
+    clean();
+}
+
+static void test_bad_files(void)
+{
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"replicas = 2;", "s.cfg: protocol: missing (kind of experiment), allowed: toy | other"},
+        {"protocol = \"sand\";", "s.cfg:1: protocol = \"sand\": unknown word, allowed: toy | other"},
+        {"protocol = 4;", "s.cfg:1: protocol = 4: a word expected"},
+        {"protocol = \"toy\";\nreplicas = 0;", "s.cfg:2: replicas = 0: out of range, allowed: [1, 1000000]"},
+        {"protocol = \"toy\";\nreplicas = 2.5;", "s.cfg:2: replicas = 2.5: a whole number expected"},
+        {"protocol = \"toy\";\nseed = -1;", "s.cfg:2: seed = -1: out of range"},
+        {"protocol = \"toy\";\nseed = 4294967296;", "s.cfg:2: 4294967296: whole numbers go up to"},
+        {"protocol = \"toy\";\nzip = 1;", "s.cfg:2: zip = 1: true or false expected"},
+        {"protocol = \"toy\";\nspeed = 1;", "s.cfg:2: speed: unknown key"},
+        {"protocol = \"toy\";\nprotocol = \"toy\";", "s.cfg:2: duplicate"},
+        {"protocol = \"toy\"\n\nfixed = {", "s.cfg:3: syntax error"},
+        {"protocol = \"toy\";\nfixed = [1];", "s.cfg:2: fixed: a group"},
+        {"protocol = \"toy\";\ngrid = 3;", "s.cfg:2: grid: a group"},
+        {"protocol = \"toy\";\nfixed = { z = 1; };", "s.cfg:2: z: unknown key; see repose params toy"},
+        {"protocol = \"toy\";\nfixed = { x = 11; };", "s.cfg:2: x = 11: out of range, allowed: [-10, 10] cm"},
+        {"protocol = \"toy\";\nfixed = { x = \"a\"; };", "s.cfg:2: x = \"a\": a number expected"},
+        {"protocol = \"toy\";\nfixed = { x = 1e400; };", "s.cfg:2: x = inf: a finite number"},
+        {"protocol = \"toy\";\nfixed = { x = [1.0, 2.0]; };", "s.cfg:2: x: one value expected, not a list"},
+        {"protocol = \"toy\";\nfixed = { picks = [\"blue\"]; };", "s.cfg:2: picks = \"blue\": unknown word"},
+        {"protocol = \"toy\";\ngrid = { z = [1]; };", "s.cfg:2: z: unknown key"},
+        {"protocol = \"toy\";\ngrid = { x = 1.0; };", "s.cfg:2: x: a list"},
+        {"protocol = \"toy\";\ngrid = { x = [ ]; };", "s.cfg:2: x: a list"},
+        {"protocol = \"toy\";\ngrid = { x = [0, 0.1]; };",
+         "s.cfg:2: mismatched element type in array: [ ] holds"},
+        {"protocol = \"toy\";\ngrid = { x = (0.5,\n -11); };", "s.cfg:3: x = -11: out of range"},
+        {"protocol = \"toy\";\ngrid = { x = ((0.5)); };", "s.cfg:2: x: one value expected"},
+        {"protocol = \"toy\";\ngrid = { picks = [\"red\"]; };", "s.cfg:2: picks: cannot vary"},
+        {"protocol = \"toy\";\nfixed = { x = 1; };\ngrid = { x = [1]; };",
+         "s.cfg:3: x: stands under fixed and"},
+        {"protocol = \"toy\";\nzip = true;\ngrid = { x = [1, 2];\n k = [1]; };",
+         "s.cfg:4: k: 1 values; with zip"},
+        {"protocol = \"toy\";\nreplicas = 1000000;\ngrid = { k = [1,2,3,4,5,6,7,8,9,10,11]; };",
+         "too many runs"},
+        {"protocol = \"toy\";\ngrid = { k = [1, 2]; x = [0.5, 9.5]; };",
+         "s.cfg: grid point k = 1, x = 9.5: x = 9.5: refused by the toy"},
+        {"protocol = \"toy\";\nfixed = { x = 9.5; };", "s.cfg: parameters: x = 9.5: refused by the toy"},
+        {"protocol = \"toy\";\n@include \"more.cfg\"\n", "s.cfg:2: @include"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        fresh(cases[i].text);
+        char more[128];
+        snprintf(more, sizeof more, "%s/more.cfg", base);
+        write_text(more, "replicas = 2;");
+        CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, cases[i].message);
+        CU_ASSERT(access(dir, F_OK) != 0); /* nothing was made */
+        clean();
+    }
+    fresh("");
+    unlink(file);
+    CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
+    CHECK_FAILS(sweep_prepare(base, dir, toys, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
+    clean();
+}
+
+#define SMALL_SWEEP "protocol = \"toy\"; replicas = 40; fixed = { x = 2.385; };"
+
+static void test_bad_folders(void)
+{
+    sweep_counts c;
+    char d[33], below[128];
+    size_t n;
+    fresh(SMALL_SWEEP);
+    CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_export(dir, toys, true, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
+    CHECK_FAILS(sweep_prepare(file, below, toys, &c), RP_IO, "cannot make the directory");
+    CHECK_OK(prepare(NULL));
+    CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
+    const sweep_protocol *protocol;
+    sweep_result result;
+    CHECK_FAILS(sweep_trace(file, toys, 40, base, 1, NULL, &protocol, &result), RP_BAD_INPUT,
+                "allowed: [0, 39]");
+    CHECK_FAILS(sweep_trace(file, toys, 39, base, 1, NULL, &protocol, &result), RP_BAD_INPUT,
+                "writes no tables");
+    unlink(store);
+    CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
+    mkdir(store, 0777);
+    CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
+    CHECK_FAILS(prepare(NULL), RP_IO, "store.sqlite: cannot open the store");
+    rmdir(store);
+    write_text(store, "this is not a database, although it is long enough to be taken for one at first sight "
+                      "by a program that looks at the size only, which must be refused all the same.");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO,
+                "store.sqlite: cannot read the store: file is not a database");
+    CHECK_FAILS(run(1, NULL), RP_IO, "file is not a database");
+    CHECK_FAILS(prepare(NULL), RP_IO, "file is not a database");
+    write_text(store, "");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: plan");
+    unlink(store);
+    CHECK_OK(prepare(NULL));
+    FILE *full = fopen("/dev/full", "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(full);
+    CHECK_FAILS(sweep_export(dir, toys, false, NULL, full), RP_IO, "No space left on device");
+    fclose(full);
+    clean();
+}
+
+static void test_lock(void)
+{
+    fresh(SMALL_SWEEP);
+    CHECK_OK(prepare(NULL));
+    char path[128];
+    snprintf(path, sizeof path, "%s/lock", dir);
+    int lock = open(path, O_RDWR);
+    CU_ASSERT(lock >= 0 && flock(lock, LOCK_SH) == 0); /* two that share it would be one too many */
+    sweep_counts c;
+    CHECK_FAILS(run(1, NULL), RP_IO, "another process runs or plans this sweep");
+    CHECK_FAILS(prepare(NULL), RP_IO, "another process runs or plans this sweep");
+    CHECK_OK(sweep_status(dir, toys, &c)); /* who only reads does not wait */
+    close(lock);
+    CHECK_OK(run(1, NULL));
+    unlink(path);
+    mkdir(path, 0777);
+    CHECK_FAILS(run(1, NULL), RP_IO, "lock: cannot write");
+    clean();
+}
+
+/* A file that may not grow, as on a full disk: the run ends with a message, and its rows are there. */
+static void test_full_disk(void)
+{
+    fresh("protocol = \"toy\"; replicas = 2000; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    struct stat info;
+    CU_ASSERT(stat(store, &info) == 0);
+    int pipes[2];
+    CU_ASSERT(pipe(pipes) == 0);
+    pid_t child = fork();
+    if (child == 0) {
+        struct rlimit limit = {(rlim_t)info.st_size + 8192, (rlim_t)info.st_size + 8192};
+        signal(SIGXFSZ, SIG_IGN);
+        setrlimit(RLIMIT_FSIZE, &limit);
+        rp_status status = run(1, NULL);
+        if (write(pipes[1], rp_message(), strlen(rp_message()) + 1) < 0) _exit(1);
+        _exit((int)status);
+    }
+    char message[1024] = "";
+    int end;
+    waitpid(child, &end, 0);
+    CU_ASSERT(read(pipes[0], message, sizeof message - 1) > 0);
+    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_IO);
+    CU_ASSERT_PTR_NOT_NULL(strstr(message, "store.sqlite: cannot store run "));
+    close(pipes[0]);
+    close(pipes[1]);
+    sweep_counts c;
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT(c.stored > 0 && c.stored < 2000);
+    sql("DELETE FROM plan WHERE run >= 2000"); /* the store is whole: it can be written */
+    CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
+    clean();
+}
+
+/* Names become columns of one table, in which SQLite ignores case. */
+static void test_columns(void)
+{
+    static const char *const taken[] = {"run",  "status", "message", "seconds",
+                                        "seed", "model",  "key",     "replica"};
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
+        const char *names[256];
+        size_t n = 0;
+        for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) names[n++] = taken[i];
+        for (size_t i = 0; (*p)->schema[i].name && n < 200; i++) names[n++] = (*p)->schema[i].name;
+        size_t outputs = 0;
+        for (; (*p)->outputs[outputs].name && n < 256; outputs++) names[n++] = (*p)->outputs[outputs].name;
+        CU_ASSERT(outputs > 0 && outputs <= SWEEP_MAX_OUTPUTS);
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < i; j++) CU_ASSERT(strcasecmp(names[i], names[j]) != 0);
+    }
+}
+
+void suite_sweep(void)
+{
+    static const check_case cases[] = {{"grid order and values", test_order},
+                                       {"zip", test_zip},
+                                       {"reduce", test_reduce},
+                                       {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
+                                       {"progress and stop", test_stop},
+                                       {"crashed workers", test_crash},
+                                       {"planning again", test_plan_again},
+                                       {"bad sweep files", test_bad_files},
+                                       {"bad folders and stores", test_bad_folders},
+                                       {"lock", test_lock},
+                                       {"full disk", test_full_disk},
+                                       {"column names", test_columns},
+                                       {NULL, NULL}};
+    check_register("sweep", cases);
+}
