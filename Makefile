@@ -43,7 +43,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures check asan lint setup help clean report FORCE
+.PHONY: all figures check asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -62,7 +62,8 @@ setup: ## install the Debian packages that are missing
 
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(INCLUDES) $(CFLAGS) -MMD -MP -c $< -o $@
+	@echo "compile $<"
+	@$(CC) $(CPPFLAGS) $(INCLUDES) $(CFLAGS) -MMD -MP -c $< -o $@
 
 # The commit is part of every table's provenance: rebuild that one file when it changes.
 $(B)/commit: FORCE
@@ -81,10 +82,12 @@ endef
 $(foreach m,$(MODULES),$(eval $(call archive,$(m))))
 
 $(B)/repose: $(CLI) $(LINKED)
-	$(CC) $(CFLAGS) $^ $(LIBS) -o $@
+	@echo "link    $@"
+	@$(CC) $(CFLAGS) $^ $(LIBS) -o $@
 
 $(B)/check: $(CHECK) $(LINKED)
-	$(CC) $(CFLAGS) $^ $$($(PC) --libs cunit) $(LIBS) -o $@
+	@echo "link    $@"
+	@$(CC) $(CFLAGS) $^ $$($(PC) --libs cunit) $(LIBS) -o $@
 
 -include $(patsubst %.o,%.d,$(CLI) $(CHECK) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m)))))
 
@@ -98,6 +101,80 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 	@$(MAKE) --no-print-directory B=build/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  build/asan/check build/asan/repose
 	@REPOSE=build/asan/repose RP_CHECK_FAST=1 build/asan/check
+
+# ---- Figures: sweeps and models -> tables -> pictures -------------------------------------------------
+
+T := $(B)/tables
+REPOSE := $(B)/repose
+FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp,$(wildcard figures/*.gp)))
+figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
+
+figures: $(FIGURES:%=$(B)/figures/%.svg) paper-repro.md ## every figure, into build/figures, and paper-repro.md
+fig-%: $(B)/figures/%.svg
+	@echo "$(B)/figures/$*.svg .pdf .png"
+
+define figure_rule
+$(B)/figures/$(1).svg: figures/$(1).gp figures/style.gp $(call figure_tables,$(1)) | $(SETUP_FIRST)
+	@mkdir -p $$(@D)
+	@for t in pdf png svg; do gnuplot -e "T='$(T)/'; terminal='$$$$t'; file='$(B)/figures/$(1)'" \
+	  figures/style.gp figures/$(1).gp || exit 1; done
+	@echo "figure  $(1)"
+endef
+$(foreach f,$(FIGURES),$(eval $(call figure_rule,$(f))))
+
+# A sweep's tables: one row a grid point, and one row a run. Only runs that are not stored are made.
+$(T)/%.tsv: sweeps/%.cfg $(REPOSE)
+	@mkdir -p $(T)
+	@echo "sweep   $*"
+	@$(REPOSE) sweep plan $< -o $(B)/sweeps/$* >/dev/null
+	@$(REPOSE) sweep run $(B)/sweeps/$* -j $(JOBS) >/dev/null
+	@$(REPOSE) sweep export $(B)/sweeps/$* --reduce >$@
+$(T)/%_runs.tsv: $(T)/%.tsv
+	@$(REPOSE) sweep export $(B)/sweeps/$* >$@
+$(T)/%_compare.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle compare $< >$@
+FIT = @$(REPOSE) angle fit $< --x mu --y $(1)_mean --se $(1)_se --from 0.05 --to 0.2 >$@
+$(T)/%_fit_theta_r.tsv: $(T)/%.tsv
+	$(call FIT,theta_r3_deg)
+$(T)/%_fit_theta_t.tsv: $(T)/%.tsv
+	$(call FIT,theta_t_displacement_deg)
+
+# One row of a sweep with its grains, contacts and energies.
+$(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
+$(T)/%/energy.tsv: sweeps/%.cfg $(REPOSE)
+	@echo "run     $*"
+	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >/dev/null
+
+# Models on paper: the angle, or the tent's outer and inner angle and 100 x_1/B, is in the name.
+$(T)/continuum_%.tsv: $(REPOSE)
+	@mkdir -p $(T)
+	@$(REPOSE) continuum --alpha-deg $* >$@
+$(T)/lattice_%.tsv: $(REPOSE)
+	@mkdir -p $(T)
+	@$(REPOSE) lattice --base 45 --alpha-deg $* >$@
+tent_words = $(subst _, ,$(1))
+$(T)/tent_%.tsv: $(REPOSE)
+	@mkdir -p $(T)
+	@$(REPOSE) tent --outer-deg $(word 1,$(call tent_words,$*)) --inner-deg $(word 2,$(call tent_words,$*)) \
+	  --x1 0.$(word 3,$(call tent_words,$*)) --points 401 >$@
+$(T)/triangle_%.tsv: $(REPOSE)
+	@mkdir -p $(T)
+	@$(REPOSE) lattice --layers $* >$@
+$(T)/bench.tsv: $(REPOSE)
+	@mkdir -p $(T)
+	@echo "bench   1372 grains"
+	@$(REPOSE) bench --n 1372 >$@
+
+# The report, and the few pictures that it and README show.
+REPORT := figures/paper-repro.md.in
+SHOWN := lh1a lh1c lh3 lh7b li13
+REPORT_TABLES := $(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_]+' $(REPORT) | awk '{ print $$2 }' | sort -u)
+paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(SHOWN:%=$(B)/figures/%.svg)
+	@$(REPOSE) report $< --tables $(T) -o $@
+	@mkdir -p figures/shown
+	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
+	@echo "report  $@"
+.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv
 
 clean: ## remove everything made
 	rm -rf $(B)

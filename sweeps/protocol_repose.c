@@ -313,6 +313,11 @@ static rp_status measure_pile(experiment *e)
     v[OUT_CONTACT_NUMBER] = rest.contact_number;
     v[OUT_ENERGY] = rest.kinetic_energy / (e->mg * e->d);
     v[OUT_FORCE] = rest.net_force / e->mg;
+    /* what lies flat on a floor without friction is no pile of angle 0: any slope would have flowed out */
+    if (e->p->mu == 0.0 && e->p->mu_wall <= 0.0) {
+        conclude(e, "no_pile", "no friction anywhere, and no wall on the right");
+        return RP_NO_RESULT;
+    }
     status = measure_slopes(e, slopes);
     if (status == RP_NO_RESULT) conclude(e, "no_pile", rp_message());
     if (status) return status;

@@ -1,4 +1,815 @@
+/* The program as a user meets it: exit statuses, one message that names what is wrong, values on standard
+ * output, and a sweep from its file to its digest. The environment variable REPOSE names the program. */
+#include <fcntl.h>
+#include <ftw.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "dem/scene.h"
+#include "sweeps/protocol.h"
 #include "tests/check.h"
+
+static const double deg = M_PI / 180.0;
+
+/* Closed forms take a few operations on numbers up to 180. */
+#define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
+/* 1000 steps, each rounding a velocity and a place up to 64: 1000 * 64 * 2^-53. */
+#define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
+
+/* ---- running it ---- */
+
+/* The folder of one test; what the last run wrote, also there as files `out` and `err`. */
+static char folder[64], program[PATH_MAX];
+static char out[1 << 18], err[1 << 14];
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type, (void)ftw;
+    return remove(path);
+}
+
+static void leave(void)
+{
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+static void enter(void)
+{
+    const char *name = getenv("REPOSE");
+    strcpy(folder, "/tmp/repose_cli_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    if (!realpath(name ? name : "build/repose", program)) {
+        leave();
+        CU_FAIL_FATAL("no program; REPOSE=path of the program");
+    }
+}
+
+static void path_of(const char *name, char path[256])
+{
+    snprintf(path, 256, "%s/%s", folder, name);
+}
+
+/* A name without meaning to the shell. */
+static void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void write_text(const char *name, const char *format, ...)
+{
+    char path[256];
+    va_list args;
+    path_of(name, path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    va_start(args, format);
+    vfprintf(file, format, args);
+    va_end(args);
+    fclose(file);
+}
+
+static void slurp(const char *name, char *text, size_t size)
+{
+    char path[256];
+    path_of(name, path);
+    FILE *file = fopen(path, "r");
+    size_t n = file ? fread(text, 1, size - 1, file) : 0;
+    text[n] = '\0';
+    CU_ASSERT(file && n < size - 1);
+    if (file) fclose(file);
+}
+
+/* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE is the program. */
+static int shell(const char *text)
+{
+    static char line[2 * PATH_MAX];
+    snprintf(line, sizeof line, "cd %s; REPOSE='%s'; %s", folder, program, text);
+    int status = system(line);
+    slurp("out", out, sizeof out);
+    slurp("err", err, sizeof err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static int run(const char *format, ...)
+{
+    char line[2048] = "exec \"$REPOSE\" >out 2>err ";
+    size_t used = strlen(line);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line + used, sizeof line - used, format, args);
+    va_end(args);
+    return shell(line);
+}
+
+/* A good run says nothing on standard error: no message, and no progress, for it is not a terminal. */
+static bool good(int line, int status)
+{
+    bool right = status == 0 && err[0] == '\0';
+    if (!right) fprintf(stderr, "%s:%d: exit status %d, message \"%s\"\n", __FILE__, line, status, err);
+    return right;
+}
+
+/* A failure is an exit status and one line that contains `text`. */
+static bool failed(int line, int status, int expected, const char *text)
+{
+    const char *end = strchr(err, '\n');
+    bool right = status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
+    if (!right)
+        fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__, line, status, err,
+                expected, text);
+    return right;
+}
+
+#define GOOD(...)                CU_ASSERT(good(__LINE__, run(__VA_ARGS__)))
+#define FAILS(status, text, ...) CU_ASSERT(failed(__LINE__, run(__VA_ARGS__), status, text))
+
+typedef struct {
+    int status;
+    const char *text, *words;
+} failure;
+
+static void check_failures(size_t n, const failure list[])
+{
+    for (size_t i = 0; i < n; i++) {
+        FAILS(list[i].status, list[i].text, "%s", list[i].words);
+        CU_ASSERT(out[0] == '\0');
+    }
+}
+#define CHECK_FAILURES(list) check_failures(sizeof(list) / sizeof *(list), list)
+
+/* ---- tables ---- */
+
+static rp_table read_table(const char *name)
+{
+    static char path[256];
+    rp_table table;
+    path_of(name, path);
+    rp_status status = rp_table_read(path, &table);
+    CHECK_OK(status);
+    if (status) rp_table_free(&table);
+    return table;
+}
+
+/* "" where there is no such cell. */
+static const char *word(const rp_table *t, size_t row, const char *column)
+{
+    int c = rp_table_column(t, column);
+    bool there = c >= 0 && row < t->n_rows;
+    if (!there) fprintf(stderr, "%s: no row %zu of column %s\n", t->path, row, column);
+    CU_ASSERT(there);
+    return there ? t->cells[row * t->n_columns + (size_t)c] : "";
+}
+
+static double cell(const rp_table *t, size_t row, const char *column)
+{
+    const char *text = word(t, row, column);
+    return *text ? strtod(text, NULL) : NAN;
+}
+
+/* The same rows and columns, as text. */
+static bool equal_tables(const char *name_a, const char *name_b)
+{
+    rp_table a = read_table(name_a), b = read_table(name_b);
+    bool equal = a.n_rows > 0 && a.n_rows == b.n_rows && a.n_columns == b.n_columns;
+    for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
+    rp_table_free(&a);
+    rp_table_free(&b);
+    return equal;
+}
+
+/* ---- help ---- */
+
+/* Options that are off unless given: help states neither a default nor that they are required. */
+static const char *const without_default[] = {"--help ", "--set ", "--box ", "--reduce ", "-o ", NULL};
+
+static bool option_line_is_whole(const char *line)
+{
+    if (strstr(line, "-deg ") && strncmp(line, "--", 2) == 0 && !strstr(line, ", deg")) return false;
+    if (strstr(line, "(default ") || strstr(line, "(required)")) return true;
+    for (const char *const *p = without_default; *p; p++)
+        if (strncmp(line, *p, strlen(*p)) == 0) return true;
+    return false;
+}
+
+/* `text` is the help of one command. Its example must be of a right form: files that it names may be missing. */
+static void check_command_help(const char *command, char *text)
+{
+    char usage[64];
+    snprintf(usage, sizeof usage, "usage: repose %s ", command);
+    CU_ASSERT(strncmp(text, usage, strlen(usage)) == 0);
+    char *options = strstr(text, "\noptions:\n"), *example = strstr(text, "\nexample:\n  repose ");
+    CU_ASSERT(options && example && options < example);
+    if (!options || !example) return;
+    *example = '\0';
+    example += strlen("\nexample:\n  repose ");
+    example[strcspn(example, "\n")] = '\0';
+    CU_ASSERT(strncmp(example, command, strlen(command)) == 0);
+    for (char *line = strtok(options + strlen("\noptions:\n"), "\n"); line; line = strtok(NULL, "\n")) {
+        bool whole = strncmp(line, "  -", 3) == 0 && option_line_is_whole(line + 2);
+        if (!whole) fprintf(stderr, "repose %s --help: \"%s\"\n", command, line);
+        CU_ASSERT(whole);
+    }
+    if (strcmp(command, "bench") == 0) return; /* takes seconds */
+    int status = run("%s", example);
+    bool right = status == RP_OK || status == RP_BAD_INPUT || status == RP_IO;
+    if (!right) fprintf(stderr, "repose %s: exit status %d, %s", example, status, err);
+    CU_ASSERT(right);
+}
+
+static void check_help(const char *command)
+{
+    GOOD("%s --help", command);
+    char *text = strdup(out), *rest = text, *line, name[16], both[64];
+    if (strstr(text, "\noptions:\n"))
+        check_command_help(command, text);
+    else /* an overview: "  name   summary" */
+        for (int n = 0; (line = strsep(&rest, "\n")) || n == 0; n++)
+            if (line && strncmp(line, "  ", 2) == 0 && sscanf(line + 2, "%15[a-z]", name) == 1) {
+                snprintf(both, sizeof both, "%s %s", command, name);
+                check_help(both);
+            }
+    free(text);
+}
+
+static void test_help(void)
+{
+    static const char *const commands[] = {
+#define X(name, function, summary) name,
+        CLI_COMMANDS(X)
+#undef X
+    };
+    enter();
+    write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        GOOD("--help");
+        CU_ASSERT(strstr(out, commands[i]) != NULL);
+        check_help(commands[i]);
+    }
+    GOOD("angle slope --help");
+    CU_ASSERT(strstr(out, "width W of the box, from x = 0, cm; (0, inf) (required)") != NULL);
+    GOOD("--version");
+    CU_ASSERT(strncmp(out, "repose ", 7) == 0);
+    CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
+    leave();
+}
+
+/* Every key of a schema, in its order, each with unit, default and meaning on its line. */
+static const char *check_listed(const char *text, const rp_param *schema)
+{
+    for (const rp_param *p = schema; p->name && text; p++) {
+        char name[64];
+        snprintf(name, sizeof name, "\n  %s ", p->name);
+        text = strstr(text, name);
+        CU_ASSERT(text != NULL);
+        if (!text) break;
+        char *line = strndup(text + 1, strcspn(text + 1, "\n"));
+        bool whole = strstr(line, p->unit) && strstr(line, p->fallback ? p->fallback : "(required)") &&
+                     strstr(line, p->meaning) && (p->type == RP_BOOL || strstr(line, p->range));
+        if (!whole) fprintf(stderr, "repose params: \"%s\"\n", line);
+        CU_ASSERT(whole);
+        free(line);
+    }
+    return text;
+}
+
+static void test_params(void)
+{
+    enter();
+    GOOD("params repose");
+    const char *text = check_listed(out, sweep_protocol_repose.schema);
+    for (const sweep_output *o = sweep_protocol_repose.outputs; o->name && text; o++) {
+        text = strstr(text, o->name);
+        CU_ASSERT(text && strstr(text, o->meaning));
+    }
+    GOOD("params scene");
+    text = out;
+    for (const dem_scene_group *g = dem_scene_schemas; g->name && text; g++) {
+        if (g > dem_scene_schemas) text = strstr(text, g->name);
+        CU_ASSERT(text != NULL);
+        if (text) text = check_listed(text, g->schema);
+    }
+    GOOD("params");
+    CU_ASSERT(strstr(out, "# protocol repose") && strstr(out, "# scene file, fill"));
+    leave();
+}
+
+/* ---- bad input ---- */
+
+static void test_wrong_usage(void)
+{
+    static const failure list[] = {
+        {64, "unknown command \"frob\"", "frob"},
+        {64, "unknown command \"frob\"", "angle frob"},
+        {64, "angle --help", "angle"},
+        {64, "\"frob\": unknown action", "sweep frob"},
+        {64, "unknown action", "sweep"},
+        {64, "unknown option --frob", "lattice --frob 3"},
+        {64, "unknown option -q", "sweep run d -q"},
+        {64, "unknown option -q", "sweep export d --reduce -qz"},
+        {64, "option --layers needs a value", "lattice --layers"},
+        {64, "option -o needs a value", "sweep plan s.cfg -o"},
+        {64, "--alpha-deg is required", "continuum"},
+        {64, "--x1 is required", "tent --outer-deg 30 --inner-deg 45"},
+        {64, "repose sweep: -o is required", "sweep plan s.cfg"},
+        {64, "--points or --at", "continuum --alpha-deg 30 --points 5 --at 0.1"},
+        {64, "--layers, or --base", "lattice --layers 5 --base 5 --alpha-deg 30"},
+        {64, "--alpha-deg goes with --base", "lattice --layers 5 --alpha-deg 30"},
+        {64, "--layers, or --base", "lattice --alpha-deg 30"},
+        {64, "--base needs --alpha-deg", "lattice --base 5"},
+        {64, "usage: repose lattice", "lattice --layers 5 6"},
+        {64, "usage: repose angle slope FILE", "angle slope --width 4"},
+        {64, "a scene file or --box", "run"},
+        {64, "a scene file or --box", "run scene.cfg --box s.cfg -o d"},
+        {64, "--box needs -o", "run --box s.cfg"},
+    };
+    enter();
+    CHECK_FAILURES(list);
+    leave();
+}
+
+static void test_bad_values(void)
+{
+    static const failure list[] = {
+        {65, "--alpha-deg = 70: out of range, allowed: (0, 60)", "continuum --alpha-deg 70"},
+        {65, "--alpha-deg = \"steep\": a number expected", "continuum --alpha-deg steep"},
+        {65, "--alpha-deg = \"nan\"", "continuum --alpha-deg nan"},
+        {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
+        {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
+        {65, "x/B = 1.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 0.1,1.5"},
+        {65, "--points = 1: out of range", "continuum --alpha-deg 30 --points 1"},
+        {65, "--x1 = 0.5: out of range, allowed: (0, 0.5)", "tent --outer-deg 30 --inner-deg 45 --x1 0.5"},
+        {65, "--layers = 0: out of range", "lattice --layers 0"},
+        {65, "--layers = 4.5: a whole number expected", "lattice --layers 4.5"},
+        {65, "--theta-deg = 29.9: out of range, allowed: [30, 60]", "lattice --layers 4 --theta-deg 29.9"},
+        {65, "--mu = -0.1: out of range", "angle marginal --mu -0.1"},
+        {65, "--form = \"frob\": unknown word, allowed: balanced", "angle tilt --mu 1 --theta-r-deg 3 --form frob"},
+        {65, "none.tsv: cannot read", "angle slope none.tsv --width 4"},
+        {65, "none.tsv: cannot read", "angle compare none.tsv"},
+        {65, "none.tsv: cannot read", "angle fit none.tsv -x a -y b --se c"},
+        {65, "short.tsv:2", "angle slope short.tsv --width 4"},
+        {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
+        {65, "-n = 0: out of range", "bench -n 0"},
+        {65, "\"frob\": unknown protocol", "params frob"},
+        {65, "none.cfg: cannot read", "run none.cfg"},
+        {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
+        {65, "none: no such folder", "sweep run none"},
+        {65, "none/sweep.cfg: cannot read", "sweep status none"},
+        {65, "none/sweep.cfg: cannot read", "sweep export none"},
+        {65, "none/sweep.cfg: cannot read", "sweep digest none"},
+        {65, "-j = 0: out of range", "sweep run none -j 0"},
+    };
+    enter();
+    write_text("short.tsv", "1 2 0.1\n1 2\n");
+    write_text("empty.tsv", "# units: cm\tcm\n# x\ty\n");
+    CHECK_FAILURES(list);
+    leave();
+}
+
+static void test_bad_scenes(void)
+{
+    static const struct {
+        const char *change, *particles, *text;
+    } list[] = {
+        {"frob = 3;", "", "s.cfg:1: frob: unknown key"},
+        {"dt = \"fast\";", "", "s.cfg:1: dt = \"fast\": a number expected"},
+        {"steps = 4.5;", "", "s.cfg:1: steps"},
+        {"dt = 0.0;", "", "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
+        {"dt = 1.0e-2;", "", "the limit is "},
+        {"steps = 3000000000;", "", "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
+        {"dt = 1e400;", "", "s.cfg:1: dt"},
+        {"steps = ;", "", "s.cfg:1: syntax error"},
+        {"tangential = { mu = 0.2; };", "", "s.cfg:1: mu = 0.2: needs law = \"spring\""},
+        {"", "x = 0.1; y = 0.2; r = -0.1;", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
+        {"", "x = 0.1; y = 0.2;", "s.cfg:4: r: missing"},
+        {"", NULL, "s.cfg:3: particles: no particles"},
+    };
+    enter();
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        const char *p = list[i].particles;
+        write_text("s.cfg", "%s\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\nparticles = (\n%s%s%s );\n",
+                   list[i].change, p ? "{ " : "", p ? *p ? p : "x = 0.1; y = 0.2; r = 0.1;" : "", p ? " }" : "");
+        FAILS(65, list[i].text, "run s.cfg -o made");
+        CU_ASSERT(out[0] == '\0' && access(folder, W_OK) == 0);
+    }
+    write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
+    FAILS(65, "s.cfg: exactly one of particles", "run s.cfg");
+    write_text("s.cfg", "particles = ( { x = 0.1; y = 0.2; r = 0.1; } );\n");
+    FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
+    FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
+    FAILS(65, "steps", "run s.cfg --set steps=many");
+    char path[256];
+    path_of("made", path);
+    CU_ASSERT(access(path, F_OK) != 0); /* nothing is made before the scene is good */
+    leave();
+}
+
+static void test_bad_sweeps(void)
+{
+    static const struct {
+        const char *file, *text;
+    } list[] = {
+        {"protocol = \"frob\"; seed = 1; replicas = 1;", "frob"},
+        {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
+        {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { frob = 1; };", "frob: unknown key"},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { floor = \"up\"; };", "floor = \"up\": unknown word"},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { dt = 1.0e-3; };", "the limit is "},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { slip = \"total\"; };", "needs stop = \"steps\""},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; grid = { mu = [0.1, -0.2]; };", "mu = -0.2: out of range"},
+    };
+    char path[256];
+    enter();
+    path_of("d", path);
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        write_text("s.cfg", "%s\n", list[i].file);
+        FAILS(65, list[i].text, "sweep plan s.cfg -o d");
+        CU_ASSERT(out[0] == '\0' && access(path, F_OK) != 0);
+    }
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
+    FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run --box s.cfg --row 2 -o d");
+    GOOD("sweep plan s.cfg -o d");
+    FAILS(1, "missing", "sweep digest d");
+    leave();
+}
+
+static void test_broken_output(void)
+{
+    static const failure list[] = {
+        {74, "file/d", "sweep plan s.cfg -o file/d"},
+        {74, "file/t.tsv", "sweep export d -o file/t.tsv"},
+        {74, "file/d", "run scene.cfg -o file/d"},
+        {74, "file: not a directory", "run scene.cfg -o file"},
+        {74, "file/d", "run --box s.cfg -o file/d"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep run garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep status garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep export garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep digest garbage"},
+        {74, "garbage/store.sqlite: cannot read the store", "sweep plan s.cfg -o garbage"},
+    };
+    static const char *const writers[] = {
+        "--help",
+        "--version",
+        "lattice --help",
+        "sweep --help",
+        "angle --help",
+        "lattice --layers 5",
+        "lattice --layers 5000", /* more than a buffer */
+        "continuum --alpha-deg 30",
+        "tent --outer-deg 30 --inner-deg 45 --x1 0.38",
+        "angle marginal --mu 0.2",
+        "angle tilt --mu 0.2 --theta-r-deg 18",
+        "run scene.cfg",
+        "sweep status d",
+        "sweep export d",
+        "bench -n 3 --steps 10",
+        "params",
+    };
+    enter();
+    write_text("file", "a file where a folder is expected\n");
+    write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep plan s.cfg -o garbage");
+    write_text("garbage/store.sqlite", "%4000s", "not a data base");
+    CHECK_FAILURES(list);
+    slurp("file", out, sizeof out);
+    CU_ASSERT_STRING_EQUAL(out, "a file where a folder is expected\n");
+    slurp("garbage/store.sqlite", out, sizeof out);
+    CU_ASSERT(strlen(out) == 4000);
+    for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
+        FAILS(74, "cannot write: No space left on device", "%s >/dev/full", writers[i]);
+    leave();
+}
+
+/* ---- values ---- */
+
+static void test_static_models(void)
+{
+    enter();
+    GOOD("lattice --layers 45");
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 45);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        /* (42): N = (k + 1)/2; (44): H grows by equal parts from one toe to the other, no force in the middle */
+        CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, FORM_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "H/mg"), ((double)i - 22.0) / sqrt(3.0), FORM_TOLERANCE);
+    }
+    rp_table_free(&t);
+
+    /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4 each,
+     * and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
+    GOOD("continuum --alpha-deg 30 --at 0.5,0.12,0.88");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    CHECK_NEAR(cell(&t, 0, "N/(chi*g*B)"), 0.25, FORM_TOLERANCE);
+    CHECK_NEAR(cell(&t, 0, "H/(chi*g*B)"), 0.0, FORM_TOLERANCE);
+    CHECK_NEAR(cell(&t, 1, "N/(chi*g*B)"), 0.09, FORM_TOLERANCE);
+    CHECK_NEAR(cell(&t, 1, "H/(chi*g*B)"), -0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
+    CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
+    rp_table_free(&t);
+
+    /* a tent whose slopes are equal is a triangle */
+    GOOD("continuum --alpha-deg 23.85 --points 31");
+    t = read_table("out");
+    GOOD("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
+    rp_table tent = read_table("out");
+    CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
+    for (size_t i = 0; i < 31; i++) {
+        CHECK_NEAR(cell(&tent, i, "N/(chi*g*B)"), cell(&t, i, "N/(chi*g*B)"), FORM_TOLERANCE);
+        CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
+    }
+    rp_table_free(&t);
+    rp_table_free(&tent);
+    leave();
+}
+
+static void test_angles(void)
+{
+    /* half a unit of the last printed digit */
+    const double printed = 5e-4;
+    const double t18 = tan(18.0 * deg), phi = atan(0.2);
+    const struct {
+        const char *form;
+        double theta_t, tolerance;
+    } forms[] = {{"balanced", 4.834, printed},
+                 {"printed", 3.533, printed},
+                 {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9},
+                 {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9}};
+    rp_table t;
+    enter();
+    GOOD("angle marginal --mu 0.2");
+    t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
+    rp_table_free(&t);
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        GOOD("angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
+        t = read_table("out");
+        CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
+        CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 18.0, FORM_TOLERANCE);
+        CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
+        rp_table_free(&t);
+    }
+    GOOD("angle tilt --mu 0.2 --theta-r-deg 38.5");
+    t = read_table("out");
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "theta_t_deg"), "nan");
+    CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 38.5, FORM_TOLERANCE);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "already_unstable");
+    rp_table_free(&t);
+    char *first = strstr(out, "nan");
+    CU_ASSERT(first && !strstr(first + 1, "nan"));
+    /* no theory is no result; the row says so too */
+    FAILS(1, "theta-r-deg = 65", "angle tilt --mu 2 --theta-r-deg 65");
+    CU_ASSERT(strstr(out, "rays_miss") != NULL);
+    leave();
+}
+
+/* A pile drawn with a ruler, and points on a line. */
+static void test_angle_tables(void)
+{
+    enter();
+    char path[256];
+    path_of("pile.tsv", path);
+    FILE *file = fopen(path, "w");
+    for (int j = 0; j < 20; j++) fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
+    fclose(file);
+    GOOD("angle slope pile.tsv --width 4");
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "theta_deg"), atan(0.385) / deg, 1e-9);
+    rp_table_free(&t);
+    write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
+    FAILS(1, "occupied", "angle slope pile.tsv --width 4");
+    CU_ASSERT(strstr(out, "no_pile") != NULL);
+    write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
+    GOOD("angle fit line.tsv -x mu -y theta --se se");
+    t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
+    CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
+    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
+    rp_table_free(&t);
+    FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
+    leave();
+}
+
+/* ---- run ---- */
+
+/* Free fall under a slanting gravity, for which Verlet is exact. */
+static void test_free_fall(void)
+{
+    static const double gx = 12.5, gy = -981.0, x = 0.385, y = 52.85, vx = 23.85, vy = 17.5;
+    static const int steps[] = {0, 300, 600, 900, 1000};
+    enter();
+    write_text("scene.cfg",
+               "gravity = ( %.17g, %.17g ); dt = 1.0; steps = 1000;\n"
+               "particles = ( { x = %.17g; y = %.17g; r = 0.1; m = 0.5; vx = %.17g; vy = %.17g; } );\n",
+               gx, gy, x, y, vx, vy);
+    GOOD("run scene.cfg --set dt=5e-5 --every 300");
+    CU_ASSERT(strstr(out, "\n# step\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\n") != NULL);
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 5);
+    for (size_t i = 0; i < t.n_rows && i < 5; i++) {
+        double time = steps[i] * 5e-5;
+        CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
+        CHECK_NEAR(cell(&t, i, "t"), time, FALL_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "x"), x + vx * time + 0.5 * gx * time * time, FALL_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "y"), y + vy * time + 0.5 * gy * time * time, FALL_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "vx"), vx + gx * time, FALL_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "vy"), vy + gy * time, FALL_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "fy"), 0.5 * gy, FALL_TOLERANCE);
+    }
+    rp_table_free(&t);
+    /* without --every, the final state alone: the same row */
+    GOOD("run scene.cfg --set dt=5e-5");
+    const char *last = strstr(out, "\n1000\t");
+    CU_ASSERT(last && !strstr(out, "\n0\t"));
+    GOOD("run scene.cfg --set dt=5e-5 --set steps=0");
+    CU_ASSERT(strstr(out, "\n0\t0\t1\t") != NULL);
+    leave();
+}
+
+/* A grain at rest on the floor: (2a) balances its weight. */
+static void test_output_folder(void)
+{
+    const double m = 0.5, weight = m * 981.0, overlap = pow(weight / 2e6, 2.0 / 3.0);
+    const double relative = 1e-11; /* the overlap, 4e-3, is the difference of numbers rounded to 2^-56 */
+    enter();
+    write_text("scene.cfg",
+               "dt = 2.0e-5; steps = 100; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+               "particles = ( { x = 0.385; y = %.17g; r = 0.1; m = %.17g; } );\n",
+               0.1 - overlap, m);
+    GOOD("run scene.cfg --every 50 -o new/d");
+    CU_ASSERT(out[0] == '\0');
+    rp_table t = read_table("new/d/states.tsv");
+    CU_ASSERT(t.n_rows == 3);
+    CHECK_NEAR(cell(&t, 2, "y"), 0.1 - overlap, 1e-14);
+    CHECK_NEAR(cell(&t, 2, "contacts"), 1.0, 0.0);
+    rp_table_free(&t);
+    t = read_table("new/d/contacts.tsv");
+    CU_ASSERT(t.n_rows == 1);
+    CHECK_NEAR(cell(&t, 0, "id_a"), 1.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "wall"), 1.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "normal_force"), weight, relative * weight);
+    rp_table_free(&t);
+    t = read_table("new/d/walls.tsv");
+    CU_ASSERT(t.n_rows == 1);
+    CHECK_NEAR(cell(&t, 0, "fy"), -weight, relative * weight);
+    rp_table_free(&t);
+    t = read_table("new/d/energy.tsv");
+    CU_ASSERT(t.n_rows == 3);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
+        CHECK_NEAR(cell(&t, i, "elastic"), 0.4 * weight * overlap, relative * weight);
+        CHECK_NEAR(cell(&t, i, "gravity"), weight * (0.1 - overlap), relative * weight);
+    }
+    rp_table_free(&t);
+    leave();
+}
+
+/* A floor too soft to carry the grain: the run stops, and what it had computed stays. */
+static void test_broken_run(void)
+{
+    enter();
+    write_text("scene.cfg", "steps = 100000; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 10.0; } );\n"
+                            "particles = ( { x = 0.0; y = 0.5; r = 0.1; m = 0.004; } );\n");
+    FAILS(70, "leaked at step ", "run scene.cfg --every 100");
+    CU_ASSERT(strstr(err, "grain 1: its centre passed wall 1") != NULL);
+    rp_table t = read_table("out");
+    /* it falls 0.5 cm first: sqrt(2 * 0.5/981) s, 638 steps */
+    CU_ASSERT(t.n_rows >= 7 && t.n_rows < 20);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 100.0 * (double)i, 0.0);
+    rp_table_free(&t);
+    FAILS(70, "leaked at step ", "run scene.cfg --every 100 -o d");
+    CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 70);
+    CU_ASSERT(equal_tables("out", "d/states.tsv"));
+    leave();
+}
+
+/* ---- sweep ---- */
+
+/* Two grid points, two replicas, in a small box; for a fixed time in the sanitizer build. */
+static void write_sweep(void)
+{
+    write_text("s.cfg",
+               "protocol = \"repose\"; replicas = 2; seed = 1993;\n"
+               "fixed = { W = 2.0; H = 2.0; %s };\ngrid = { mu = [0.2, 0.3]; };\n",
+               check_fast() ? "stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;" : "");
+}
+
+static void test_sweep(void)
+{
+    char digest[64];
+    enter();
+    write_sweep();
+    GOOD("sweep plan s.cfg -o d1");
+    CU_ASSERT(strstr(out, "d1: 4 runs (2 grid points x 2 replicas), 0 already stored") != NULL);
+    FAILS(1, "missing", "sweep digest d1");
+    GOOD("sweep run d1 -j 1");
+    GOOD("sweep digest d1");
+    CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
+    snprintf(digest, sizeof digest, "%.*s", 40, out);
+    GOOD("sweep plan s.cfg -o d2");
+    GOOD("sweep run d2 -j 2");
+    GOOD("sweep digest d2");
+    CU_ASSERT_STRING_EQUAL(out, digest);
+    GOOD("sweep status d2");
+    CU_ASSERT(strstr(out, "# planned: 4\n# stored: 4\n# missing: 0\n") != NULL);
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 1);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), check_fast() ? "ok_fixed_time" : "ok");
+    CHECK_NEAR(cell(&t, 0, "runs"), 4.0, 0.0);
+    rp_table_free(&t);
+    GOOD("sweep plan s.cfg -o d2");
+    CU_ASSERT(strstr(out, "4 already stored") != NULL);
+
+    GOOD("sweep export d1 -o runs.tsv");
+    rp_table runs = read_table("runs.tsv");
+    CU_ASSERT(runs.n_rows == 4);
+    GOOD("sweep export d1 --reduce");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 2);
+    for (size_t i = 0; i < 2; i++) {
+        double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
+        CHECK_NEAR(cell(&runs, 2 * i + 1, "mu"), i == 0 ? 0.2 : 0.3, 0.0);
+        CHECK_NEAR(cell(&t, i, "theta_r2_deg_mean"), 0.5 * (a + b), FORM_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "theta_r2_deg_se"), 0.5 * fabs(a - b), FORM_TOLERANCE);
+        CHECK_NEAR(cell(&t, i, "n"), 2.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "n_failed"), 0.0, 0.0);
+    }
+    rp_table_free(&t);
+    rp_table_free(&runs);
+    leave();
+}
+
+/* One row of a sweep again: the numbers that the sweep stores, and a scene that runs to the same bits. */
+static void test_row_again(void)
+{
+    enter();
+    write_sweep();
+    GOOD("run --box s.cfg --row 1 -o box --every 1000");
+    char *again = strdup(out);
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep run d -j 2");
+    GOOD("sweep export d -o runs.tsv");
+    rp_table runs = read_table("runs.tsv");
+    for (const sweep_output *o = sweep_protocol_repose.outputs; o->name; o++) {
+        char line[128];
+        snprintf(line, sizeof line, "\n%s\t%s\t", o->name, word(&runs, 1, o->name));
+        CU_ASSERT(strstr(again, line) != NULL);
+    }
+    free(again);
+    rp_table_free(&runs);
+    GOOD("run box/scene.cfg");
+    CU_ASSERT(equal_tables("out", "box/pile_grains.tsv"));
+    CU_ASSERT(!equal_tables("out", "box/filled_grains.tsv"));
+    GOOD("run box/scene.cfg -o scene");
+    CU_ASSERT(equal_tables("scene/contacts.tsv", "box/pile_contacts.tsv"));
+    rp_table energy = read_table("box/energy.tsv");
+    CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
+    rp_table_free(&energy);
+    leave();
+}
+
+/* Stopped while its second run, which has no end, is on: what is stored stays, and 75 says to resume. */
+static void test_stopped(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
+                        "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+                        "grid = { relax_steps = [100, 1000000000]; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    int status = shell("\"$REPOSE\" sweep run d -j 1 >out 2>err & p=$!; i=0\n"
+                       "while [ $i -lt 200 ] && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do\n"
+                       "  sleep 0.05; i=$((i + 1)); done\n"
+                       "kill -TERM $p; wait $p");
+    CU_ASSERT(failed(__LINE__, status, 75, "1 of 2 stored"));
+    GOOD("sweep status d");
+    CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
+    FAILS(1, "missing", "sweep digest d");
+    leave();
+}
+
 void suite_cli(void)
 {
+    static const check_case cases[] = {{"help of every command", test_help},
+                                       {"params", test_params},
+                                       {"wrong usage: 64", test_wrong_usage},
+                                       {"bad values: 65", test_bad_values},
+                                       {"bad scenes", test_bad_scenes},
+                                       {"bad sweeps", test_bad_sweeps},
+                                       {"broken output: 74", test_broken_output},
+                                       {"lattice, continuum, tent", test_static_models},
+                                       {"angle marginal, tilt", test_angles},
+                                       {"angle slope, fit", test_angle_tables},
+                                       {"run: free fall", test_free_fall},
+                                       {"run: tables in a folder", test_output_folder},
+                                       {"run: broken, 70", test_broken_run},
+                                       {"sweep: file to digest", test_sweep},
+                                       {"run --box: a row again", test_row_again},
+                                       {"sweep: stopped, 75", test_stopped},
+                                       {0}};
+    check_register("command line", cases);
 }

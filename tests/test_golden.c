@@ -1,4 +1,174 @@
+/* Golden digests: short runs whose bits may change only together with RP_MODEL_VERSION, because results of one
+ * version are reused. Hashed is what + - * / and sqrt alone make, so that the digests hold on any machine;
+ * angles from atan are compared as numbers. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "core/version.h"
+#include "dem/dem.h"
+#include "sweeps/sweep.h"
 #include "tests/check.h"
+
+/* The digests below belong to this RP_MODEL_VERSION. */
+enum { GOLDEN_VERSION = 1 };
+
+/* C libraries may differ in the last digits of atan: 1e-9 degree is 1e5 of them. */
+static const double ANGLE_TOLERANCE_DEG = 1e-9;
+
+typedef struct {
+    const char *name, *value;
+} named_text;
+typedef struct {
+    const char *name;
+    double value;
+} named_number;
+
+typedef struct {
+    const char *protocol;
+    named_text settings[12];
+    const char *hashed[12]; /* outputs */
+    const char *status;
+    uint64_t digest;
+    named_number angles[4];
+} golden_run;
+
+#define REPOSE_HASHED                                                                                        \
+    {"grains",         "cells",           "fill_steps_used", "relax_steps_used",         "steps",            \
+     "contact_number", "residual_energy", "residual_force",  "theta_t_displacement_deg", "theta_t_energy_deg"}
+
+/* The second: the other floor, spring and mass, a gate that is lifted, a contact that does not pull. */
+static const golden_run runs[] = {
+    {"repose",
+     {{"W", "2"}, {"H", "2"}, {"measure", "theta_r,theta_t"}},
+     REPOSE_HASHED,
+     "ok",
+     0,
+     {{"theta_r1_deg", 0}, {"theta_r2_deg", 0}, {"theta_r3_deg", 0}}},
+    {"repose",
+     {{"W", "2"},
+      {"H", "2"},
+      {"floor", "ends"},
+      {"slip", "total"},
+      {"stop", "steps"},
+      {"fill_steps", "6000"},
+      {"relax_steps", "4000"},
+      {"shape", "disk"},
+      {"open", "100"},
+      {"tension", "false"}},
+     REPOSE_HASHED,
+     "ok_fixed_time",
+     0,
+     {{"theta_r1_deg", 0}, {"theta_r2_deg", 0}, {"theta_r3_deg", 0}}},
+};
+enum { N_RUNS = sizeof runs / sizeof *runs };
+
+/* Places, velocities and forces of the scene below. */
+static const uint64_t SCENE_DIGEST = 0;
+
+static void check_digest(const char *what, uint64_t digest, uint64_t golden)
+{
+    bool same = RP_MODEL_VERSION == GOLDEN_VERSION && digest == golden;
+    if (!same)
+        fprintf(stderr, "%s: digest 0x%016llx, of model %d: 0x%016llx. Bits changed; raise RP_MODEL_VERSION (now %d) in\n"
+                        "src/core/version.h, and put the new digest and GOLDEN_VERSION into %s.\n",
+                what, (unsigned long long)digest, GOLDEN_VERSION, (unsigned long long)golden, RP_MODEL_VERSION, __FILE__);
+    CU_ASSERT(same);
+}
+
+static double output(const sweep_protocol *p, const sweep_result *result, const char *name)
+{
+    for (size_t i = 0; p->outputs[i].name; i++)
+        if (strcmp(p->outputs[i].name, name) == 0) return result->values[i];
+    fprintf(stderr, "protocol %s: no output %s\n", p->name, name);
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+static const sweep_protocol *find_protocol(const char *name)
+{
+    const sweep_protocol *const *p = sweep_protocols;
+    while (*p && strcmp((*p)->name, name) != 0) p++;
+    return *p;
+}
+
+static void check_run(const golden_run *g)
+{
+    const sweep_protocol *p = find_protocol(g->protocol);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(p);
+    void *params = calloc(1, p->params_size);
+    sweep_result result;
+    rp_params_defaults(p->schema, params);
+    for (const named_text *s = g->settings; s->name; s++) {
+        const rp_param *param = rp_params_find(p->schema, s->name);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
+        CHECK_OK(rp_params_set_text(param, params, s->value));
+    }
+    CHECK_OK(p->check(params));
+    CHECK_OK(p->run(params, 1993, 0, &result));
+    CU_ASSERT_STRING_EQUAL(result.status, g->status);
+    double values[sizeof g->hashed / sizeof *g->hashed] = {0};
+    for (size_t i = 0; i < sizeof values / sizeof *values && g->hashed[i]; i++) {
+        double v = output(p, &result, g->hashed[i]);
+        values[i] = isnan(v) ? NAN : v; /* one NaN */
+    }
+    check_digest(g->protocol, XXH3_64bits(values, sizeof values), g->digest);
+    for (const named_number *a = g->angles; a->name; a++)
+        CHECK_NEAR(output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
+    free(params);
+}
+
+static void test_protocols(void)
+{
+    for (size_t i = 0; i < N_RUNS; i++) check_run(&runs[i]);
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
+        bool has_run = false;
+        for (size_t i = 0; i < N_RUNS; i++) has_run |= strcmp(runs[i].protocol, (*p)->name) == 0;
+        if (!has_run) fprintf(stderr, "protocol %s has no golden run\n", (*p)->name);
+        CU_ASSERT(has_run);
+    }
+}
+
+/* A box that is filled, and opened while gravity turns. */
+static void test_scene(void)
+{
+    enum { N = 100 };
+    dem_fill fill = {N, 2.0, 3.0, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
+    dem_grain grains[N];
+    dem_definition def = dem_definition_default();
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    def.n_walls = 3;
+    for (int w = 0; w < 3; w++)
+        def.walls[w] = (dem_wall){{w == 2 ? 2.0 : 0.0, 0.0}, {w == 0 ? 0.0 : w == 1 ? 1.0 : -1.0, w == 0},
+                                  wall, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.grains = grains;
+    def.n_grains = N;
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_fill_random(&fill, grains));
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_OK(dem_run(sim, 1500));
+    dem_wall_open(sim, 2, INFINITY);
+    dem_gravity_turn(sim, 2.385e-5);
+    CHECK_OK(dem_run(sim, 500));
+    CU_ASSERT_FATAL(dem_count(sim) == N);
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.contacts > N); /* not grains in free fall */
+    dem_state states[N];
+    double values[N][6];
+    CHECK_OK(dem_states(sim, states));
+    for (int i = 0; i < N; i++) {
+        const dem_state *s = &states[i];
+        memcpy(values[i], (double[]){s->x, s->y, s->vx, s->vy, s->fx, s->fy}, sizeof values[i]);
+    }
+    check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
+    dem_free(sim);
+}
+
 void suite_golden(void)
 {
+    static const check_case cases[] = {{"short runs of each protocol", test_protocols}, {"a scene", test_scene}, {0}};
+    check_register("golden digests", cases);
 }

@@ -1,6 +1,258 @@
+/* `repose report`: a text with places that are filled from tables, so that no number is typed in.
+ *
+ * A place reads {{word table key=value column ...}}. The row of build/tables/<table>.tsv is the one whose
+ * cells equal all key=value given (numbers compare as numbers).
+ *   {{value T k=v COL}}            value +- standard error, from COL_mean and COL_se, or COL and its _se column
+ *   {{cell T k=v COL FORMAT}}      the cell itself, printed with %.3g or the format given
+ *   {{agree T k=v COL PAPER SE}}   verdict: within two standard errors of the paper's value?
+ *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
+ *   {{below T k=v COL LIMIT}}      the same, below
+ *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
+ *   {{note T KEY}}                 a header line of the table
+ * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "cli/cli.h"
+
+enum { MAX_WORDS = 12 };
+
+typedef struct {
+    const char *tables, *output;
+} report_options;
+
+static const rp_param options[] = {
+    {"tables", "", RP_TEXT, offsetof(report_options, tables), "build/tables", "", "folder of the tables"},
+    {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
+    {0}};
+
+static const cli_command command = {
+    "report",
+    "TEMPLATE [--tables DIR] [-o FILE]",
+    "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
+    "below, least, note. A verdict compares with two standard errors.",
+    "repose report figures/paper-repro.md.in -o paper-repro.md",
+    options,
+    1,
+    1};
+
+/* One place in the text, split into words. */
+typedef struct {
+    const char *tables;
+    char *words[MAX_WORDS];
+    int n;
+} place;
+
+static rp_status read_table(const place *p, char path[4096], rp_table *table)
+{
+    if (p->n < 3) return rp_fail(RP_BAD_INPUT, "{{%s ...}}: table and column expected", p->words[0]);
+    snprintf(path, 4096, "%s/%s.tsv", p->tables, p->words[1]);
+    return rp_table_read(path, table);
+}
+
+static bool cell_equals(const char *cell, const char *wanted)
+{
+    char *end_a, *end_b;
+    double a = strtod(cell, &end_a), b = strtod(wanted, &end_b);
+    return strcmp(cell, wanted) == 0 || (!*end_a && !*end_b && *cell && fabs(a - b) <= 1e-12 * fabs(b));
+}
+
+/* The row that the key=value words choose, and the number of the word after them. */
+static rp_status find_row(const place *p, const rp_table *t, size_t *row, int *next)
+{
+    *next = 2;
+    while (*next < p->n && strchr(p->words[*next], '=')) ++*next;
+    size_t found = 0;
+    for (size_t r = 0; r < t->n_rows; r++) {
+        bool all = true;
+        for (int w = 2; w < *next && all; w++) {
+            char key[128];
+            snprintf(key, sizeof key, "%.*s", (int)strcspn(p->words[w], "="), p->words[w]);
+            int column = rp_table_column(t, key);
+            if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, key);
+            all = cell_equals(t->cells[r * t->n_columns + (size_t)column], strchr(p->words[w], '=') + 1);
+        }
+        if (!all) continue;
+        *row = r;
+        found++;
+    }
+    return found == 1 ? RP_OK
+                      : rp_fail(RP_BAD_INPUT, "%s: %zu rows with %s, one expected", t->path, found,
+                                *next > 2 ? p->words[2] : "no key");
+}
+
+/* Value and standard error of a quantity: NAME_mean, NAME_se, or NAME_deg, NAME_se_deg, or NAME, NAME_se; a
+ * quantity without a column for its error is exact. */
+static rp_status find_value(const rp_table *t, size_t row, const char *name, double *value, double *se)
+{
+    char mean[160], error[160];
+    snprintf(mean, sizeof mean, "%s_mean", name);
+    snprintf(error, sizeof error, "%s_se", name);
+    if (rp_table_column(t, mean) < 0) snprintf(mean, sizeof mean, "%s", name);
+    size_t n = strlen(name);
+    if (rp_table_column(t, error) < 0 && n > 4 && strcmp(name + n - 4, "_deg") == 0)
+        snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
+    int value_column = rp_table_column(t, mean), error_column = rp_table_column(t, error);
+    if (value_column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, mean);
+    rp_status status = rp_table_number(t, row, value_column, 0, value);
+    *se = 0.0;
+    return status || error_column < 0 ? status : rp_table_number(t, row, error_column, 0, se);
+}
+
+/* Two significant digits of the error decide. */
+static void print_value(FILE *out, double value, double se)
+{
+    int decimals = se > 0.0 ? 1 - (int)floor(log10(se)) : 3;
+    if (decimals < 0) decimals = 0;
+    fprintf(out, "%.*f ± %.*f", decimals, value, decimals, se);
+}
+
+static rp_status number_word(const place *p, int index, double *number)
+{
+    char *end;
+    if (index >= p->n) return rp_fail(RP_BAD_INPUT, "{{%s ...}}: a number is missing", p->words[0]);
+    *number = strtod(p->words[index], &end);
+    return *end ? rp_fail(RP_BAD_INPUT, "{{%s ...}}: \"%s\" is not a number", p->words[0], p->words[index]) : RP_OK;
+}
+
+static rp_status print_verdict(const place *p, int next, const rp_table *t, size_t row, FILE *out)
+{
+    double value, se = 0.0, limit = 0.0, limit_se = 0.0;
+    rp_status status;
+    if (next + 1 < p->n && p->words[next + 1][0] == '@') {
+        status = find_value(t, row, p->words[next + 1] + 1, &limit, &limit_se);
+        limit = fabs(limit);
+    } else {
+        status = number_word(p, next + 1, &limit);
+    }
+    if (status) return status;
+    if (strcmp(p->words[0], "least") == 0) {
+        int column = rp_table_column(t, p->words[next]);
+        if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
+        status = rp_table_number(t, row, column, 0, &value);
+        if (!status) fputs(value >= limit ? "reproduced" : "not reproduced", out);
+        return status;
+    }
+    status = find_value(t, row, p->words[next], &value, &se);
+    if (!status && strcmp(p->words[0], "agree") == 0) status = number_word(p, next + 2, &limit_se);
+    if (status) return status;
+    double difference = value - limit, error = hypot(se, limit_se);
+    if (strcmp(p->words[0], "agree") == 0) {
+        fputs(fabs(difference) <= 2.0 * error ? "reproduced" : "not reproduced", out);
+        fprintf(out, " (differs by %+.1f standard errors)", difference / error);
+    } else {
+        double sign = strcmp(p->words[0], "above") == 0 ? 1.0 : -1.0;
+        fputs(sign * difference > 2.0 * error    ? "reproduced"
+              : sign * difference < -2.0 * error ? "not reproduced"
+                                                 : "undecided",
+              out);
+    }
+    return RP_OK;
+}
+
+static rp_status print_cell(const place *p, int next, const rp_table *t, size_t row, FILE *out)
+{
+    int column = rp_table_column(t, p->words[next]);
+    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
+    const char *cell = t->cells[row * t->n_columns + (size_t)column];
+    /* precision alone is taken from the text, so that it cannot be a harmful format */
+    int precision = 3;
+    if (next + 1 < p->n && sscanf(p->words[next + 1], "%%.%1dg", &precision) != 1)
+        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g expected", p->words[next + 1]);
+    char *end;
+    double value = strtod(cell, &end);
+    if (*end)
+        fputs(cell, out);
+    else
+        fprintf(out, "%.*g", precision, value);
+    return RP_OK;
+}
+
+/* The header line "# KEY: text" of a table. */
+static rp_status print_note(const place *p, FILE *out)
+{
+    char path[4096], line[1024];
+    if (p->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
+    snprintf(path, sizeof path, "%s/%s.tsv", p->tables, p->words[1]);
+    FILE *in = fopen(path, "r");
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read", path);
+    size_t n = strlen(p->words[2]);
+    bool found = false;
+    while (!found && fgets(line, sizeof line, in)) {
+        found = line[0] == '#' && strncmp(line + 2, p->words[2], n) == 0 && line[2 + n] == ':';
+        if (found) fprintf(out, "%.*s", (int)strcspn(line + 4 + n, "\n"), line + 4 + n);
+    }
+    fclose(in);
+    return found ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\"", path, p->words[2]);
+}
+
+static rp_status fill_place(const place *p, FILE *out)
+{
+    static const char *const verdicts[] = {"agree", "above", "below", "least"};
+    if (p->n > 0 && strcmp(p->words[0], "note") == 0) return print_note(p, out);
+    char path[4096];
+    rp_table table = {0};
+    size_t row = 0;
+    int next = 0;
+    rp_status status = p->n > 0 ? read_table(p, path, &table) : rp_fail(RP_BAD_INPUT, "{{}}: empty");
+    if (!status) status = find_row(p, &table, &row, &next);
+    if (!status && next >= p->n) status = rp_fail(RP_BAD_INPUT, "{{%s %s ...}}: no column", p->words[0], p->words[1]);
+    if (!status) {
+        bool known = false;
+        for (size_t v = 0; v < sizeof verdicts / sizeof *verdicts; v++) known |= strcmp(p->words[0], verdicts[v]) == 0;
+        double value, se;
+        if (known)
+            status = print_verdict(p, next, &table, row, out);
+        else if (strcmp(p->words[0], "cell") == 0)
+            status = print_cell(p, next, &table, row, out);
+        else if (strcmp(p->words[0], "value") != 0)
+            status = rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", p->words[0]);
+        else if (!(status = find_value(&table, row, p->words[next], &value, &se)))
+            print_value(out, value, se);
+    }
+    rp_table_free(&table);
+    return status;
+}
+
+static rp_status fill_line(char *line, const char *tables, FILE *out)
+{
+    for (char *open; (open = strstr(line, "{{"));) {
+        char *close = strstr(open, "}}");
+        if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
+        fwrite(line, 1, (size_t)(open - line), out);
+        *close = '\0';
+        place p = {.tables = tables};
+        for (char *save, *word = strtok_r(open + 2, " ", &save); word && p.n < MAX_WORDS; word = strtok_r(NULL, " ", &save))
+            p.words[p.n++] = word;
+        rp_status status = fill_place(&p, out);
+        if (status) return status;
+        line = close + 2;
+    }
+    fputs(line, out);
+    return RP_OK;
+}
+
 rp_status cmd_report(int argc, char **argv)
 {
-    (void)argc, (void)argv;
-    return rp_fail(RP_USAGE, "not built yet");
+    report_options o;
+    const char *path;
+    int n;
+    bool done;
+    rp_status status = cli_parse(&command, argc, argv, &o, &path, &n, &done);
+    if (status || done) return status;
+    FILE *in = fopen(path, "r"), *out;
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read", path);
+    if ((status = rp_file_open(o.output, &out)) != RP_OK) {
+        fclose(in);
+        return status;
+    }
+    char *line = NULL;
+    size_t room = 0;
+    for (int number = 1; !status && getline(&line, &room, in) >= 0; number++)
+        if ((status = fill_line(line, o.tables, out)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
+    free(line);
+    fclose(in);
+    return rp_file_close(o.output, out, status);
 }

@@ -146,7 +146,8 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     if (!status && o->every > 0) status = outputs_write(&out, sim);
     while (!status && dem_step(sim) < scene->steps) {
         long part = scene->steps - dem_step(sim);
-        if (o->every > 0 && o->every < part) part = o->every - dem_step(sim) % o->every;
+        long to_next = o->every > 0 ? o->every - dem_step(sim) % o->every : part;
+        if (to_next < part) part = to_next;
         if (part > part_of_bar) part = part_of_bar;
         status = dem_run(sim, part);
         show_progress(sim, scene->steps);

@@ -33,6 +33,14 @@ static void print_overview(FILE *out)
         fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
 }
 
+/* What was printed must have arrived; a failure has one message. */
+static int finish(const char *command, rp_status status)
+{
+    if (!status) status = rp_table_finish(stdout, "standard output");
+    if (status) fprintf(stderr, "repose%s%s: %s\n", *command ? " " : "", command, rp_message());
+    return (int)status;
+}
+
 int main(int argc, char **argv)
 {
     gsl_set_error_handler_off(); /* GSL's statuses are checked where they arise */
@@ -45,19 +53,14 @@ int main(int argc, char **argv)
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(stdout);
-        return RP_OK;
+        return finish("", RP_OK);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit());
-        return RP_OK;
+        return finish("", RP_OK);
     }
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-        if (strcmp(argv[1], commands[i].name) != 0) continue;
-        rp_status status = commands[i].function(argc - 1, argv + 1);
-        if (!status) status = rp_table_finish(stdout, "standard output");
-        if (status) fprintf(stderr, "repose %s: %s\n", argv[1], rp_message());
-        return (int)status;
-    }
-    fprintf(stderr, "repose: unknown command \"%s\"; see repose --help\n", argv[1]);
-    return RP_USAGE;
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(argv[1], commands[i].name) == 0)
+            return finish(argv[1], commands[i].function(argc - 1, argv + 1));
+    return finish("", rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", argv[1]));
 }

@@ -8,12 +8,17 @@
 
 enum { MAX_OPTIONS = 40 };
 
+static const char *dashes(const rp_param *option)
+{
+    return strlen(option->name) == 1 ? "-" : "--";
+}
+
 static void print_help(const cli_command *c)
 {
     printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
     for (const rp_param *p = c->options; p->name; p++) {
         char flag[40];
-        snprintf(flag, sizeof flag, "%s%s", strlen(p->name) == 1 ? "-" : "--", p->name);
+        snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
         printf("  %-22s %s", flag, p->meaning);
         if (*p->unit) printf(", %s", p->unit);
         if (p->range && *p->range) printf("; %s", p->range);
@@ -29,7 +34,7 @@ static void print_help(const cli_command *c)
 static rp_status set_option(const rp_param *param, void *values, const char *text)
 {
     rp_status status = rp_params_set_text(param, values, param->type == RP_BOOL ? "true" : text);
-    return status ? rp_prefix(status, "%s", strlen(param->name) == 1 ? "-" : "--") : RP_OK;
+    return status ? rp_prefix(status, "%s", dashes(param)) : RP_OK;
 }
 
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
@@ -56,8 +61,12 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
             *done = true;
             return RP_OK;
         }
-        if (c == '?')
-            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help", argv[optind - 1], command->name);
+        if (c == '?') {
+            /* one letter may stand among others: getopt has not passed its word then */
+            const char letter[] = {'-', (char)optopt, '\0'};
+            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
+                           optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);
+        }
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
                            command->name);
@@ -71,8 +80,8 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
     }
     for (int i = 0; i < n; i++)
         if (!command->options[i].fallback && !given[i])
-            return rp_fail(RP_USAGE, "--%s is required (%s); see repose %s --help", command->options[i].name,
-                           command->options[i].meaning, command->name);
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&command->options[i]),
+                           command->options[i].name, command->options[i].meaning, command->name);
     *n_arguments = argc - optind;
     if (*n_arguments < command->min_arguments || *n_arguments > command->max_arguments)
         return rp_fail(RP_USAGE, "usage: repose %s %s", command->name, command->synopsis);

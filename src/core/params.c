@@ -246,7 +246,7 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
         long v = *(const long *)field;
         numeric_range range = parse_range(param->range);
         if (v == -1 && *range.words)
-            spelling(range.words, true, buffer, size);
+            word_at(range.words, 0, buffer, size);
         else
             snprintf(buffer, size, "%ld", v);
         break;

@@ -24,7 +24,8 @@ typedef struct {
 } rp_texts;
 
 /* One parameter. `range` reads "[lo, hi]" with ( ) for open ends, for numbers; words after "|" are further
- * spellings: "auto" stands for -1, any other word for infinity ("[0, inf) | infinite | auto").
+ * spellings ("[0, inf) | infinite | auto"). For RP_REAL "auto" stands for -1 and any other word for infinity;
+ * for RP_INT one word is allowed, and stands for -1.
  * For RP_CHOICE and RP_FLAGS it lists the words: "extends | ends | absorbs".
  * `fallback` is the default as a user would write it; NULL makes the parameter required. */
 typedef struct {

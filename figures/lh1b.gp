@@ -1,0 +1,12 @@
+# Lee & Herrmann 1993, figure 1(b): kinetic energy per grain against the iteration.
+opened = real(system("awk -F'[ =;]+' '{ for (i = 1; i < NF; i++) if ($i == \"open_at_step\") print $(i + 1) }' ".T.'lh1/scene.cfg'))
+set xlabel 'iteration (1000 steps of 5×10^{-5} s)'
+set ylabel 'kinetic energy per grain (erg)'
+set logscale y
+set format y '10^{%T}'
+set yrange [1e-9:100]
+set xrange [0:*]
+set key top right
+set arrow 1 from opened/1000, graph 0 to opened/1000, graph 1 nohead lc rgb '#888888' dt 3
+set label 2 ' wall removed' at opened/1000, graph 0.94 font ',8'
+plot t('lh1/energy.tsv') using (column('step')/1000):(column('kinetic')) with lines lw 0.5 lc 2 notitle

@@ -1,0 +1,20 @@
+# Common style of all figures. Called with T (folder of the tables), terminal and file set.
+# Colours: gnuplot's podo sequence, safe for colour-blind readers; marks differ in shape too.
+if (!exists("width")) width = 12.0    # cm
+if (!exists("height")) height = 8.5
+font = 'DejaVu Sans'
+if (terminal eq 'svg') set terminal svg size width*37.8, height*37.8 font font.',11' background 'white' enhanced
+if (terminal eq 'pdf') set terminal pdfcairo size width cm, height cm font font.',8' enhanced
+if (terminal eq 'png') set terminal pngcairo size width*80, height*80 font font.',11' fontscale 1.5 linewidth 2 enhanced
+set output file.'.'.terminal
+set colorsequence podo
+set datafile missing 'nan'
+set border lw 0.7
+set tics scale 0.6 nomirror out
+set grid lw 0.3 lc rgb '#d8d8d8'
+set key spacing 1.2 samplen 2.5
+set bars small
+# A table of ours as gnuplot wants it: the last header line becomes the names of the columns.
+set datafile separator tab
+set datafile columnheaders
+t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".T.name
