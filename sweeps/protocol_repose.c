@@ -56,7 +56,8 @@ static const rp_param schema[] = {
      "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W"},
     {"open", "cm/s", RP_REAL, AT(open), "instant", "(0, inf) | instant", "speed at which the right wall is lifted"},
     {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
-    {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps", "measure at rest, or relax_steps after the opening"},
+    {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
+     "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
     {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]", "steps after the opening for stop = steps"},
     {"rest_energy", "m g d", RP_REAL, AT(rest_energy), "1e-7", "(0, inf)", "at rest: mean kinetic energy below"},
     {"rest_force", "m g", RP_REAL, AT(rest_force), "1e-2", "(0, inf)", "at rest: largest net force below"},
@@ -65,7 +66,7 @@ static const rp_param schema[] = {
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
      "slopes; tilt at a rate; tilt by 0.1 degree from rest to rest"},
     {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity", "what turns"},
-    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "(0, 0.1]", "turn of gravity a step"},
+    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "(0, 0.01]", "turn of gravity a step"},
     {"height", "", RP_CHOICE, AT(height), "centre", ANG_HEIGHT_WORDS,
      "h of a cell: highest centre less d/2, highest centre, highest point"},
     {"empty", "", RP_CHOICE, AT(empty), "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out"},
@@ -125,7 +126,8 @@ typedef struct {
     double *work;      /* room for 3 N */
     double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
     long max_steps;
-    long every; /* of the energy trace; 0 for none */
+    long steps_before; /* of a simulation that was tilted before this one */
+    long every;        /* of the energy trace; 0 for none */
     FILE *energy;
 } experiment;
 
@@ -182,6 +184,8 @@ static rp_status check(const void *params)
     if (grain_number(p) < 1) return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->W, p->H);
     if (p->stop == STOP_REST && p->slip == DEM_TOTAL)
         return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest; needs stop = \"steps\"");
+    if (p->stop == STOP_STEPS && p->measure & MEASURE_THETA_T_STATIC)
+        return rp_fail(RP_BAD_INPUT, "measure = theta_t_static: goes from rest to rest; needs stop = \"rest\"");
     /* the lightest grain that can be drawn, falling from the top of the filling region */
     dem_scene scene;
     make_scene(p, 0, 0, &scene);
@@ -199,7 +203,7 @@ static rp_status check(const void *params)
 static void conclude(experiment *e, const char *status, const char *message)
 {
     snprintf(e->result->status, sizeof e->result->status, "%s", status);
-    snprintf(e->result->message, sizeof e->result->message, "%s", message);
+    if (message != e->result->message) snprintf(e->result->message, sizeof e->result->message, "%s", message);
 }
 
 static rp_status write_energy(experiment *e)
@@ -302,17 +306,26 @@ static rp_status open_box(experiment *e)
     return status;
 }
 
-static rp_status measure_pile(experiment *e)
+/* How far from rest the grains over the box's floor are, for better or worse. */
+static rp_status note_state(experiment *e)
 {
     double *v = e->result->values;
     dem_rest rest;
-    ang_slope slopes[ANG_N_METHODS];
     rp_status status = dem_rest_state(e->sim, 0.0, e->p->W, &rest);
     if (status) return status;
     v[OUT_GRAINS] = (double)rest.n;
     v[OUT_CONTACT_NUMBER] = rest.contact_number;
     v[OUT_ENERGY] = rest.kinetic_energy / (e->mg * e->d);
     v[OUT_FORCE] = rest.net_force / e->mg;
+    return RP_OK;
+}
+
+static rp_status measure_pile(experiment *e)
+{
+    double *v = e->result->values;
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = note_state(e);
+    if (status) return status;
     /* what lies flat on a floor without friction is no pile of angle 0: any slope would have flowed out */
     if (e->p->mu == 0.0 && e->p->mu_wall <= 0.0) {
         conclude(e, "no_pile", "no friction anywhere, and no wall on the right");
@@ -381,7 +394,7 @@ static rp_status places_moved(experiment *e, const places *at, double reach, int
  * that the start of the turn excites is the largest mean energy within the first half degree. */
 static rp_status tilt_at_rate(experiment *e)
 {
-    const long every = 10;
+    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
     const double sway_deg = 0.5, most_deg = 60.0;
     double *v = e->result->values, sway = 0.0;
     places at = {0};
@@ -397,7 +410,7 @@ static rp_status tilt_at_rate(experiment *e)
         if (!status) status = dem_rest_state(e->sim, 0.0, e->p->W, &rest);
         if (status) break;
         if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
-        if (isnan(v[OUT_THETA_T_DISPLACEMENT]) && (double)moved > 0.05 * (double)at.n)
+        if (isnan(v[OUT_THETA_T_DISPLACEMENT]) && (double)moved >= 0.05 * (double)at.n)
             v[OUT_THETA_T_DISPLACEMENT] = turned;
         if (isnan(v[OUT_THETA_T_ENERGY]) && turned > sway_deg && rest.kinetic_energy > 10.0 * sway &&
             rest.kinetic_energy > 1e-5 * e->mg * e->d)
@@ -406,11 +419,13 @@ static rp_status tilt_at_rate(experiment *e)
     }
     places_free(&at);
     v[OUT_THETA_RT] = v[OUT_THETA_R3] + v[OUT_THETA_T_DISPLACEMENT];
+    if (!status && (isnan(v[OUT_THETA_T_DISPLACEMENT]) || isnan(v[OUT_THETA_T_ENERGY])))
+        snprintf(e->result->message, sizeof e->result->message, "tilt: stands, by a criterion, at %g degrees", most_deg);
     return status;
 }
 
 /* Gravity turns by 0.1 degree at the same rate, then waits for rest; the last angle at which no grain with
- * two contacts had moved half a diameter. A step that never comes to rest ends it too. */
+ * two contacts had moved half a diameter. */
 static rp_status tilt_quasi_static(experiment *e)
 {
     const double step_deg = 0.1, most_deg = 60.0;
@@ -422,15 +437,12 @@ static rp_status tilt_quasi_static(experiment *e)
         status = advance(e, steps);
         dem_gravity_turn(e->sim, 0.0);
         if (!status) status = settle(e, false, "quasi-static tilt");
-        bool slid = status == RP_NO_RESULT && strcmp(e->result->status, "not_at_rest") == 0;
+        bool restless = status == RP_NO_RESULT && strcmp(e->result->status, "not_at_rest") == 0;
+        if (restless) status = RP_OK;
         size_t moved = 0;
         if (!status) status = places_moved(e, &at, 0.5 * e->d, 2, &moved);
-        if (slid || (!status && moved > 0)) {
-            e->result->values[OUT_THETA_T_STATIC] = turned;
-            conclude(e, "ok", "");
-            status = RP_OK;
-            break;
-        }
+        if (!status && moved > 0) e->result->values[OUT_THETA_T_STATIC] = turned;
+        if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
     }
     places_free(&at);
     return status;
@@ -443,6 +455,7 @@ static rp_status tilt_pile(experiment *e)
     if (e->p->measure & MEASURE_THETA_T_STATIC) status = dem_clone(e->sim, &rested);
     if (!status && e->p->measure & MEASURE_THETA_T) status = tilt_at_rate(e);
     if (rested && !status) {
+        e->steps_before += dem_step(e->sim) - dem_step(rested);
         dem_sim *tilted = e->sim;
         e->sim = rested;
         rested = tilted;
@@ -502,9 +515,14 @@ static rp_status run_phases(experiment *e, const trace *t)
     if (!status && t) status = write_tables(e, t, "pile");
     if (!status && t) status = write_scene(e, t);
     if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
-    if (!status) conclude(e, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", "");
-    e->result->values[OUT_STEPS] = e->sim ? (double)dem_step(e->sim) : NAN;
-    return status;
+    if (!status) conclude(e, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", e->result->message);
+    if (e->sim) e->result->values[OUT_STEPS] = (double)(dem_step(e->sim) + e->steps_before);
+    if (status != RP_NO_RESULT || !e->sim) return status;
+    /* a run without a result leaves what there is to look at */
+    rp_status left = note_state(e);
+    if (!left && t) left = write_tables(e, t, "pile");
+    if (!left && t) left = write_scene(e, t);
+    return left ? left : status;
 }
 
 static rp_status run_experiment(const repose_params *p, unsigned long seed, unsigned long run, const trace *t,

@@ -1,6 +1,5 @@
 /* The program as a user meets it: exit statuses, one message that names what is wrong, values on standard
  * output, and a sweep from its file to its digest. The environment variable REPOSE names the program. */
-#include <fcntl.h>
 #include <ftw.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -116,10 +115,11 @@ static bool good(int line, int status)
 static bool failed(int line, int status, int expected, const char *text)
 {
     const char *end = strchr(err, '\n');
-    bool right = status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
+    bool right =
+        status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
     if (!right)
-        fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__, line, status, err,
-                expected, text);
+        fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__, line,
+                status, err, expected, text);
     return right;
 }
 
@@ -194,7 +194,7 @@ static bool option_line_is_whole(const char *line)
     return false;
 }
 
-/* `text` is the help of one command. Its example must be of a right form: files that it names may be missing. */
+/* `text` is the help of one command. Its example must be right, but for files that are not there. */
 static void check_command_help(const char *command, char *text)
 {
     char usage[64];
@@ -345,7 +345,8 @@ static void test_bad_values(void)
         {65, "--layers = 4.5: a whole number expected", "lattice --layers 4.5"},
         {65, "--theta-deg = 29.9: out of range, allowed: [30, 60]", "lattice --layers 4 --theta-deg 29.9"},
         {65, "--mu = -0.1: out of range", "angle marginal --mu -0.1"},
-        {65, "--form = \"frob\": unknown word, allowed: balanced", "angle tilt --mu 1 --theta-r-deg 3 --form frob"},
+        {65, "--form = \"frob\": unknown word, allowed: balanced",
+         "angle tilt --mu 1 --theta-r-deg 3 --form frob"},
         {65, "none.tsv: cannot read", "angle slope none.tsv --width 4"},
         {65, "none.tsv: cannot read", "angle compare none.tsv"},
         {65, "none.tsv: cannot read", "angle fit none.tsv -x a -y b --se c"},
@@ -368,35 +369,37 @@ static void test_bad_values(void)
     leave();
 }
 
+#define GRAIN "{ x = 0.1; y = 0.2; r = 0.1; }"
+
 static void test_bad_scenes(void)
 {
     static const struct {
-        const char *change, *particles, *text;
+        const char *line, *particles, *text;
     } list[] = {
-        {"frob = 3;", "", "s.cfg:1: frob: unknown key"},
-        {"dt = \"fast\";", "", "s.cfg:1: dt = \"fast\": a number expected"},
-        {"steps = 4.5;", "", "s.cfg:1: steps"},
-        {"dt = 0.0;", "", "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
-        {"dt = 1.0e-2;", "", "the limit is "},
-        {"steps = 3000000000;", "", "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
-        {"dt = 1e400;", "", "s.cfg:1: dt"},
-        {"steps = ;", "", "s.cfg:1: syntax error"},
-        {"tangential = { mu = 0.2; };", "", "s.cfg:1: mu = 0.2: needs law = \"spring\""},
-        {"", "x = 0.1; y = 0.2; r = -0.1;", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
-        {"", "x = 0.1; y = 0.2;", "s.cfg:4: r: missing"},
-        {"", NULL, "s.cfg:3: particles: no particles"},
+        {"frob = 3;", GRAIN, "s.cfg:1: frob: unknown key"},
+        {"dt = \"fast\";", GRAIN, "s.cfg:1: dt = \"fast\": a number expected"},
+        {"steps = 4.5;", GRAIN, "s.cfg:1: steps = 4.5: a whole number expected"},
+        {"dt = 0.0;", GRAIN, "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
+        {"dt = 1.0e-2;", GRAIN, "the limit is "},
+        {"steps = 3000000000;", GRAIN, "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
+        {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
+        {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
+        {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs law = \"spring\""},
+        {"", "{ x = 0.1; y = 0.2; r = -0.1; }", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
+        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: r: missing"},
+        {"", "", "s.cfg:3: particles: no particles"},
     };
     enter();
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-        const char *p = list[i].particles;
-        write_text("s.cfg", "%s\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\nparticles = (\n%s%s%s );\n",
-                   list[i].change, p ? "{ " : "", p ? *p ? p : "x = 0.1; y = 0.2; r = 0.1;" : "", p ? " }" : "");
+        write_text("s.cfg",
+                   "%s\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\nparticles = (\n%s );\n",
+                   list[i].line, list[i].particles);
         FAILS(65, list[i].text, "run s.cfg -o made");
-        CU_ASSERT(out[0] == '\0' && access(folder, W_OK) == 0);
+        CU_ASSERT(out[0] == '\0');
     }
     write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     FAILS(65, "s.cfg: exactly one of particles", "run s.cfg");
-    write_text("s.cfg", "particles = ( { x = 0.1; y = 0.2; r = 0.1; } );\n");
+    write_text("s.cfg", "particles = ( " GRAIN " );\n");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
     FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
     FAILS(65, "steps", "run s.cfg --set steps=many");
@@ -415,10 +418,13 @@ static void test_bad_sweeps(void)
         {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
         {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
         {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { frob = 1; };", "frob: unknown key"},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { floor = \"up\"; };", "floor = \"up\": unknown word"},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { floor = \"up\"; };",
+         "floor = \"up\": unknown word"},
         {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { dt = 1.0e-3; };", "the limit is "},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { slip = \"total\"; };", "needs stop = \"steps\""},
-        {"protocol = \"repose\"; seed = 1; replicas = 1; grid = { mu = [0.1, -0.2]; };", "mu = -0.2: out of range"},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { slip = \"total\"; };",
+         "needs stop = \"steps\""},
+        {"protocol = \"repose\"; seed = 1; replicas = 1; grid = { mu = [0.1, -0.2]; };",
+         "mu = -0.2: out of range"},
     };
     char path[256];
     enter();
@@ -493,14 +499,14 @@ static void test_static_models(void)
     rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 45);
     for (size_t i = 0; i < t.n_rows; i++) {
-        /* (42): N = (k + 1)/2; (44): H grows by equal parts from one toe to the other, no force in the middle */
+        /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
         CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&t, i, "H/mg"), ((double)i - 22.0) / sqrt(3.0), FORM_TOLERANCE);
     }
     rp_table_free(&t);
 
-    /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4 each,
-     * and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
+    /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
+     * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
     GOOD("continuum --alpha-deg 30 --at 0.5,0.12,0.88");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 3);
@@ -534,10 +540,11 @@ static void test_angles(void)
     const struct {
         const char *form;
         double theta_t, tolerance;
-    } forms[] = {{"balanced", 4.834, printed},
-                 {"printed", 3.533, printed},
-                 {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9},
-                 {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9}};
+    } forms[] = {
+        {"balanced", 4.834, printed},
+        {"printed", 3.533, printed},
+        {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9},
+        {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9}};
     rp_table t;
     enter();
     GOOD("angle marginal --mu 0.2");
@@ -574,7 +581,8 @@ static void test_angle_tables(void)
     char path[256];
     path_of("pile.tsv", path);
     FILE *file = fopen(path, "w");
-    for (int j = 0; j < 20; j++) fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
+    for (int j = 0; j < 20; j++)
+        fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
     fclose(file);
     GOOD("angle slope pile.tsv --width 4");
     rp_table t = read_table("out");
@@ -673,8 +681,9 @@ static void test_output_folder(void)
 static void test_broken_run(void)
 {
     enter();
-    write_text("scene.cfg", "steps = 100000; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 10.0; } );\n"
-                            "particles = ( { x = 0.0; y = 0.5; r = 0.1; m = 0.004; } );\n");
+    write_text("scene.cfg",
+               "steps = 100000; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 10.0; } );\n"
+               "particles = ( { x = 0.0; y = 0.5; r = 0.1; m = 0.004; } );\n");
     FAILS(70, "leaked at step ", "run scene.cfg --every 100");
     CU_ASSERT(strstr(err, "grain 1: its centre passed wall 1") != NULL);
     rp_table t = read_table("out");

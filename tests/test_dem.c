@@ -176,6 +176,7 @@ static void extra_rebuilds(void)
     for (int k = 0; k < 40; k++) {
         CHECK_OK(dem_run(sim, 50));
         CHECK_OK(dem_neighbours_rebuild(rebuilt));
+        CHECK_OK(dem_neighbours_rebuild(rebuilt)); /* also twice in a row */
         CHECK_OK(dem_run(rebuilt, 50));
     }
     /* a lost spring would shift a grain by mu m g / k_s = 1e-4 */
@@ -325,6 +326,118 @@ static void floor_that_ends(void)
     dem_free(sim);
 }
 
+/* The same within one life of the neighbour list: past the corner the grain is below, not through the floor. */
+static void corner_without_rebuild(void)
+{
+    dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.material.mu = 0.0;
+    def.skin = 3.0;
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[0].extent[1] = 1.0;
+    dem_sim *sim = start(&def);
+    dem_counts counts;
+    dem_state s;
+    CHECK_OK(dem_run(sim, 60)); /* now beyond the corner */
+    dem_free(sim);
+    grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
+    def.gravity[0] = -40000.0; /* round the corner and back under the floor */
+    sim = start(&def);
+    CHECK_OK(dem_run(sim, 90));
+    dem_states(sim, &s);
+    dem_count_work(sim, &counts);
+    CU_ASSERT_EQUAL(counts.rebuilds, 1);
+    CU_ASSERT(s.x < 1.0 && s.y < -0.1);
+    dem_free(sim);
+}
+
+/* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
+ * slowly, starts each touch with what it slides in a step, not with the spring of the touch before. */
+static void springs_end(void)
+{
+    dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.material.gamma_n = def.material.gamma_s = 0.0;
+    def.material.mu = 10.0; /* it never slips */
+    def.grains = grains;
+    def.n_grains = 2;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.5, 0.0, -1.0, &def.material);
+    dem_sim *sim = start(&def);
+    int touches = 0;
+    size_t before = 0;
+    double longest = 0.0;
+    for (int step = 0; step < 5000; step++) {
+        dem_contact *c;
+        size_t n;
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_OK(dem_contacts(sim, &c, &n));
+        /* 0.1 cm/s along x, and as much again from the slope of the heavy grain where it has drifted to */
+        if (n == 1 && before == 0) {
+            touches++;
+            CU_ASSERT(fabs(c[0].shear_spring) <= 3.0 * 0.1 * def.dt);
+        }
+        if (n == 1) longest = fmax(longest, fabs(c[0].shear_spring));
+        before = n;
+        free(c);
+    }
+    CU_ASSERT(touches >= 10);
+    CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* a spring that was not ended would have shown */
+    dem_free(sim);
+}
+
+/* A wall that is lifted drags a grain that touches it, upward. */
+static void lifted_wall_drags(void)
+{
+    dem_grain grain = {0.9003, 0.5, 0.1, 0.0042, 0.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.gravity[0] = 981.0;
+    def.gravity[1] = 0.0;
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
+    def.walls[0].extent[0] = 0.0;
+    def.walls[0].open_at_step = 0;
+    def.walls[0].open_speed = 2.0;
+    dem_sim *sim = start(&def);
+    dem_state s;
+    CHECK_OK(dem_run(sim, 2000));
+    dem_states(sim, &s);
+    CU_ASSERT(s.vy > 0.5 && s.y > 0.51);
+    dem_free(sim);
+}
+
+/* A grain is taken out at the step at which its centre passes x_max or y_min, and the others go on. */
+static void outlet(void)
+{
+    dem_grain grains[3] = {{0.0, 3.0, 0.1, 0.0042, 10.0, 0.0}, {0.0, 1.0, 0.1, 0.0042, 0.0, -10.0}, {-0.5, 2.0, 0.1, 0.0042, 0.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.grains = grains;
+    def.n_grains = 3;
+    def.x_max = 0.30125; /* passed in step 603 of 5e-4 each */
+    def.y_min = 0.49975; /* passed in step 1001 */
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 602));
+    CU_ASSERT_EQUAL(dem_count(sim), 3);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 2);
+    CHECK_OK(dem_run(sim, 397));
+    CU_ASSERT_EQUAL(dem_count(sim), 2);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 1);
+    dem_state s;
+    CHECK_OK(dem_run(sim, 100));
+    dem_states(sim, &s);
+    CU_ASSERT(s.id == 3 && s.x == -0.5 && s.y == 2.0);
+    dem_free(sim);
+}
+
 /* A wall that is lifted lets grains out below, and holds those above. */
 static void lifted_wall(void)
 {
@@ -353,6 +466,14 @@ static void lifted_wall(void)
     dem_states(sim, s);
     CU_ASSERT(s[0].x > 1.2);
     CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
+    dem_free(sim);
+    def.walls[0].extent[1] = -0.1; /* gone at once: both fly on, no corner is left to run up behind it */
+    grains[1].x = 0.6;
+    sim = start(&def);
+    CHECK_OK(dem_run(sim, 700));
+    dem_states(sim, s);
+    CHECK_NEAR(s[0].x, 0.6 + 700 * def.dt * 30.0, 1e-12);
+    CHECK_NEAR(s[1].x, 0.6 + 700 * def.dt * 50.0, 1e-12);
     dem_free(sim);
 }
 
@@ -463,6 +584,8 @@ static void bad_definitions(void)
     REFUSES((bad.walls[0].open_at_step = 1, bad.walls[0].open_speed = 1.0), "open_speed");
     REFUSES(bad.gravity[0] = NAN, "gravity");
     REFUSES(bad.skin = -1.0, "skin");
+    REFUSES(bad.x_max = -0.1, "starts beyond x_max");
+    REFUSES((grains[0].y = 0.72, bad.gravity[1] = 0.0, bad.dt = 3e-4), "an overlap of the start");
 #undef REFUSES
 }
 
@@ -489,6 +612,10 @@ static void time_step_limit(void)
     def.material.k_n *= 32.0;
     double stiff = dem_time_step_limit(&def, NULL);
     CU_ASSERT(stiff < limit / 3.8 && stiff > limit / 4.2);
+    /* with damping alone a packing asks for gamma dt below 2/3, of which 0.9 are allowed */
+    def.material = (dem_material){1e-9, 3e5, 1e-9, 0.0, 0.0};
+    for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
+    CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.6 / 3e5, 1e-3 / 3e5);
     free(grains);
 }
 
@@ -502,7 +629,11 @@ void suite_dem(void)
                                        {"same bits however it is run", determinism},
                                        {"gravity turns", gravity_turns},
                                        {"floor that ends", floor_that_ends},
+                                       {"corner without a rebuild", corner_without_rebuild},
+                                       {"springs end with their contacts", springs_end},
                                        {"lifted wall", lifted_wall},
+                                       {"lifted wall drags", lifted_wall_drags},
+                                       {"outlet", outlet},
                                        {"random filling", filling},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},

@@ -81,8 +81,9 @@ const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows: 1/lambda of the stiffest contact, with
  * lambda = gamma/2 + sqrt(gamma^2/4 + k_eff/m_eff), k_eff = 1.5 k_n sqrt(overlap) for Hertz, at the overlap
- * that an impact from the start's height and speed makes. Verlet becomes unstable at about twice that.
- * `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come. */
+ * that an impact from the start's height and speed makes; and less where strong damping makes a packing of
+ * many contacts unstable before. A pair becomes unstable at about twice that. `what` (may be NULL) names the
+ * contact that sets it. INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.

@@ -70,11 +70,11 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     rp_table_note(out, "kernel", "%s", sim->kernel_name);
     rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit, sim->dt_limit_of);
     if (!(c->k_n > 0.0)) return;
-    if (sim->def.normal == DEM_HERTZ) {
+    if (sim->def.normal == DEM_HERTZ && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",
                       dem_sticking_speed(c->k_n, c->gamma_n, m_eff));
+    if (sim->def.normal == DEM_HERTZ)
         rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii", 0.75 * c->k_n / sqrt(0.5 * r));
-    }
     dem_collision_result impact;
     if (!(v > 0.0) ||
         dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)

@@ -48,7 +48,9 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng 
 
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains)
 {
-    cells c = {.size = 2.0 * fill->radius_max};
+    /* no more than some four cells a grain, however large the region */
+    const double most = 2.0 * sqrt((double)fill->N) + 8.0;
+    cells c = {.size = fmax(2.0 * fill->radius_max, fmax(fill->W, fill->H) / most)};
     c.nx = (long)(fill->W / c.size) + 1;
     c.ny = (long)(fill->H / c.size) + 1;
     c.head = malloc((size_t)(c.nx * c.ny) * sizeof *c.head);

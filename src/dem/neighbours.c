@@ -78,7 +78,7 @@ static rp_status pair_room(dem_sim *sim, size_t more)
 static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
 {
     sim->n_pairs = sim->pair_room = 0;
-    rp_status status = pair_room(sim, like->n_pairs);
+    rp_status status = pair_room(sim, like->n_pairs + 1); /* so that the arrays exist */
     sim->wall_room = like->n_wall_slots + 1;
     if (status || !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
@@ -265,7 +265,11 @@ static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
         sim->pair_j[k] = (uint32_t)j;
         sim->pair_radii[k] = radii;
         sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
-        sim->spring[k] = dem_dot(d, d) < radii * radii ? held_spring(sim->scratch, (uint32_t)i, (uint32_t)j) : 0.0;
+        sim->spring[k] = 0.0;
+        if (dem_dot(d, d) < radii * radii) {
+            sim->spring[k] = held_spring(sim->scratch, (uint32_t)i, (uint32_t)j);
+            sim->touching[sim->n_touching++] = (uint32_t)k;
+        }
     }
 }
 

@@ -77,35 +77,45 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     return (dem_contact){sim->id[i], sim->id[j], -1, a[0], a[1], b[0], b[1], overlap, f_n, f_s, spring};
 }
 
+/* The contact of a wall slot; false if they do not touch. */
+static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
+{
+    dem_vec normal, wall_velocity;
+    double overlap, f_s = 0.0, spring = sim->wall_slot[k].spring;
+    if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) return false;
+    const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
+    const dem_material *c = &sim->def.walls[w].material;
+    dem_vec v = sim->grain[i].v - wall_velocity, x = sim->grain[i].x;
+    dem_vec at = x - (sim->radius[i] - overlap) * normal;
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
+                                dem_dot(v, normal));
+    if (sim->def.tangential == DEM_SPRING)
+        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[w], sim->mass[i],
+                            dem_dot(v, dem_clockwise(normal)), f_n, 0.0, &spring);
+    *contact = (dem_contact){sim->id[i], 0, (int)w, x[0], x[1], at[0], at[1], overlap, f_n, f_s, spring};
+    return true;
+}
+
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
 {
     *n = 0;
     *contacts = malloc((sim->n_touching + sim->n_wall_slots + 1) * sizeof **contacts);
     if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
     for (size_t t = 0; t < sim->n_touching; t++) (*contacts)[(*n)++] = pair_contact(sim, sim->touching[t]);
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        dem_vec normal, wall_velocity;
-        double overlap, f_s = 0.0, spring = sim->wall_slot[k].spring;
-        if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) continue;
-        const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
-        const dem_material *c = &sim->def.walls[w].material;
-        dem_vec v = sim->grain[i].v - wall_velocity, x = sim->grain[i].x;
-        dem_vec at = x - (sim->radius[i] - overlap) * normal;
-        double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
-                                    dem_dot(v, normal));
-        if (sim->def.tangential == DEM_SPRING)
-            f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[w], sim->mass[i],
-                                dem_dot(v, dem_clockwise(normal)), f_n, 0.0, &spring);
-        (*contacts)[(*n)++] =
-            (dem_contact){sim->id[i], 0, (int)w, x[0], x[1], at[0], at[1], overlap, f_n, f_s, spring};
-    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++) *n += slot_contact(sim, k, *contacts + *n);
     return RP_OK;
 }
 
-/* Energy of a normal spring. */
-static double spring_energy(int law, double k_n, double overlap)
+/* Energy that a contact's springs hold. A shear spring of the untruncated law pulls with the constant cap
+ * beyond its Coulomb limit. */
+static double spring_energy(const dem_sim *sim, const dem_material *c, double mu, const dem_contact *contact)
 {
-    return law == DEM_HERTZ ? 0.4 * k_n * overlap * overlap * sqrt(overlap) : 0.5 * k_n * overlap * overlap;
+    double overlap = contact->overlap, ds = fabs(contact->shear_spring);
+    double energy = sim->def.normal == DEM_HERTZ ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
+                                                 : 0.5 * c->k_n * overlap * overlap;
+    if (sim->def.tangential != DEM_SPRING) return energy;
+    double pull = fmin(c->k_s * ds, mu * fmax(contact->normal_force, 0.0));
+    return energy + pull * ds - 0.5 * pull * pull / c->k_s;
 }
 
 void dem_energies(const dem_sim *sim, dem_energy *energy)
@@ -117,20 +127,14 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
     }
     for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t];
-        dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
-        energy->elastic +=
-            spring_energy(sim->def.normal, sim->def.material.k_n, sim->pair_radii[k] - sqrt(dem_dot(d, d)));
-        if (sim->def.tangential == DEM_SPRING)
-            energy->elastic += 0.5 * sim->def.material.k_s * sim->spring[k] * sim->spring[k];
+        dem_contact contact = pair_contact(sim, sim->touching[t]);
+        energy->elastic += spring_energy(sim, &sim->def.material, sim->mu, &contact);
     }
     for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        dem_vec n, v;
-        double overlap, ds = sim->wall_slot[k].spring;
-        if (!wall_contact(sim, k, &n, &overlap, &v)) continue;
-        const dem_material *c = &sim->def.walls[sim->wall_slot[k].wall].material;
-        energy->elastic += spring_energy(sim->def.normal, c->k_n, overlap);
-        if (sim->def.tangential == DEM_SPRING) energy->elastic += 0.5 * c->k_s * ds * ds;
+        dem_contact contact;
+        const uint32_t w = sim->wall_slot[k].wall;
+        if (slot_contact(sim, k, &contact))
+            energy->elastic += spring_energy(sim, &sim->def.walls[w].material, sim->wall_mu[w], &contact);
     }
 }
 

@@ -39,18 +39,25 @@ const char *dem_fault_text(dem_fault fault)
     return "unknown";
 }
 
-/* Time scale 1/lambda of a contact of mass m_eff that meets at speed v. */
-static double contact_time_scale(const dem_definition *def, const dem_material *c, double m_eff, double v)
+/* Overlap that an impact at speed v reaches without damping. */
+static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
 {
-    double k_normal = c->k_n;
-    if (def->normal == DEM_HERTZ) {
-        double overlap = pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4);
-        k_normal = c->k_n > 0.0 ? 1.5 * c->k_n * sqrt(overlap) : 0.0;
-    }
+    if (!(c->k_n > 0.0)) return 0.0;
+    return def->normal == DEM_HERTZ ? pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4) : v * sqrt(m_eff / c->k_n);
+}
+
+/* Largest time step of a contact of mass m_eff at this overlap. A pair asks for less than 1/lambda; in a
+ * packing the stiffness and damping of a grain's contacts add up to some three times a pair's, and Verlet
+ * with velocities of the half step needs 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, double m_eff, double overlap)
+{
+    double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
     double k = fmax(k_normal, def->tangential == DEM_SPRING ? c->k_s : 0.0);
     double gamma = fmax(c->gamma_n, def->tangential == DEM_SPRING ? c->gamma_s : 0.0);
-    double lambda = 0.5 * gamma + sqrt(0.25 * gamma * gamma + k / m_eff);
-    return lambda > 0.0 ? 1.0 / lambda : INFINITY;
+    double omega2 = k / m_eff, lambda = 0.5 * gamma + sqrt(0.25 * gamma * gamma + omega2);
+    if (!(lambda > 0.0)) return INFINITY;
+    double packing = 4.0 / (3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * omega2));
+    return fmin(1.0 / lambda, 0.9 * packing);
 }
 
 /* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
@@ -85,11 +92,13 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
     const double v = impact_speed(def);
     const char *which = "no contact";
     if (def->n_grains > 1) {
-        limit = contact_time_scale(def, &def->material, m_min * m_second / (m_min + m_second), v);
+        double m_eff = m_min * m_second / (m_min + m_second);
+        limit = contact_step_limit(def, &def->material, m_eff, impact_overlap(def, &def->material, m_eff, v));
         which = "two of the lightest grains";
     }
     for (size_t w = 0; w < def->n_walls && def->n_grains > 0; w++) {
-        double t = contact_time_scale(def, &def->walls[w].material, m_min, v);
+        const dem_material *c = &def->walls[w].material;
+        double t = contact_step_limit(def, c, m_min, impact_overlap(def, c, m_min, v));
         if (t < limit) {
             limit = t;
             which = "the lightest grain at a wall";
@@ -157,6 +166,9 @@ static rp_status check_grain_values(const dem_definition *def)
             return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1, p->m);
         if (!isfinite(p->x + p->y + p->vx + p->vy))
             return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
+        if (p->x > def->x_max || p->y < def->y_min)
+            return rp_fail(RP_BAD_INPUT, "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
+                           p->x, p->y, def->x_max, def->y_min);
     }
     return RP_OK;
 }
@@ -256,6 +268,29 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     return RP_OK;
 }
 
+/* Contacts that the start has already may be stiffer than any impact to come. */
+static rp_status check_start_overlaps(const dem_sim *sim)
+{
+    double limit = INFINITY;
+    for (size_t t = 0; t < sim->n_touching; t++) {
+        const size_t k = sim->touching[t];
+        dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
+        limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.material, sim->pair_mass[k],
+                                               sim->pair_radii[k] - sqrt(dem_dot(d, d))));
+    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        dem_vec normal, velocity;
+        double overlap;
+        dem_wall_slot slot = sim->wall_slot[k];
+        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
+            limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
+                                                   sim->mass[slot.grain], overlap));
+    }
+    return sim->def.dt <= limit ? RP_OK
+                                : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
+                                          sim->def.dt, limit);
+}
+
 /* Forces of the start, with velocities of the start and springs as they are; then velocities half a step
  * back, as the leapfrog keeps them. */
 static rp_status start_forces(dem_sim *sim)
@@ -265,6 +300,7 @@ static rp_status start_forces(dem_sim *sim)
     sim->kernel(sim, 0.0);
     dem_walls_apply(sim, 0.0);
     if (sim->alarm) status = check_overlaps(sim);
+    if (!status) status = check_start_overlaps(sim);
     if (status) return status;
     for (size_t i = 0; i < sim->n; i++)
         sim->grain[i].v -= 0.5 * sim->def.dt * (sim->force[i] * sim->inverse_mass[i] + sim->gravity);

@@ -19,6 +19,7 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
         if (isinf(w->open_speed)) return false;
         lo += w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step);
         *velocity = w->open_speed * tangent;
+        if (lo >= hi) return false; /* lifted past its upper end */
     }
     if (along < lo || along > hi) {
         dem_vec corner = d - (along < lo ? lo : hi) * tangent;
