@@ -26,10 +26,10 @@ typedef struct {
 
 typedef struct {
     const char *name;
-    const char *about;            /* one line */
-    const rp_param *schema;       /* of the structure below */
-    size_t params_size;           /* bytes of the structure that the schema fills */
-    const sweep_output *outputs;  /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
+    const char *about;           /* one line */
+    const rp_param *schema;      /* of the structure below */
+    size_t params_size;          /* bytes of the structure that the schema fills */
+    const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
 
     /* Refuse combinations of parameters that can't work, before anything runs: a time step too large, a
      * box without grains. Errors: RP_BAD_INPUT. */

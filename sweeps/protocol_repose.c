@@ -34,16 +34,19 @@ static const rp_param schema[] = {
     {"H", "cm", RP_REAL, AT(H), "4.0", "(0, 1000]", "height that the grains are counted for"},
     {"N", "", RP_INT, AT(N), "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2"},
     {"mu", "", RP_REAL, AT(mu), "0.2", "[0, inf) | infinite", "friction between grains"},
-    {"mu_wall", "", RP_REAL, AT(mu_wall), "auto", "[0, inf) | infinite | auto", "of floor and walls; auto: mu"},
+    {"mu_wall", "", RP_REAL, AT(mu_wall), "auto", "[0, inf) | infinite | auto",
+     "of floor and walls; auto: mu"},
     {"k_n", "dyn/cm^1.5", RP_REAL, AT(k_n), "1e6", "(0, inf)", "normal stiffness"},
-    {"k_n_wall", "dyn/cm^1.5", RP_REAL, AT(k_n_wall), "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n"},
+    {"k_n_wall", "dyn/cm^1.5", RP_REAL, AT(k_n_wall), "auto", "(0, inf) | auto",
+     "of floor and walls; auto: 2 k_n"},
     {"k_s", "dyn/cm", RP_REAL, AT(k_s), "1e4", "(0, inf)", "shear stiffness"},
     {"gamma_n", "1/s", RP_REAL, AT(gamma_n), "500.0", "[0, inf)", "normal damping"},
     {"gamma_s", "1/s", RP_REAL, AT(gamma_s), "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100"},
     {"density", "g/cm^3", RP_REAL, AT(density), "1.0", "(0, inf)", "of the grains (disk: g/cm^2)"},
     {"shape", "", RP_CHOICE, AT(shape), "sphere", "sphere | disk", "gives the mass from the density"},
     {"radius_mean", "cm", RP_REAL, AT(radius_mean), "0.1", "(0, inf)", "of the Gaussian; d is twice this"},
-    {"radius_width", "cm", RP_REAL, AT(radius_width), "0.02", "[0, inf)", "standard deviation before the cut"},
+    {"radius_width", "cm", RP_REAL, AT(radius_width), "0.02", "[0, inf)",
+     "standard deviation before the cut"},
     {"radius_min", "cm", RP_REAL, AT(radius_min), "0.07", "(0, inf)", "drawn again below"},
     {"radius_max", "cm", RP_REAL, AT(radius_max), "0.13", "(0, inf)", "drawn again above"},
     {"g", "cm/s^2", RP_REAL, AT(g), "981.0", "(0, inf)", "gravity"},
@@ -54,12 +57,15 @@ static const rp_param schema[] = {
     {"tension", "", RP_BOOL, AT(tension), "true", "", "whether the damped normal force may pull, as printed"},
     {"floor", "", RP_CHOICE, AT(floor), "extends", "extends | ends | absorbs",
      "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W"},
-    {"open", "cm/s", RP_REAL, AT(open), "instant", "(0, inf) | instant", "speed at which the right wall is lifted"},
+    {"open", "cm/s", RP_REAL, AT(open), "instant", "(0, inf) | instant",
+     "speed at which the right wall is lifted"},
     {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
-    {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]", "steps after the opening for stop = steps"},
-    {"rest_energy", "m g d", RP_REAL, AT(rest_energy), "1e-7", "(0, inf)", "at rest: mean kinetic energy below"},
+    {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]",
+     "steps after the opening for stop = steps"},
+    {"rest_energy", "m g d", RP_REAL, AT(rest_energy), "1e-7", "(0, inf)",
+     "at rest: mean kinetic energy below"},
     {"rest_force", "m g", RP_REAL, AT(rest_force), "1e-2", "(0, inf)", "at rest: largest net force below"},
     {"max_steps", "", RP_INT, AT(max_steps), "auto", "[1, 2000000000] | auto",
      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1"},
@@ -149,14 +155,15 @@ static void make_scene(const repose_params *p, unsigned long seed, unsigned long
     def.dt = p->dt;
     def.slip = p->slip;
     def.tension = p->tension;
-    def.material = (dem_material){p->k_n, p->gamma_n, p->k_s, p->gamma_s < 0.0 ? p->gamma_n / 100.0 : p->gamma_s,
-                                  p->mu};
+    def.material =
+        (dem_material){p->k_n, p->gamma_n, p->k_s, p->gamma_s < 0.0 ? p->gamma_n / 100.0 : p->gamma_s, p->mu};
     dem_material wall = def.material;
     wall.k_n = p->k_n_wall < 0.0 ? 2.0 * p->k_n : p->k_n_wall;
     wall.mu = p->mu_wall < 0.0 ? p->mu : p->mu_wall;
     def.n_walls = N_WALLS;
     for (int w = 0; w < N_WALLS; w++)
-        def.walls[w] = (dem_wall){.material = wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = p->open};
+        def.walls[w] = (dem_wall){
+            .material = wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = p->open};
     def.walls[WALL_FLOOR].direction[1] = 1.0;
     def.walls[WALL_LEFT].direction[0] = 1.0;
     def.walls[WALL_RIGHT].direction[0] = -1.0;
@@ -168,8 +175,9 @@ static void make_scene(const repose_params *p, unsigned long seed, unsigned long
         def.y_min = -2.0 * d;
     }
     *scene = (dem_scene){.def = def, .has_fill = true};
-    scene->fill = (dem_fill){grain_number(p), p->W, 2.0 * p->H, p->radius_mean, p->radius_width, p->radius_min,
-                             p->radius_max, p->density, p->shape, (long)seed, (long)run};
+    scene->fill =
+        (dem_fill){grain_number(p), p->W,       2.0 * p->H, p->radius_mean, p->radius_width, p->radius_min,
+                   p->radius_max,   p->density, p->shape,   (long)seed,     (long)run};
 }
 
 static rp_status check(const void *params)
@@ -181,16 +189,21 @@ static rp_status check(const void *params)
     if (p->W < 10.0 * p->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", p->W,
                        10.0 * p->radius_mean);
-    if (grain_number(p) < 1) return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->W, p->H);
+    if (grain_number(p) < 1)
+        return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->W, p->H);
     if (p->stop == STOP_REST && p->slip == DEM_TOTAL)
-        return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest; needs stop = \"steps\"");
+        return rp_fail(
+            RP_BAD_INPUT,
+            "slip = \"total\": the untruncated spring never comes to rest; needs stop = \"steps\"");
     if (p->stop == STOP_STEPS && p->measure & MEASURE_THETA_T_STATIC)
-        return rp_fail(RP_BAD_INPUT, "measure = theta_t_static: goes from rest to rest; needs stop = \"rest\"");
+        return rp_fail(RP_BAD_INPUT,
+                       "measure = theta_t_static: goes from rest to rest; needs stop = \"rest\"");
     /* the lightest grain that can be drawn, falling from the top of the filling region */
     dem_scene scene;
     make_scene(p, 0, 0, &scene);
     double m = dem_mass(p->shape, p->density, p->radius_width > 0.0 ? p->radius_min : p->radius_mean);
-    dem_grain two[2] = {{0.0, 0.0, p->radius_min, m, 0.0, 0.0}, {0.0, 2.0 * p->H, p->radius_min, m, 0.0, 0.0}};
+    dem_grain two[2] = {{0.0, 0.0, p->radius_min, m, 0.0, 0.0},
+                        {0.0, 2.0 * p->H, p->radius_min, m, 0.0, 0.0}};
     scene.def.grains = two;
     scene.def.n_grains = 2;
     const char *what;
@@ -212,8 +225,8 @@ static rp_status write_energy(experiment *e)
     const double n = (double)dem_count(e->sim);
     dem_energies(e->sim, &energy);
     rp_table_row(e->energy, 6,
-                 (double[]){(double)dem_step(e->sim), dem_time(e->sim), n, energy.kinetic / n, energy.elastic / n,
-                            energy.gravity / n});
+                 (double[]){(double)dem_step(e->sim), dem_time(e->sim), n, energy.kinetic / n,
+                            energy.elastic / n, energy.gravity / n});
     return RP_OK;
 }
 
@@ -247,7 +260,8 @@ static rp_status measure_slopes(experiment *e, ang_slope slopes[ANG_N_METHODS])
         y[i] = e->states[i].y;
         r[i] = e->states[i].r;
     }
-    const ang_options options = {e->d, (ang_height)e->p->height, (ang_empty)e->p->empty, (ang_parabola)e->p->parabola};
+    const ang_options options = {e->d, (ang_height)e->p->height, (ang_empty)e->p->empty,
+                                 (ang_parabola)e->p->parabola};
     ang_surface surface = {0};
     if (!status) status = ang_surface_make(n, x, y, r, e->p->W, &options, &surface);
     e->result->values[OUT_CELLS] = (double)surface.n_occupied;
@@ -274,7 +288,8 @@ static rp_status settle(experiment *e, bool opened, const char *phase)
         dem_rest rest;
         if (!status) status = dem_rest_state(e->sim, 0.0, e->p->W, &rest);
         if (status) return status;
-        bool quiet = rest.kinetic_energy < e->p->rest_energy * e->mg * e->d && rest.net_force < e->p->rest_force * e->mg;
+        bool quiet = rest.kinetic_energy < e->p->rest_energy * e->mg * e->d &&
+                     rest.net_force < e->p->rest_force * e->mg;
         passed = quiet ? passed + 1 : 0;
         if (!opened) continue;
         status = measure_slopes(e, NULL);
@@ -420,7 +435,8 @@ static rp_status tilt_at_rate(experiment *e)
     places_free(&at);
     v[OUT_THETA_RT] = v[OUT_THETA_R3] + v[OUT_THETA_T_DISPLACEMENT];
     if (!status && (isnan(v[OUT_THETA_T_DISPLACEMENT]) || isnan(v[OUT_THETA_T_ENERGY])))
-        snprintf(e->result->message, sizeof e->result->message, "tilt: stands, by a criterion, at %g degrees", most_deg);
+        snprintf(e->result->message, sizeof e->result->message, "tilt: stands, by a criterion, at %g degrees",
+                 most_deg);
     return status;
 }
 
@@ -429,7 +445,8 @@ static rp_status tilt_at_rate(experiment *e)
 static rp_status tilt_quasi_static(experiment *e)
 {
     const double step_deg = 0.1, most_deg = 60.0;
-    const long steps = lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
+    const long steps =
+        lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
     places at = {0};
     rp_status status = places_note(e, &at);
     for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
@@ -554,7 +571,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 rp_status sweep_repose_trace(const void *params, unsigned long seed, unsigned long run, const char *directory,
                              long every, void (*header)(FILE *), sweep_result *result)
 {
-    static const char *const columns[][2] = {{"step", ""},          {"t", "s"},           {"grains", ""},
+    static const char *const columns[][2] = {{"step", ""},       {"t", "s"},         {"grains", ""},
                                              {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
     const trace t = {directory, header};
     char path[4096];

@@ -52,7 +52,8 @@ static void defaults_and_text(void)
     rp_params_defaults(schema, &back);
     for (const rp_param *p = schema; p->name; p++) /* what is written reads back exactly */
         if (p->type != RP_TEXTS) CHECK_OK(set(&back, p->name, rp_params_text(p, &v, text, sizeof text)));
-    CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 && back.set == 6u);
+    CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
+              back.set == 6u);
     CU_ASSERT_STRING_EQUAL(rp_params_text(&schema[0], &v, text, sizeof text), "0.1");
     CU_ASSERT(rp_params_number(&schema[4], &v) == 1.0);
     CU_ASSERT_PTR_NULL(rp_params_find(schema, "absent"));
@@ -120,7 +121,8 @@ static rp_status read_text(const char *text, values *v)
 static void files(void)
 {
     values v;
-    CHECK_OK(read_text("a = 7; // an integer is a number\nb = \"infinite\"; n = 5;\nset = [\"one\", \"three\"];", &v));
+    CHECK_OK(read_text(
+        "a = 7; // an integer is a number\nb = \"infinite\"; n = 5;\nset = [\"one\", \"three\"];", &v));
     CU_ASSERT(v.a == 7.0 && isinf(v.b) && v.n == 5 && v.set == 5u);
     CHECK_FAILS(read_text("a = 1.0;\nc = 2;", &v), RP_BAD_INPUT, ":2: c: unknown key");
     CHECK_FAILS(read_text("a = 1.0;\n\na = 2.0;", &v), RP_BAD_INPUT, ":3: duplicate setting name");
@@ -131,8 +133,8 @@ static void files(void)
     CHECK_FAILS(read_text("a = 61.5;", &v), RP_BAD_INPUT, ":1: a = 61.5: out of range");
     CHECK_FAILS(read_text("a = 1e400;", &v), RP_BAD_INPUT, "finite");
     CHECK_FAILS(read_text("n = 2147483648;", &v), RP_BAD_INPUT, ":1: 2147483648: whole numbers go up to");
-    CHECK_FAILS(read_text("// 99999999999\n/* 2147483648 \n */ text = \"4294967296\"; n = 4294967297;", &v), RP_BAD_INPUT,
-                ":3: 4294967297");
+    CHECK_FAILS(read_text("// 99999999999\n/* 2147483648 \n */ text = \"4294967296\"; n = 4294967297;", &v),
+                RP_BAD_INPUT, ":3: 4294967297");
     CHECK_OK(read_text("a = 3.0; // 2147483648\n# 2147483648\ntext = \"2147483648\";", &v));
     CHECK_FAILS(read_text("a = [0, 0.1];", &v), RP_BAD_INPUT, "write 0.0 for 0");
     CHECK_FAILS(read_text("a = (1.0);", &v), RP_BAD_INPUT, "a: one value expected, not a list");
@@ -158,7 +160,7 @@ static void random_known_answer(void)
 
 static void random_streams(void)
 {
-    const unsigned long names[][3] = {{1993, 0, RP_PURPOSE_RADII}, {1993, 1, RP_PURPOSE_RADII},
+    const unsigned long names[][3] = {{1993, 0, RP_PURPOSE_RADII},  {1993, 1, RP_PURPOSE_RADII},
                                       {1993, 0, RP_PURPOSE_PLACES}, {1994, 0, RP_PURPOSE_RADII},
                                       {0, 0, RP_PURPOSE_RADII},     {4357, 0, RP_PURPOSE_RADII}};
     double first[6];
@@ -177,7 +179,8 @@ static void random_streams(void)
     }
 }
 
-/* Kolmogorov's distance of 40 000 deviates from the cut normal stays below the 1e-4 quantile, 2.23/sqrt(n). */
+/* Kolmogorov's distance of 40 000 deviates from the cut normal stays below the 1e-4 quantile, 2.23/sqrt(n).
+ */
 static int ascending(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -187,7 +190,8 @@ static int ascending(const void *a, const void *b)
 static void cut_normal(void)
 {
     enum { N = 40000 };
-    const double cases[][4] = {{0.1, 0.02, 0.07, 0.13}, {0.1, 0.02, 0.0, 0.2}, {2.0, 1.0, -1.5, 2.5}, {0.0, 1.0, -3.9, -0.4}};
+    const double cases[][4] = {
+        {0.1, 0.02, 0.07, 0.13}, {0.1, 0.02, 0.0, 0.2}, {2.0, 1.0, -1.5, 2.5}, {0.0, 1.0, -3.9, -0.4}};
     double *v = malloc(N * sizeof *v);
     for (int c = 0; c < 4; c++) {
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
@@ -196,7 +200,8 @@ static void cut_normal(void)
         gsl_rng_free(r);
         qsort(v, N, sizeof *v, ascending);
         CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
-        double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low, most = 0.0;
+        double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low,
+               most = 0.0;
         for (int i = 0; i < N; i++)
             most = fmax(most, fabs((gsl_cdf_ugaussian_P((v[i] - m) / w) - low) / all - (i + 0.5) / N));
         CHECK_NEAR(most, 0.0, 2.23 / sqrt(N));

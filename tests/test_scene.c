@@ -31,7 +31,8 @@ static void example(void)
     dem_scene s;
     CHECK_OK(read_text(EXAMPLE, NULL, &s));
     CU_ASSERT(s.def.gravity[1] == -981.0 && s.def.dt == 5e-5 && s.steps == 400);
-    CU_ASSERT(s.def.normal == DEM_HERTZ && s.def.tangential == DEM_SPRING && s.def.slip == DEM_TRUNCATED && s.def.tension);
+    CU_ASSERT(s.def.normal == DEM_HERTZ && s.def.tangential == DEM_SPRING && s.def.slip == DEM_TRUNCATED &&
+              s.def.tension);
     CU_ASSERT(s.def.material.k_n == 1e6 && s.def.material.gamma_s == 5.0 && s.def.material.mu == 0.2);
     CU_ASSERT(s.def.n_walls == 1 && s.def.walls[0].direction[1] == 1.0 && isinf(s.def.walls[0].extent[1]));
     /* what the wall leaves out */
@@ -95,24 +96,27 @@ static void refused(void)
     static const struct {
         const char *change; /* appended to a file with one grain */
         const char *message;
-    } cases[] = {{"colour = 1;", ":2: colour: unknown key"},
-                 {"dt = 0.0;", ":2: dt = 0: out of range"},
-                 {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
-                 {"rotation = true;", ":2: rotation = true: only false"},
-                 {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
-                 {"gravity = 981.0;", ":2: gravity: two numbers"},
-                 {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet"},
-                 {"normal = 3;", ":2: normal: a group { ... } expected"},
-                 {"normal = { law = \"cubic\"; };", "hertz | linear"},
-                 {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},
-                 {"tangential = { law = \"spring\"; mu = -0.3; };", ":2: mu = -0.3: out of range, allowed: [0, inf) | infinite"},
-                 {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
-                 {"walls = ( { point = [0.0, 0.0]; direction = [1.0, 1.0]; } );", "a unit vector expected"},
-                 {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );", "needs tangential"},
-                 {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );", "extent = [1, 0]"},
-                 {"walls = { point = 1; };", "walls: a list"},
-                 {"fill = { N = 3; W = 1.0; H = 1.0; };", "exactly one of particles, particles_file and fill"},
-                 {"steps = -3;", ":2: steps = -3: out of range"}};
+    } cases[] = {
+        {"colour = 1;", ":2: colour: unknown key"},
+        {"dt = 0.0;", ":2: dt = 0: out of range"},
+        {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
+        {"rotation = true;", ":2: rotation = true: only false"},
+        {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
+        {"gravity = 981.0;", ":2: gravity: two numbers"},
+        {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet"},
+        {"normal = 3;", ":2: normal: a group { ... } expected"},
+        {"normal = { law = \"cubic\"; };", "hertz | linear"},
+        {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},
+        {"tangential = { law = \"spring\"; mu = -0.3; };",
+         ":2: mu = -0.3: out of range, allowed: [0, inf) | infinite"},
+        {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [1.0, 1.0]; } );", "a unit vector expected"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );", "needs tangential"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );",
+         "extent = [1, 0]"},
+        {"walls = { point = 1; };", "walls: a list"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; };", "exactly one of particles, particles_file and fill"},
+        {"steps = -3;", ":2: steps = -3: out of range"}};
     dem_scene s;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[512];
@@ -123,7 +127,8 @@ static void refused(void)
     static const char *const whole[][2] = {
         {"steps = 3;", "exactly one of"},
         {"particles = ( );", ":1: particles: no particles"},
-        {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );", ":1: r = -0.1: out of range, allowed: (0, inf) cm"},
+        {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );",
+         ":1: r = -0.1: out of range, allowed: (0, inf) cm"},
         {"particles = ( { x = 0.0; y = 0.5; } );", "r: missing"},
         {"particles = ( { x = 0.0; y = 0.5; r = 0.1; omega = 2.0; } );", "omega = 2: out of range"},
         {"particles_file = \"/no/such/table.tsv\";", "/no/such/table.tsv: cannot read"},

@@ -72,9 +72,7 @@ static void base_force(const pile *s, double theta, double *t, double *n)
         p = (sin(b) * cos(r) + sin(r) * gsl_pow_2(cos(b))) * cos(a);
         q = (sin(a) * cos(r) - sin(r) * gsl_pow_2(cos(a))) * cos(b);
         break;
-    default: /* ANG_BALANCED */
-        p = cos(r) + sin(r) / tan(b);
-        q = cos(r) - sin(r) / tan(a);
+    default: /* ANG_BALANCED */ p = cos(r) + sin(r) / tan(b); q = cos(r) - sin(r) / tan(a);
     }
     *t = p * cos(a) - q * cos(b);
     *n = p * sin(a) + q * sin(b);

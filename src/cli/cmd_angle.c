@@ -364,7 +364,8 @@ static size_t select_piles(const rp_table *table, const double *block, int statu
     for (size_t i = 0; i < rows; i++) {
         pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
         const char *word = table->cells[i * table->n_columns + (size_t)status_column];
-        if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t)) piles[n++] = p;
+        if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t))
+            piles[n++] = p;
     }
     qsort(piles, n, sizeof *piles, by_mu);
     return n;

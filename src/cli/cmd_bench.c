@@ -55,7 +55,10 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
     def.n_walls = 3;
     for (int w = 0; w < 3; w++)
         def.walls[w] = (dem_wall){{w == 2 ? width : 0.0, 0.0},
-                                  {w == 0 ? 0.0 : w == 1 ? 1.0 : -1.0, w == 0},
+                                  {w == 0   ? 0.0
+                                   : w == 1 ? 1.0
+                                            : -1.0,
+                                   w == 0},
                                   wall,
                                   {-INFINITY, INFINITY},
                                   -1,
@@ -73,8 +76,9 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
 
 rp_status cmd_bench(int argc, char **argv)
 {
-    static const char *const columns[][2] = {{"grains", ""},   {"steps", ""},         {"best", "1e6/s"}, {"median", "1e6/s"},
-                                             {"contacts", ""}, {"pairs", ""}, {"rebuilds", ""}};
+    static const char *const columns[][2] = {{"grains", ""},      {"steps", ""},    {"best", "1e6/s"},
+                                             {"median", "1e6/s"}, {"contacts", ""}, {"pairs", ""},
+                                             {"rebuilds", ""}};
     enum { RUNS = 5 };
     bench_options o;
     int n;
@@ -108,7 +112,8 @@ rp_status cmd_bench(int argc, char **argv)
         rp_table_columns(stdout, 7, columns);
         rp_table_row(stdout, 7,
                      (double[]){(double)o.n, (double)steps, rates[RUNS - 1], rates[RUNS / 2],
-                                (double)after.contacts, (double)after.pairs, (double)(after.rebuilds - before.rebuilds)});
+                                (double)after.contacts, (double)after.pairs,
+                                (double)(after.rebuilds - before.rebuilds)});
     }
     dem_free(settled);
     return status;

@@ -9,19 +9,13 @@
 static const char *type_word(rp_type type)
 {
     switch (type) {
-    case RP_REAL:
-        return "real";
-    case RP_INT:
-        return "whole";
-    case RP_BOOL:
-        return "bool";
-    case RP_CHOICE:
-        return "word";
-    case RP_FLAGS:
-        return "words";
+    case RP_REAL: return "real";
+    case RP_INT: return "whole";
+    case RP_BOOL: return "bool";
+    case RP_CHOICE: return "word";
+    case RP_FLAGS: return "words";
     case RP_TEXT:
-    case RP_TEXTS:
-        break;
+    case RP_TEXTS: break;
     }
     return "text";
 }
@@ -44,10 +38,12 @@ static void print_schema(const rp_param *schema)
 static void print_scene(void)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        printf("# scene file, %s\n", g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
+        printf("# scene file, %s\n",
+               g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
         print_schema(g->schema);
     }
-    printf("# walls also take point = [x, y], direction = [nx, ny] (unit, into the grains), extent = [s0, s1]\n");
+    printf("# walls also take point = [x, y], direction = [nx, ny] (unit, into the grains), extent = [s0, "
+           "s1]\n");
 }
 
 static void print_protocol(const sweep_protocol *protocol)

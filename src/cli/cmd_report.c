@@ -2,14 +2,16 @@
  *
  * A place reads {{word table key=value column ...}}. The row of build/tables/<table>.tsv is the one whose
  * cells equal all key=value given (numbers compare as numbers).
- *   {{value T k=v COL}}            value +- standard error, from COL_mean and COL_se, or COL and its _se column
+ *   {{value T k=v COL}}            value +- standard error, from COL_mean and COL_se, or COL and its _se
+ * column
  *   {{cell T k=v COL FORMAT}}      the cell itself, printed with %.3g or the format given
  *   {{agree T k=v COL PAPER SE}}   verdict: within two standard errors of the paper's value?
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
  *   {{note T KEY}}                 a header line of the table
- * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error. */
+ * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
+ */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -114,7 +116,8 @@ static rp_status number_word(const place *p, int index, double *number)
     char *end;
     if (index >= p->n) return rp_fail(RP_BAD_INPUT, "{{%s ...}}: a number is missing", p->words[0]);
     *number = strtod(p->words[index], &end);
-    return *end ? rp_fail(RP_BAD_INPUT, "{{%s ...}}: \"%s\" is not a number", p->words[0], p->words[index]) : RP_OK;
+    return *end ? rp_fail(RP_BAD_INPUT, "{{%s ...}}: \"%s\" is not a number", p->words[0], p->words[index])
+                : RP_OK;
 }
 
 static rp_status print_verdict(const place *p, int next, const rp_table *t, size_t row, FILE *out)
@@ -160,7 +163,8 @@ static rp_status print_cell(const place *p, int next, const rp_table *t, size_t 
     /* precision alone is taken from the text, so that it cannot be a harmful format */
     int precision = 3;
     if (next + 1 < p->n && sscanf(p->words[next + 1], "%%.%1dg", &precision) != 1)
-        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g expected", p->words[next + 1]);
+        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g expected",
+                       p->words[next + 1]);
     char *end;
     double value = strtod(cell, &end);
     if (*end)
@@ -198,10 +202,12 @@ static rp_status fill_place(const place *p, FILE *out)
     int next = 0;
     rp_status status = p->n > 0 ? read_table(p, path, &table) : rp_fail(RP_BAD_INPUT, "{{}}: empty");
     if (!status) status = find_row(p, &table, &row, &next);
-    if (!status && next >= p->n) status = rp_fail(RP_BAD_INPUT, "{{%s %s ...}}: no column", p->words[0], p->words[1]);
+    if (!status && next >= p->n)
+        status = rp_fail(RP_BAD_INPUT, "{{%s %s ...}}: no column", p->words[0], p->words[1]);
     if (!status) {
         bool known = false;
-        for (size_t v = 0; v < sizeof verdicts / sizeof *verdicts; v++) known |= strcmp(p->words[0], verdicts[v]) == 0;
+        for (size_t v = 0; v < sizeof verdicts / sizeof *verdicts; v++)
+            known |= strcmp(p->words[0], verdicts[v]) == 0;
         double value, se;
         if (known)
             status = print_verdict(p, next, &table, row, out);
@@ -224,7 +230,8 @@ static rp_status fill_line(char *line, const char *tables, FILE *out)
         fwrite(line, 1, (size_t)(open - line), out);
         *close = '\0';
         place p = {.tables = tables};
-        for (char *save, *word = strtok_r(open + 2, " ", &save); word && p.n < MAX_WORDS; word = strtok_r(NULL, " ", &save))
+        for (char *save, *word = strtok_r(open + 2, " ", &save); word && p.n < MAX_WORDS;
+             word = strtok_r(NULL, " ", &save))
             p.words[p.n++] = word;
         rp_status status = fill_place(&p, out);
         if (status) return status;

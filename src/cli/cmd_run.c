@@ -19,19 +19,25 @@ static const rp_param options[] = {
      "KEY=VALUE or GROUP.KEY=VALUE in place of the file's; may be repeated"},
     {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
      "write states (with --box: energies) each time; auto: the final state (with --box: every 100)"},
-    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "", "folder for tables, instead of standard output"},
-    {"box", "", RP_TEXT, offsetof(run_options, box), "", "", "a sweep file: run one of its rows and write its tables"},
-    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]", "number of the run within --box, from 0"},
+    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
+     "folder for tables, instead of standard output"},
+    {"box", "", RP_TEXT, offsetof(run_options, box), "", "",
+     "a sweep file: run one of its rows and write its tables"},
+    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
+     "number of the run within --box, from 0"},
     {0}};
 
 static const cli_command command = {
     "run",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [-o DIR] | --box SWEEP.cfg [--row N] -o DIR",
-    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y (cm),\n"
+    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y "
+    "(cm),\n"
     "angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
     "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
-    "With --box: the box experiment of one row of a sweep, with its grains and contacts when full and at the\n"
-    "end, its energies, and scene.cfg, which runs to the same bits. `repose params scene` lists the keys of a\n"
+    "With --box: the box experiment of one row of a sweep, with its grains and contacts when full and at "
+    "the\n"
+    "end, its energies, and scene.cfg, which runs to the same bits. `repose params scene` lists the keys of "
+    "a\n"
     "scene file.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     options,
@@ -60,8 +66,8 @@ static rp_status open_in(const char *directory, const char *name, char path[4096
 
 static rp_status outputs_open(outputs *o, const dem_sim *sim)
 {
-    static const char *const columns[][2] = {
-        {"step", ""}, {"t", "s"}, {"grains", ""}, {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
+    static const char *const columns[][2] = {{"step", ""},       {"t", "s"},         {"grains", ""},
+                                             {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
     rp_status status = RP_OK;
     if (o->directory) {
         status = rp_make_directory(o->directory);
@@ -84,8 +90,8 @@ static rp_status outputs_write(outputs *o, const dem_sim *sim)
         dem_energy e;
         dem_energies(sim, &e);
         rp_table_row(o->energy, 6,
-                     (double[]){(double)dem_step(sim), dem_time(sim), (double)dem_count(sim), e.kinetic, e.elastic,
-                                e.gravity});
+                     (double[]){(double)dem_step(sim), dem_time(sim), (double)dem_count(sim), e.kinetic,
+                                e.elastic, e.gravity});
     }
     return dem_write_states(sim, o->states);
 }
@@ -163,14 +169,20 @@ static rp_status run_box(const run_options *o)
     if (!*o->directory) return rp_fail(RP_USAGE, "--box needs -o DIR, the folder for its tables");
     sweep_result result;
     const sweep_protocol *protocol;
-    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory, o->every > 0 ? o->every : 100,
-                                   write_header, &protocol, &result);
+    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory,
+                                   o->every > 0 ? o->every : 100, write_header, &protocol, &result);
     if (status) return status;
+    const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
+    size_t n = 0;
+    for (; protocol->outputs[n].name; n++) {
+        columns[n][0] = protocol->outputs[n].name;
+        columns[n][1] = protocol->outputs[n].unit;
+    }
+    columns[n][0] = "status";
+    columns[n][1] = "";
     cli_table(stdout, NULL, NULL);
-    printf("# name\tvalue\tunit\nstatus\t%s\t1\n", result.status);
-    for (size_t i = 0; protocol->outputs[i].name; i++)
-        printf("%s\t%.17g\t%s\n", protocol->outputs[i].name, result.values[i],
-               *protocol->outputs[i].unit ? protocol->outputs[i].unit : "1");
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_row_word(stdout, n, result.values, result.status);
     return strncmp(result.status, "ok", 2) == 0
                ? RP_OK
                : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);

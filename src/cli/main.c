@@ -1,4 +1,5 @@
-/* The program `repose`: finds the subcommand, prints its failure, and turns its status into the exit status. */
+/* The program `repose`: finds the subcommand, prints its failure, and turns its status into the exit status.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,9 +27,11 @@ const char *cli_command_line(void)
 
 static void print_overview(FILE *out)
 {
-    fprintf(out, "Repose %s: forces in and under a pile of grains, and the angles at which it stands and fails.\n\n"
-                 "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
-            RP_VERSION);
+    fprintf(
+        out,
+        "Repose %s: forces in and under a pile of grains, and the angles at which it stands and fails.\n\n"
+        "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
+        RP_VERSION);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
 }

@@ -45,7 +45,8 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
     bool given[MAX_OPTIONS] = {false};
     int n = 0;
     for (const rp_param *p = command->options; p->name && n < MAX_OPTIONS; p++, n++) {
-        longs[n] = (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
+        longs[n] =
+            (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
         if (strlen(p->name) == 1) strcat(strcat(shorts, p->name), p->type == RP_BOOL ? "" : ":");
     }
     longs[n] = (struct option){"help", no_argument, NULL, 'h'};
@@ -80,8 +81,9 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
     }
     for (int i = 0; i < n; i++)
         if (!command->options[i].fallback && !given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&command->options[i]),
-                           command->options[i].name, command->options[i].meaning, command->name);
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help",
+                           dashes(&command->options[i]), command->options[i].name,
+                           command->options[i].meaning, command->name);
     *n_arguments = argc - optind;
     if (*n_arguments < command->min_arguments || *n_arguments > command->max_arguments)
         return rp_fail(RP_USAGE, "usage: repose %s %s", command->name, command->synopsis);

@@ -37,8 +37,9 @@ static rp_status refuse_large_integers(const char *path, FILE *in)
             } while (isdigit(c = fgetc(in)));
             digits[n] = '\0';
             if (c != '.' && !isalpha(c) && strtod(digits, NULL) > INT_MAX)
-                return rp_fail(RP_BAD_INPUT, "%s:%d: %s: whole numbers go up to %d; write %s.0 for a larger number",
-                               path, line, digits, INT_MAX, digits);
+                return rp_fail(RP_BAD_INPUT,
+                               "%s:%d: %s: whole numbers go up to %d; write %s.0 for a larger number", path,
+                               line, digits, INT_MAX, digits);
             if (c == '\n') line++;
         }
         previous = c;
@@ -121,7 +122,8 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
             if (to_value(element, &value) != RP_OK || value.kind != RP_V_TEXT)
                 return rp_config_fail(element, "%s: a list of words expected, allowed: %s", param->name,
                                       param->range);
-            if (rp_params_set(param, values, &value) != RP_OK) return rp_config_fail(element, "%s", rp_message());
+            if (rp_params_set(param, values, &value) != RP_OK)
+                return rp_config_fail(element, "%s", rp_message());
         }
         return RP_OK;
     }

@@ -293,7 +293,10 @@ void rp_params_describe(const rp_param *schema, const char *prefix, FILE *out)
         fprintf(out, "  %s%-*s %s%s%s", prefix, 22 - (int)strlen(prefix), schema->name, schema->meaning,
                 *schema->unit ? ", " : "", schema->unit);
         if (schema->range && *schema->range) fprintf(out, "; %s", schema->range);
-        fprintf(out, !schema->fallback ? " (required)\n" : *schema->fallback ? " (default %s)\n" : "\n",
+        fprintf(out,
+                !schema->fallback   ? " (required)\n"
+                : *schema->fallback ? " (default %s)\n"
+                                    : "\n",
                 schema->fallback);
     }
 }

@@ -40,8 +40,8 @@ static double philox_get_double(void *state)
     return (double)(high << 26 | low) * (1.0 / 9007199254740992.0);
 }
 
-static const gsl_rng_type philox_type = {
-    "philox4x32", 0xffffffffUL, 0, sizeof(philox_state), philox_set, philox_get, philox_get_double};
+static const gsl_rng_type philox_type = {"philox4x32", 0xffffffffUL,     0, sizeof(philox_state), philox_set,
+                                         philox_get,   philox_get_double};
 
 const gsl_rng_type *rp_rng_philox = &philox_type;
 

@@ -109,8 +109,7 @@ rp_status rp_make_directory(const char *path)
             return rp_fail(RP_IO, "%s: cannot make the directory: %s", part, strerror(errno));
     }
     struct stat info;
-    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
-        return rp_fail(RP_IO, "%s: not a directory", path);
+    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)) return rp_fail(RP_IO, "%s: not a directory", path);
     return RP_OK;
 }
 

@@ -28,6 +28,7 @@ const char *rp_build_compiler(void)
 const char *rp_build_libraries(void)
 {
     return "GSL " GSL_VERSION ", libconfig " TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(
-        LIBCONFIG_VER_MINOR) ", SQLite " SQLITE_VERSION ", xxHash " TEXT(XXH_VERSION_MAJOR) "." TEXT(
-        XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE) ", Random123 philox4x32-10";
+        LIBCONFIG_VER_MINOR) ", SQLite " SQLITE_VERSION
+                             ", xxHash " TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(
+                                 XXH_VERSION_RELEASE) ", Random123 philox4x32-10";
 }

@@ -1,8 +1,8 @@
 /* The one pair loop. kernels.c instantiates it for each law and feature, given as constant arguments, so
  * that a scene pays only for what it uses; the same loop with arguments known at run time is the reference
  * that every instance must match bit for bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1). */
-static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal, int tangential,
-                                                            int slip, bool tension)
+static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
+                                                            int tangential, int slip, bool tension)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
@@ -31,7 +31,8 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
         double r = sqrt(dem_dot(d, d)), overlap = radii[k] - r;
         dem_vec direction = d * (1.0 / r);
         alarm |= !(overlap <= limit);
-        double f_n = dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
+        double f_n =
+            dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
         dem_vec f = f_n * direction;
         if (tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(direction);

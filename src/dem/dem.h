@@ -12,10 +12,10 @@
 
 #include "core/status.h"
 
-enum { DEM_HERTZ, DEM_LINEAR };              /* normal law */
-enum { DEM_NONE, DEM_SPRING };               /* tangential law */
-enum { DEM_TRUNCATED, DEM_TOTAL };           /* what the shear spring remembers while it slides */
-enum { DEM_SPHERE, DEM_DISK };               /* mass from density: (4/3) pi rho r^3, or rho pi r^2 */
+enum { DEM_HERTZ, DEM_LINEAR };    /* normal law */
+enum { DEM_NONE, DEM_SPRING };     /* tangential law */
+enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
+enum { DEM_SPHERE, DEM_DISK };     /* mass from density: (4/3) pi rho r^3, or rho pi r^2 */
 enum { DEM_MAX_WALLS = 8 };
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY. */
@@ -50,10 +50,10 @@ typedef struct {
     int normal, tangential, slip;
     bool tension; /* true: the damped normal force may pull, as (2a) is printed */
     dem_material material;
-    double x_max, y_min;       /* a grain beyond is taken out; INFINITY, -INFINITY for none */
-    double turn_per_step;      /* gravity turns by this angle a step, radians; positive lowers the side at +x */
+    double x_max, y_min;  /* a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     long turn_from_step;
-    bool reference_kernel;     /* use the loop that decides at run time, for tests */
+    bool reference_kernel; /* use the loop that decides at run time, for tests */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -79,11 +79,11 @@ typedef enum {
 } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
-/* Largest time step that the definition allows: 1/lambda of the stiffest contact, with
- * lambda = gamma/2 + sqrt(gamma^2/4 + k_eff/m_eff), k_eff = 1.5 k_n sqrt(overlap) for Hertz, at the overlap
- * that an impact from the start's height and speed makes; and less where strong damping makes a packing of
- * many contacts unstable before. A pair becomes unstable at about twice that. `what` (may be NULL) names the
- * contact that sets it. INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
+/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
+ * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
+ * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
+ * about twice that. `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come.
+ * dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.

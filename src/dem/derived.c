@@ -31,14 +31,15 @@ rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, do
 {
     *result = (dem_collision_result){NAN, NAN, NAN};
     if (!(k_n > 0.0 && gamma_n >= 0.0 && m_eff > 0.0 && v > 0.0))
-        return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive", k_n,
-                       gamma_n, m_eff, v);
+        return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive",
+                       k_n, gamma_n, m_eff, v);
     /* units: length at which the elastic force has turned the speed, and the time to run it */
     const double length = normal == DEM_HERTZ ? pow(m_eff * v * v / k_n, 0.4) : v * sqrt(m_eff / k_n);
     const double time = length / v, most = 1e4, step = 1e-2;
     impact_problem problem = {normal, tension, gamma_n * time};
     gsl_odeiv2_system system = {impact_rates, NULL, 2, &problem};
-    gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-3, 1e-13, 1e-13);
+    gsl_odeiv2_driver *driver =
+        gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-3, 1e-13, 1e-13);
     if (!driver) return rp_fail(RP_NO_MEMORY, "impact: out of memory");
     double t = 0.0, y[2] = {0.0, 1.0}, last[2] = {0.0, 1.0}, deepest = 0.0;
     while (t < most && gsl_odeiv2_driver_apply(driver, &t, t + step, y) == GSL_SUCCESS && y[0] > 0.0) {
@@ -68,17 +69,20 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     const dem_material *c = &sim->def.material;
     const double r = sim->radius_mean, m_eff = 0.5 * sim->mass_mean, v = sim->start_speed;
     rp_table_note(out, "kernel", "%s", sim->kernel_name);
-    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit, sim->dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit,
+                  sim->dt_limit_of);
     if (!(c->k_n > 0.0)) return;
     if (sim->def.normal == DEM_HERTZ && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",
                       dem_sticking_speed(c->k_n, c->gamma_n, m_eff));
     if (sim->def.normal == DEM_HERTZ)
-        rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii", 0.75 * c->k_n / sqrt(0.5 * r));
+        rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii",
+                      0.75 * c->k_n / sqrt(0.5 * r));
     dem_collision_result impact;
     if (!(v > 0.0) ||
         dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)
         return;
-    rp_table_note(out, "impact", "two mean grains at %.4g cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
-                  v, impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
+    rp_table_note(out, "impact",
+                  "two mean grains at %.4g cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", v,
+                  impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
 }

@@ -34,7 +34,8 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng 
         long tries = 0;
         do {
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
-                return rp_fail(RP_NO_RESULT, "no room for grain %ld of %ld in %g x %g", i + 1, f->N, f->W, f->H);
+                return rp_fail(RP_NO_RESULT, "no room for grain %ld of %ld in %g x %g", i + 1, f->N, f->W,
+                               f->H);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
         } while (!is_free(c, grains, x, y, r));

@@ -89,7 +89,8 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
-    if (sim->n_wall_slots) memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
+    if (sim->n_wall_slots)
+        memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
     return RP_OK;
 }
 
@@ -152,7 +153,8 @@ static rp_status check_grains(dem_sim *sim)
             bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
             dem_vec d = x - (dem_vec){wall->point[0], wall->point[1]};
             if (line && !open && dem_dot(d, (dem_vec){wall->direction[0], wall->direction[1]}) < 0.0)
-                return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
+                return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0],
+                                x[1]);
         }
     }
     return RP_OK;
@@ -289,7 +291,8 @@ static rp_status find_pairs(dem_sim *sim)
                 rp_status status = pair_room(sim, most);
                 if (status) return status;
                 add_pairs(sim, i, i + 1, w->cell_start[c + 1]);
-                for (int a = 0; a < 4; a++) add_pairs(sim, i, w->cell_start[half[a]], w->cell_start[half[a] + 1]);
+                for (int a = 0; a < 4; a++)
+                    add_pairs(sim, i, w->cell_start[half[a]], w->cell_start[half[a] + 1]);
             }
         }
     return RP_OK;

@@ -18,7 +18,8 @@ static dem_vec velocity(const dem_sim *sim, size_t i)
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
 }
 
-static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap, dem_vec *wall_velocity)
+static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
+                         dem_vec *wall_velocity)
 {
     dem_wall_slot slot = sim->wall_slot[k];
     return dem_wall_touch(sim, &slot, normal, overlap, wall_velocity) && *overlap > 0.0;
@@ -69,8 +70,8 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
     double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, spring = sim->spring[k], f_s = 0.0;
     dem_vec n = d * (1.0 / r);
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k], overlap,
-                                dem_dot(v, n));
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
+                                overlap, dem_dot(v, n));
     if (sim->def.tangential == DEM_SPRING)
         f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
                             dem_dot(v, dem_clockwise(n)), f_n, 0.0, &spring);

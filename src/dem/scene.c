@@ -37,9 +37,12 @@ typedef struct {
 #define AT(type, field) offsetof(type, field)
 
 static const rp_param top_schema[] = {
-    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "", "whether grains rotate; only false so far"},
-    {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk", "gives the mass from the density"},
-    {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)", "of the grains (disk: g/cm^2)"},
+    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "",
+     "whether grains rotate; only false so far"},
+    {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk",
+     "gives the mass from the density"},
+    {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
+     "of the grains (disk: g/cm^2)"},
     {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet", "time integration"},
     {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
     {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
@@ -60,9 +63,11 @@ static const rp_param top_schema[] = {
 
 static const rp_param normal_schema[] = {
     {"law", "", RP_CHOICE, AT(law_values, law), "hertz", "hertz | linear", "normal force, eq (2a)"},
-    {"k_n", "dyn/cm^1.5", RP_REAL, AT(law_values, material.k_n), "1e6", "[0, inf)", "normal stiffness (linear: dyn/cm)"},
+    {"k_n", "dyn/cm^1.5", RP_REAL, AT(law_values, material.k_n), "1e6", "[0, inf)",
+     "normal stiffness (linear: dyn/cm)"},
     {"gamma_n", "1/s", RP_REAL, AT(law_values, material.gamma_n), "500.0", "[0, inf)", "normal damping"},
-    {"tension", "", RP_BOOL, AT(law_values, tension), "true", "", "whether the damped force may pull, as printed"},
+    {"tension", "", RP_BOOL, AT(law_values, tension), "true", "",
+     "whether the damped force may pull, as printed"},
     {0}};
 
 static const rp_param tangential_schema[] = {
@@ -76,11 +81,15 @@ static const rp_param tangential_schema[] = {
     {0}};
 
 static const rp_param wall_schema[] = {
-    {"k_n", "dyn/cm^1.5", RP_REAL, AT(wall_values, material.k_n), "auto", "[0, inf) | auto", "auto: twice the grains'"},
-    {"gamma_n", "1/s", RP_REAL, AT(wall_values, material.gamma_n), "auto", "[0, inf) | auto", "auto: the grains'"},
+    {"k_n", "dyn/cm^1.5", RP_REAL, AT(wall_values, material.k_n), "auto", "[0, inf) | auto",
+     "auto: twice the grains'"},
+    {"gamma_n", "1/s", RP_REAL, AT(wall_values, material.gamma_n), "auto", "[0, inf) | auto",
+     "auto: the grains'"},
     {"k_s", "dyn/cm", RP_REAL, AT(wall_values, material.k_s), "auto", "(0, inf) | auto", "auto: the grains'"},
-    {"gamma_s", "1/s", RP_REAL, AT(wall_values, material.gamma_s), "auto", "[0, inf) | auto", "auto: the grains'"},
-    {"mu", "", RP_REAL, AT(wall_values, material.mu), "auto", "[0, inf) | infinite | auto", "auto: the grains'"},
+    {"gamma_s", "1/s", RP_REAL, AT(wall_values, material.gamma_s), "auto", "[0, inf) | auto",
+     "auto: the grains'"},
+    {"mu", "", RP_REAL, AT(wall_values, material.mu), "auto", "[0, inf) | infinite | auto",
+     "auto: the grains'"},
     {"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never", "[0, 2147483647] | never",
      "step from which the wall is gone"},
     {"open_speed", "cm/s", RP_REAL, AT(wall_values, open_speed), "instant", "[0, inf) | instant",
@@ -91,7 +100,8 @@ static const rp_param particle_schema[] = {
     {"x", "cm", RP_REAL, AT(particle_values, x), NULL, "(-inf, inf)", "centre"},
     {"y", "cm", RP_REAL, AT(particle_values, y), NULL, "(-inf, inf)", "centre"},
     {"r", "cm", RP_REAL, AT(particle_values, r), NULL, "(0, inf)", "radius"},
-    {"m", "g", RP_REAL, AT(particle_values, m), "auto", "(0, inf) | auto", "mass; auto: from density and shape"},
+    {"m", "g", RP_REAL, AT(particle_values, m), "auto", "(0, inf) | auto",
+     "mass; auto: from density and shape"},
     {"vx", "cm/s", RP_REAL, AT(particle_values, vx), "0.0", "(-inf, inf)", "velocity"},
     {"vy", "cm/s", RP_REAL, AT(particle_values, vy), "0.0", "(-inf, inf)", "velocity"},
     {"omega", "1/s", RP_REAL, AT(particle_values, omega), "0.0", "[0, 0]", "spin; 0 where nothing rotates"},
@@ -104,14 +114,19 @@ static const rp_param fill_schema[] = {
     {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
     {"radius_mean", "cm", RP_REAL, AT(dem_fill, radius_mean), "0.1", "(0, inf)", "of the Gaussian"},
-    {"radius_width", "cm", RP_REAL, AT(dem_fill, radius_width), "0.02", "[0, inf)", "standard deviation before the cut"},
+    {"radius_width", "cm", RP_REAL, AT(dem_fill, radius_width), "0.02", "[0, inf)",
+     "standard deviation before the cut"},
     {"radius_min", "cm", RP_REAL, AT(dem_fill, radius_min), "0.07", "(0, inf)", "drawn again below"},
     {"radius_max", "cm", RP_REAL, AT(dem_fill, radius_max), "0.13", "(0, inf)", "drawn again above"},
     {0}};
 
-const dem_scene_group dem_scene_schemas[] = {
-    {"scene", top_schema},   {"normal", normal_schema}, {"tangential", tangential_schema},
-    {"walls", wall_schema},  {"particles", particle_schema}, {"fill", fill_schema}, {NULL, NULL}};
+const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
+                                             {"normal", normal_schema},
+                                             {"tangential", tangential_schema},
+                                             {"walls", wall_schema},
+                                             {"particles", particle_schema},
+                                             {"fill", fill_schema},
+                                             {NULL, NULL}};
 
 static double or_else(double value, double fallback)
 {
@@ -153,9 +168,9 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     const config_setting_t *point = config_setting_get_member(setting, "point");
     const config_setting_t *direction = config_setting_get_member(setting, "direction");
     const config_setting_t *extent = config_setting_get_member(setting, "extent");
-    if (!point || !direction)
-        return rp_config_fail(setting, "%s: missing", point ? "direction" : "point");
-    *wall = (dem_wall){.extent = {-INFINITY, INFINITY}, .open_at_step = v.open_at_step, .open_speed = v.open_speed};
+    if (!point || !direction) return rp_config_fail(setting, "%s: missing", point ? "direction" : "point");
+    *wall = (dem_wall){
+        .extent = {-INFINITY, INFINITY}, .open_at_step = v.open_at_step, .open_speed = v.open_speed};
     status = rp_config_pair(point, wall->point);
     if (!status) status = rp_config_pair(direction, wall->direction);
     if (!status && extent) status = rp_config_pair(extent, wall->extent);
@@ -167,12 +182,12 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
         return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
                               wall->extent[1]);
     if (def->tangential == DEM_NONE && v.material.mu > 0.0)
-        return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }", v.material.mu);
-    wall->material = (dem_material){or_else(v.material.k_n, 2.0 * def->material.k_n),
-                                    or_else(v.material.gamma_n, def->material.gamma_n),
-                                    or_else(v.material.k_s, def->material.k_s),
-                                    or_else(v.material.gamma_s, def->material.gamma_s),
-                                    or_else(v.material.mu, def->material.mu)};
+        return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }",
+                              v.material.mu);
+    wall->material = (dem_material){
+        or_else(v.material.k_n, 2.0 * def->material.k_n), or_else(v.material.gamma_n, def->material.gamma_n),
+        or_else(v.material.k_s, def->material.k_s), or_else(v.material.gamma_s, def->material.gamma_s),
+        or_else(v.material.mu, def->material.mu)};
     return RP_OK;
 }
 
@@ -200,7 +215,8 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
     for (size_t i = 0; i < n; i++) {
         particle_values v;
         rp_params_defaults(particle_schema, &v);
-        rp_status status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
+        rp_status status =
+            rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
         if (status) return status;
         double m = or_else(v.m, dem_mass(top->shape, top->density, v.r));
         scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy};
@@ -330,7 +346,8 @@ static rp_status change(config_t *config, const char *text)
 
 static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
 {
-    static const char *const others[] = {"gravity", "normal", "tangential", "walls", "particles", "fill", NULL};
+    static const char *const others[] = {"gravity",   "normal", "tangential", "walls",
+                                         "particles", "fill",   NULL};
     rp_status status = rp_config_read(path, config);
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
@@ -340,7 +357,8 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     status = rp_config_group(root, top_schema, &top, others);
     if (status) return status;
     if (top.rotation)
-        return rp_config_fail(config_setting_get_member(root, "rotation"), "rotation = true: only false so far");
+        return rp_config_fail(config_setting_get_member(root, "rotation"),
+                              "rotation = true: only false so far");
     dem_definition *def = &scene->def;
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
@@ -495,8 +513,9 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
 void dem_write_state_columns(FILE *out)
 {
     static const char *const columns[][2] = {
-        {"step", ""},     {"t", "s"},        {"id", ""},    {"x", "cm"},   {"y", "cm"}, {"angle", "rad"}, {"vx", "cm/s"},
-        {"vy", "cm/s"}, {"omega", "rad/s"}, {"fx", "dyn"}, {"fy", "dyn"}, {"r", "cm"}, {"m", "g"},       {"contacts", ""}};
+        {"step", ""},     {"t", "s"},     {"id", ""},     {"x", "cm"},        {"y", "cm"},
+        {"angle", "rad"}, {"vx", "cm/s"}, {"vy", "cm/s"}, {"omega", "rad/s"}, {"fx", "dyn"},
+        {"fy", "dyn"},    {"r", "cm"},    {"m", "g"},     {"contacts", ""}};
     rp_table_columns(out, sizeof columns / sizeof *columns, columns);
 }
 
@@ -508,8 +527,8 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
     for (size_t i = 0; !status && i < dem_count(sim); i++) {
         const dem_state *p = &states[i];
         rp_table_row(out, 14,
-                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, 0.0, p->vx, p->vy, 0.0,
-                                p->fx, p->fy, p->r, p->m, p->contacts});
+                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, 0.0, p->vx, p->vy,
+                                0.0, p->fx, p->fy, p->r, p->m, p->contacts});
     }
     free(states);
     return status;
@@ -517,9 +536,17 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
 
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
 {
-    static const char *const columns[][2] = {
-        {"id_a", ""},    {"id_b", ""},     {"wall", ""},          {"x", "cm"},           {"y", "cm"},           {"x_b", "cm"},
-        {"y_b", "cm"}, {"overlap", "cm"}, {"normal_force", "dyn"}, {"shear_force", "dyn"}, {"shear_spring", "cm"}};
+    static const char *const columns[][2] = {{"id_a", ""},
+                                             {"id_b", ""},
+                                             {"wall", ""},
+                                             {"x", "cm"},
+                                             {"y", "cm"},
+                                             {"x_b", "cm"},
+                                             {"y_b", "cm"},
+                                             {"overlap", "cm"},
+                                             {"normal_force", "dyn"},
+                                             {"shear_force", "dyn"},
+                                             {"shear_spring", "cm"}};
     dem_contact *contacts;
     size_t n;
     rp_status status = dem_contacts(sim, &contacts, &n);

@@ -43,21 +43,21 @@ const char *dem_fault_text(dem_fault fault)
 static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
 {
     if (!(c->k_n > 0.0)) return 0.0;
-    return def->normal == DEM_HERTZ ? pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4) : v * sqrt(m_eff / c->k_n);
+    return def->normal == DEM_HERTZ ? pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4)
+                                    : v * sqrt(m_eff / c->k_n);
 }
 
-/* Largest time step of a contact of mass m_eff at this overlap. A pair asks for less than 1/lambda; in a
- * packing the stiffness and damping of a grain's contacts add up to some three times a pair's, and Verlet
- * with velocities of the half step needs 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. */
-static double contact_step_limit(const dem_definition *def, const dem_material *c, double m_eff, double overlap)
+/* Largest time step of a contact of mass m_eff at this overlap. In a packing the stiffness and damping of a
+ * grain's contacts add up to some three times a pair's, and Verlet with velocities of the half step needs
+ * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.85 are allowed: without damping about 1/omega. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, double m_eff,
+                                 double overlap)
 {
     double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
     double k = fmax(k_normal, def->tangential == DEM_SPRING ? c->k_s : 0.0);
     double gamma = fmax(c->gamma_n, def->tangential == DEM_SPRING ? c->gamma_s : 0.0);
-    double omega2 = k / m_eff, lambda = 0.5 * gamma + sqrt(0.25 * gamma * gamma + omega2);
-    if (!(lambda > 0.0)) return INFINITY;
-    double packing = 4.0 / (3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * omega2));
-    return fmin(1.0 / lambda, 0.9 * packing);
+    double rate = 3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * k / m_eff);
+    return rate > 0.0 ? 0.85 * 4.0 / rate : INFINITY;
 }
 
 /* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
@@ -120,7 +120,8 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
     if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
     if (!status && def->tangential == DEM_SPRING) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && def->tangential == DEM_SPRING) status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
+    if (!status && def->tangential == DEM_SPRING)
+        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
     if (!status && def->tangential == DEM_NONE && c->mu > 0.0)
@@ -145,10 +146,12 @@ static rp_status check_walls(const dem_definition *def)
         if (!(w->extent[0] < w->extent[1]))
             return rp_fail(RP_BAD_INPUT, "%s: extent = [%g, %g]: the first must be the smaller", of,
                            w->extent[0], w->extent[1]);
-        if (!(w->open_speed >= 0.0) || (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
-            return rp_fail(RP_BAD_INPUT,
-                           "%s: open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end",
-                           of, w->open_speed);
+        if (!(w->open_speed >= 0.0) ||
+            (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
+            return rp_fail(
+                RP_BAD_INPUT,
+                "%s: open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end", of,
+                w->open_speed);
     }
     return RP_OK;
 }
@@ -161,13 +164,16 @@ static rp_status check_grain_values(const dem_definition *def)
     for (size_t i = 0; i < def->n_grains; i++) {
         const dem_grain *p = &def->grains[i];
         if (!(p->r > 0.0) || !isfinite(p->r))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: r = %g: out of range, allowed: (0, inf)", i + 1, p->r);
+            return rp_fail(RP_BAD_INPUT, "particle %zu: r = %g: out of range, allowed: (0, inf)", i + 1,
+                           p->r);
         if (!(p->m > 0.0) || !isfinite(p->m))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1, p->m);
+            return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1,
+                           p->m);
         if (!isfinite(p->x + p->y + p->vx + p->vy))
             return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
         if (p->x > def->x_max || p->y < def->y_min)
-            return rp_fail(RP_BAD_INPUT, "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
+            return rp_fail(RP_BAD_INPUT,
+                           "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
                            p->x, p->y, def->x_max, def->y_min);
     }
     return RP_OK;
@@ -181,7 +187,8 @@ static rp_status check_definition(const dem_definition *def)
     if (status) return status;
     if (!(def->dt > 0.0) || !isfinite(def->dt))
         return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
-    if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) || !(fabs(def->turn_per_step) < 1.0))
+    if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
+        !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
     if (!(def->skin >= 0.0) || !isfinite(def->skin))
         return rp_fail(RP_BAD_INPUT, "skin = %g: out of range, allowed: [0, inf)", def->skin);
@@ -227,7 +234,8 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     sim->fault = fault;
-    return rp_fail(RP_BROKEN, "%s at step %ld: grain %u: %s", dem_fault_text(fault), sim->step, sim->id[grain], text);
+    return rp_fail(RP_BROKEN, "%s at step %ld: grain %u: %s", dem_fault_text(fault), sim->step,
+                   sim->id[grain], text);
 }
 
 /* An overlap beyond the smallest radius was seen: find one that is beyond the smaller of its own two. */
@@ -237,10 +245,12 @@ static rp_status check_overlaps(dem_sim *sim)
     for (size_t t = 0; t < sim->n_touching; t++) {
         const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
-        double overlap = sim->pair_radii[k] - sqrt(dem_dot(d, d)), smaller = fmin(sim->radius[i], sim->radius[j]);
+        double overlap = sim->pair_radii[k] - sqrt(dem_dot(d, d)),
+               smaller = fmin(sim->radius[i], sim->radius[j]);
         if (!(overlap <= smaller))
             return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_OVERLAP : DEM_FAULT_NON_FINITE, i,
-                            "overlap %g with grain %u, beyond the smaller radius %g", overlap, sim->id[j], smaller);
+                            "overlap %g with grain %u, beyond the smaller radius %g", overlap, sim->id[j],
+                            smaller);
     }
     for (size_t k = 0; k < sim->n_wall_slots; k++) {
         dem_vec normal, velocity;
@@ -263,7 +273,8 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->mass = calloc(room, sizeof *sim->mass);
     sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
     sim->id = calloc(room, sizeof *sim->id);
-    if (!sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id)
+    if (!sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
+        !sim->id)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return RP_OK;
 }
@@ -286,9 +297,10 @@ static rp_status check_start_overlaps(const dem_sim *sim)
             limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
                                                    sim->mass[slot.grain], overlap));
     }
-    return sim->def.dt <= limit ? RP_OK
-                                : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
-                                          sim->def.dt, limit);
+    return sim->def.dt <= limit
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
+                         sim->def.dt, limit);
 }
 
 /* Forces of the start, with velocities of the start and springs as they are; then velocities half a step

@@ -30,12 +30,12 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
-    double mu;      /* finite stand-in for an infinite one */
+    double mu; /* finite stand-in for an infinite one */
     double wall_mu[DEM_MAX_WALLS];
     double r_min, r_max, skin;
     double radius_mean, mass_mean, start_speed, dt_limit; /* for the header's notes */
     const char *dt_limit_of;
-    bool alarm;     /* an overlap beyond the smallest radius was seen */
+    bool alarm; /* an overlap beyond the smallest radius was seen */
 
     /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
     size_t n, n_start;
@@ -87,7 +87,8 @@ void dem_walls_apply(dem_sim *sim, double h);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * overlap; brings slot->side up to date. False where the wall is open. */
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap, dem_vec *velocity);
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
+                    dem_vec *velocity);
 
 /* Record a fault with step and grain; returns RP_BROKEN. */
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)

@@ -7,7 +7,8 @@
 #include "dem/law_shear.h"
 #include "dem/sim.h"
 
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap, dem_vec *velocity)
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
+                    dem_vec *velocity)
 {
     const dem_wall *w = &sim->def.walls[slot->wall];
     dem_vec direction = {w->direction[0], w->direction[1]}, tangent = dem_clockwise(direction);
@@ -49,8 +50,8 @@ void dem_walls_apply(dem_sim *sim, double h)
         const dem_material *c = &sim->def.walls[slot->wall].material;
         dem_vec v = sim->grain[i].v - wall_velocity;
         sim->alarm |= !(overlap <= sim->radius[i]);
-        double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
-                                    dem_dot(v, n));
+        double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i],
+                                    overlap, dem_dot(v, n));
         dem_vec f = f_n * n;
         if (sim->def.tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(n);
