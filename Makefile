@@ -140,9 +140,10 @@ $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
-$(T)/%/energy.tsv: sweeps/%.cfg $(CODE)
+$(T)/%/energy.tsv $(T)/%_row.tsv: sweeps/%.cfg $(CODE)
+	@mkdir -p $(T)
 	@echo "run     $*"
-	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >/dev/null
+	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
 
 # Models on paper: the angle, or the tent's outer and inner angle and 100 x_1/B, is in the name.
 $(T)/continuum_%.tsv: $(CODE)

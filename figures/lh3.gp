@@ -7,7 +7,7 @@ set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3'
 set xrange [-0.01:0.32]
 set yrange [0:32]
 set key top left Left reverse
-set label 1 'bars: standard error over 20 piles; no point at {/:Italic μ} = 0: no pile stands' at graph 0.98, 0.05 right font ',8'
+set label 1 'bars: standard error over 20 piles; series set apart by 0.003; at {/:Italic μ} = 0 no pile stands' at graph 0.98, 0.05 right font ',8'
 plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt 7 ps 0.7 lc 2 title 'spring cut at the Coulomb limit, at rest', \
      t('lh3_total.tsv') using (column('mu') + 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \

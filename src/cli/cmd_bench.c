@@ -77,7 +77,7 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
 rp_status cmd_bench(int argc, char **argv)
 {
     static const char *const columns[][2] = {{"grains", ""},      {"steps", ""},    {"best", "1e6/s"},
-                                             {"median", "1e6/s"}, {"contacts", ""}, {"pairs", ""},
+                                             {"median", "1e6/s"}, {"seconds", "s"}, {"contacts", ""}, {"pairs", ""},
                                              {"rebuilds", ""}};
     enum { RUNS = 5 };
     bench_options o;
@@ -88,6 +88,7 @@ rp_status cmd_bench(int argc, char **argv)
     const double width = fmax(0.4, sqrt(0.04 * (double)o.n));
     long steps = o.steps > 0 ? o.steps : (long)fmax(100.0, 2e7 / (double)o.n);
     if (o.steps <= 0 && o.state == 1 && steps > 10000) steps = 10000; /* later the pile has come to rest */
+    const double begun = now();
     dem_sim *settled = NULL;
     double rates[RUNS];
     dem_counts before, after;
@@ -109,9 +110,9 @@ rp_status cmd_bench(int argc, char **argv)
         qsort(rates, RUNS, sizeof *rates, ascending);
         cli_table(stdout, options, &o);
         rp_table_note(stdout, "kernel", "%s", dem_kernel_name(settled));
-        rp_table_columns(stdout, 7, columns);
-        rp_table_row(stdout, 7,
-                     (double[]){(double)o.n, (double)steps, rates[RUNS - 1], rates[RUNS / 2],
+        rp_table_columns(stdout, 8, columns);
+        rp_table_row(stdout, 8,
+                     (double[]){(double)o.n, (double)steps, rates[RUNS - 1], rates[RUNS / 2], now() - begun,
                                 (double)after.contacts, (double)after.pairs,
                                 (double)(after.rebuilds - before.rebuilds)});
     }

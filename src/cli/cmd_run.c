@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -169,6 +170,8 @@ static rp_status run_box(const run_options *o)
     if (!*o->directory) return rp_fail(RP_USAGE, "--box needs -o DIR, the folder for its tables");
     sweep_result result;
     const sweep_protocol *protocol;
+    struct timespec started, ended;
+    clock_gettime(CLOCK_MONOTONIC, &started);
     rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory,
                                    o->every > 0 ? o->every : 100, write_header, &protocol, &result);
     if (status) return status;
@@ -180,7 +183,10 @@ static rp_status run_box(const run_options *o)
     }
     columns[n][0] = "status";
     columns[n][1] = "";
+    clock_gettime(CLOCK_MONOTONIC, &ended);
     cli_table(stdout, NULL, NULL);
+    rp_table_note(stdout, "run_time", "%.3g s",
+                  (double)(ended.tv_sec - started.tv_sec) + 1e-9 * (double)(ended.tv_nsec - started.tv_nsec));
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
     return strncmp(result.status, "ok", 2) == 0
