@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, figure 1(b): kinetic energy per grain against the iteration.
 opened = real(system("awk -F'[ =;]+' '{ for (i = 1; i < NF; i++) if ($i == \"open_at_step\") print $(i + 1) }' ".T.'lh1/scene.cfg'))
-set xlabel 'iteration (1000 steps of 5×10^{-5} s)'
+set xlabel 'iteration (thousands)'
 set ylabel 'kinetic energy per grain (erg)'
 set logscale y
 set format y '10^{%T}'

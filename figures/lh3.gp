@@ -2,15 +2,16 @@
 fit = T.'lh3_fit_theta_r.tsv' # t('lh3_fit_theta_r.tsv')
 slope = real(system("awk '!/^#/ && $NF == \"free\" { print $1 }' ".fit))
 start = real(system("awk '!/^#/ && $NF == \"free\" { print $3 }' ".fit))
+stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3'
 set xrange [-0.01:0.32]
 set yrange [0:32]
 set key top left Left reverse
-set label 1 'bars: standard error over 20 piles; series set apart by 0.003; at {/:Italic μ} = 0 no pile stands' at graph 0.98, 0.05 right font ',8'
+set label 1 sprintf('bars: standard error over %d piles; series set apart by 0.003; at {/:Italic μ} = 0 no pile stands', P_max) at graph 0.98, 0.05 right font ',8'
 plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt 7 ps 0.7 lc 2 title 'spring cut at the Coulomb limit, at rest', \
      t('lh3_total.tsv') using (column('mu') + 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
-       with yerrorbars pt 4 ps 0.7 lc 3 title 'spring as (2b) is printed, 50 000 steps after opening', \
+       with yerrorbars pt 4 ps 0.7 lc 3 title 'spring as (2b) is printed, '.note('lh3_total.tsv', 'relax_steps').' steps after opening', \
      [0.05:0.2] start + slope*x with lines lc 2 dt 2 title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
      '+' using (0.197):(17.99):(0.64) every ::0::0 with yerrorbars pt 9 ps 0.9 lc 1 title 'Lee \& Herrmann 1993, text (bar as printed)'

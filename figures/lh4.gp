@@ -1,10 +1,11 @@
 # Lee & Herrmann 1993, figure 4: tilting angle against friction.
+stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
 set xrange [-0.01:0.32]
 set yrange [0:10]
 set key top left Left reverse
-set label 1 'gravity turned by 10^{-3} degree a step; bars: standard error over 20 piles; series set apart by 0.003' at graph 0.98, 0.05 right font ',8'
+set label 1 sprintf('gravity turned by %s degree a step; bars: standard error over %d piles; series set apart by 0.003', note('lh3.tsv', 'tilt_rate_deg'), P_max) at graph 0.98, 0.05 right font ',8'
 plot t('lh3.tsv') using (column('mu')):(column('theta_t_displacement_deg_mean')):(column('theta_t_displacement_deg_se')) \
        with yerrorbars pt 7 ps 0.7 lc 2 title '5 % of the grains moved by 0.1 {/:Italic d}', \
      '' using (column('mu') + 0.003):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) \

@@ -17,4 +17,6 @@ set bars small
 # A table of ours as gnuplot wants it: the last header line becomes the names of the columns.
 set datafile separator tab
 set datafile columnheaders
+# The text after "# KEY: " in the header of a table, without a unit.
+note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".T.name)
 t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".T.name

@@ -188,9 +188,12 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     status = read_fixed(plan, fixed, plan->points);
     if (!status) status = check_required(file, plan, fixed, grid);
     if (!status) status = expand(file, plan, &h, grid);
+    char model[64], fingerprint[33] = "";
+    if (!status && plan->protocol->fingerprint) status = plan->protocol->fingerprint(fingerprint);
+    snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);
     for (size_t r = 0; !status && r < plan->n_runs; r++)
         rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed, r,
-                       RP_MODEL_VERSION, plan->keys[r]);
+                       model, plan->keys[r]);
     return status;
 }
 

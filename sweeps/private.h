@@ -55,6 +55,13 @@ rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
 /* The sweep file's name as it was given. */
 rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size);
 
+/* Show the programs that made the planned runs, and how many each. */
+rp_status sweep_store_makers(sweep_store *store,
+                             void (*visit)(const char *program, size_t runs, void *context), void *context);
+
+/* Forget planned runs whose worker died: it may have been the machine's fault, so they are made again. */
+rp_status sweep_store_drop_crashed(sweep_store *store);
+
 /* Numbers of the planned runs that are not stored, in order; free *missing. */
 rp_status sweep_store_missing(sweep_store *store, const sweep_plan *plan, size_t **missing, size_t *n);
 

@@ -35,6 +35,10 @@ typedef struct {
      * box without grains. Errors: RP_BAD_INPUT. */
     rp_status (*check)(const void *params);
 
+    /* 32 hexadecimal digits and NUL that change with the bits of a short run: part of every key, so that
+     * results of changed physics are never reused, even if RP_MODEL_VERSION was forgotten. May be NULL. */
+    rp_status (*fingerprint)(char digits[33]);
+
     /* One run with the random streams (seed, run, purpose). Physics without a result (a leak, a pile that
      * never rests) is RP_OK with its status word; an error is for what stops the whole sweep. */
     rp_status (*run)(const void *params, unsigned long seed, unsigned long run, sweep_result *result);

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "angle/angle.h"
 #include "core/table.h"
@@ -67,12 +68,12 @@ static const rp_param schema[] = {
     {"rest_energy", "m g d", RP_REAL, AT(rest_energy), "1e-7", "(0, inf)",
      "at rest: mean kinetic energy below"},
     {"rest_force", "m g", RP_REAL, AT(rest_force), "1e-2", "(0, inf)", "at rest: largest net force below"},
-    {"max_steps", "", RP_INT, AT(max_steps), "auto", "[1, 2000000000] | auto",
+    {"max_steps", "", RP_INT, AT(max_steps), "auto", "[5000, 2000000000] | auto",
      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1"},
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
-     "slopes; tilt at a rate; tilt by 0.1 degree from rest to rest"},
+     "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
     {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity", "what turns"},
-    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "(0, 0.01]", "turn of gravity a step"},
+    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
     {"height", "", RP_CHOICE, AT(height), "centre", ANG_HEIGHT_WORDS,
      "h of a cell: highest centre less d/2, highest centre, highest point"},
     {"empty", "", RP_CHOICE, AT(empty), "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out"},
@@ -341,9 +342,9 @@ static rp_status measure_pile(experiment *e)
     ang_slope slopes[ANG_N_METHODS];
     rp_status status = note_state(e);
     if (status) return status;
-    /* what lies flat on a floor without friction is no pile of angle 0: any slope would have flowed out */
-    if (e->p->mu == 0.0 && e->p->mu_wall <= 0.0) {
-        conclude(e, "no_pile", "no friction anywhere, and no wall on the right");
+    /* what lies flat on a smooth floor is no pile of angle 0: any slope would have flowed out */
+    if (e->scene.def.walls[WALL_FLOOR].material.mu == 0.0) {
+        conclude(e, "no_pile", "a floor without friction, and no wall on the right");
         return RP_NO_RESULT;
     }
     status = measure_slopes(e, slopes);
@@ -585,8 +586,42 @@ rp_status sweep_repose_trace(const void *params, unsigned long seed, unsigned lo
     return rp_file_close(path, energy, status);
 }
 
+/* Two short runs that between them use both springs, two floors, both masses and all phases but the tilt. */
+static rp_status fingerprint(char digits[33])
+{
+    repose_params p[2];
+    sweep_result results[2];
+    double bits[2][N_OUTPUTS];
+    for (int k = 0; k < 2; k++) {
+        rp_params_defaults(schema, &p[k]);
+        p[k].W = p[k].H = 1.0;
+        p[k].stop = STOP_STEPS;
+        p[k].fill_steps = p[k].relax_steps = 1500;
+    }
+    p[1].slip = DEM_TOTAL;
+    p[1].floor = FLOOR_ENDS;
+    p[1].shape = DEM_DISK;
+    p[1].tension = false;
+    for (int k = 0; k < 2; k++) {
+        rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
+        if (status) return status;
+        /* angles to a millionth of a degree: the C library's atan may differ in its last digits */
+        for (int i = 0; i < N_OUTPUTS; i++)
+            bits[k][i] = i <= OUT_THETA_RT ? round(results[k].values[i] * 1e6) : results[k].values[i];
+        for (int i = 0; i < N_OUTPUTS; i++)
+            if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
+    }
+    XXH128_hash_t h = XXH3_128bits(bits, sizeof bits);
+    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    return RP_OK;
+}
+
 const sweep_protocol sweep_protocol_repose = {
-    "repose", "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)",
-    schema,   sizeof(repose_params),
-    outputs,  check,
-    run_one};
+    .name = "repose",
+    .about = "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)",
+    .schema = schema,
+    .params_size = sizeof(repose_params),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one};

@@ -2,6 +2,8 @@
 #ifndef SWEEP_PROTOCOL_REPOSE_H
 #define SWEEP_PROTOCOL_REPOSE_H
 
+#include <stdio.h>
+
 #include "sweeps/protocol.h"
 
 /* One run of protocol `repose` that leaves its tables in the folder `directory`: grains and contacts when

@@ -48,6 +48,11 @@ static bool is_axis(const sweep_plan *plan, const rp_param *param)
     return false;
 }
 
+static void note_maker(const char *program, size_t runs, void *context)
+{
+    rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
+}
+
 static rp_status add_seconds(const sweep_row *row, void *sum)
 {
     if (isfinite(row->seconds)) *(double *)sum += row->seconds;
@@ -68,15 +73,16 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_provenance(out, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas);
+    status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", hash);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
-    rp_table_note(out, "run_time", "%.6g s", seconds);
+    rp_table_note(out, "run_time", "%.1f s", seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
         if (!is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, plan->points, text, sizeof text),
                           *p->unit ? " " : "", p->unit);
-    return RP_OK;
+    return status;
 }
 
 typedef struct {

@@ -117,6 +117,7 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
                 " point INTEGER, replica INTEGER);"
                 "CREATE TABLE IF NOT EXISTS runs (run INTEGER, status TEXT NOT NULL, message TEXT,"
                 " seconds REAL, seed INTEGER, model INTEGER, key TEXT NOT NULL PRIMARY KEY)");
+    if (!status) status = add_column(s, "program", "TEXT");
     for (const rp_param *p = protocol->schema; !status && p->name; p++)
         status = add_column(s, p->name, p->type == RP_REAL ? "REAL" : p->type == RP_INT ? "INTEGER" : "TEXT");
     for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
@@ -185,6 +186,24 @@ rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
     return RP_OK;
 }
 
+rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, size_t runs, void *context),
+                             void *context)
+{
+    sqlite3_stmt *q = query(
+        s, "SELECT program, count(*) FROM plan JOIN runs USING (key) GROUP BY program ORDER BY program");
+    int rc;
+    while ((rc = sqlite3_step(q)) == SQLITE_ROW)
+        visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
+    sqlite3_finalize(q);
+    return rc == SQLITE_DONE ? RP_OK : fail(s, "read the rows");
+}
+
+rp_status sweep_store_drop_crashed(sweep_store *s)
+{
+    return execute(s, "write the store",
+                   "DELETE FROM runs WHERE status = 'crashed' AND key IN (SELECT key FROM plan)");
+}
+
 rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **missing, size_t *n)
 {
     *n = 0;
@@ -201,8 +220,8 @@ rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **m
 static rp_status prepare_insert(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    size_t n = 7;
-    sqlite3_str_appendall(sql, "INSERT INTO runs (run, status, message, seconds, seed, model, key");
+    size_t n = 8;
+    sqlite3_str_appendall(sql, "INSERT INTO runs (run, status, message, seconds, seed, model, program, key");
     for (const rp_param *p = protocol->schema; p->name; p++, n++)
         sqlite3_str_appendf(sql, ", \"%w\"", p->name);
     for (const sweep_output *o = protocol->outputs; o->name; o++, n++)
@@ -226,6 +245,9 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     sqlite3_bind_double(q, ++column, row->seconds);
     sqlite3_bind_int64(q, ++column, (sqlite3_int64)plan->seed);
     sqlite3_bind_int64(q, ++column, RP_MODEL_VERSION);
+    snprintf(text, sizeof text, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit(),
+             rp_build_compiler());
+    sqlite3_bind_text(q, ++column, text, -1, SQLITE_TRANSIENT);
     sqlite3_bind_text(q, ++column, plan->keys[row->run], -1, SQLITE_STATIC);
     /* as texts: the column's type makes numbers of those that are numbers */
     for (const rp_param *p = plan->protocol->schema; p->name; p++)

@@ -85,6 +85,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (options->workers < 1)
         return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
     rp_status status = sweep_folder_open(dir, protocols, true, &f);
+    if (!status) status = sweep_store_drop_crashed(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
     if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);

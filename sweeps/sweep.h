@@ -51,9 +51,9 @@ rp_status sweep_prepare(const char *file, const char *dir, const sweep_protocol 
                         sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
- * run whose worker dies is a row with status "crashed". SIGINT, SIGTERM and SIGHUP stop the sweep:
- * RP_STOPPED. RP_OK when every row is stored, whatever its status.
- * Errors: RP_BAD_INPUT, RP_IO (also: another process runs this sweep), RP_NO_MEMORY, or a protocol's own. */
+ * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and
+ * SIGHUP stop the sweep: RP_STOPPED. RP_OK when every row is stored, whatever its status. Errors:
+ * RP_BAD_INPUT, RP_IO (also: another process runs this sweep), RP_NO_MEMORY, or a protocol's own. */
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts);
 

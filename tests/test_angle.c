@@ -653,6 +653,29 @@ static void test_compare(void)
     gsl_rng_free(rng);
 }
 
+/* The claim of Fig. 7 in numbers: how much nearer (4) is than (3); and piles that are flat on average. */
+static void compare_gain_and_flat_piles(void)
+{
+    const double theta_r[4] = {0.301, 0.322, 0.345, 0.318}, theta_t[4] = {0.061, 0.072, 0.049, 0.066};
+    const double flat[4] = {-0.012, 0.004, -0.003, 0.001}, mu = 0.2, phi = M_PI / 3.0;
+    gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
+    ang_comparison c;
+    CHECK_OK(ang_compare(4, theta_r, theta_t, mu, phi, 400, rng, &c));
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        const double form = fabs(c.form[f].diff.value), ms = fabs(c.diff_ms.value);
+        CHECK_NEAR(c.form[f].gain.value, form - ms, 1e-15);
+        CHECK_NEAR(c.form[f].gain_relative.value, form / c.theta_t.mean - ms / c.theta_rt.mean, 1e-14);
+        CU_ASSERT(c.form[f].gain.se > 0.0 && c.form[f].gain_relative.se > 0.0);
+    }
+    /* the bootstrap's error of a mean is the standard error, to the 1/sqrt(2 * 400) of its own */
+    CHECK_NEAR(c.diff_ms.se / c.theta_rt.se, 1.0, 5.0 / sqrt(800.0));
+    CHECK_OK(ang_compare(4, flat, theta_t, mu, phi, 50, rng, &c));
+    CU_ASSERT(c.form[ANG_BALANCED].status == ANG_TILT_NO_PILE && isnan(c.form[ANG_BALANCED].theta_t.value));
+    CU_ASSERT_STRING_EQUAL(ang_tilt_word(ANG_TILT_NO_PILE), "no_pile");
+    CU_ASSERT(isfinite(c.diff_ms.value) && c.n_lost > 0);
+    gsl_rng_free(rng);
+}
+
 void suite_angle(void)
 {
     static const check_case cases[] = {
@@ -677,6 +700,7 @@ void suite_angle(void)
         {"bootstrap", test_bootstrap},
         {"line fit", test_line_fit},
         {"piles against theory", test_compare},
+        {"compare: gain, flat piles", compare_gain_and_flat_piles},
         {NULL, NULL},
     };
     check_register("angle", cases);

@@ -1,7 +1,9 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
 #include <gsl/gsl_cdf.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/config.h"
@@ -55,7 +57,6 @@ static void defaults_and_text(void)
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
               back.set == 6u);
     CU_ASSERT_STRING_EQUAL(rp_params_text(&schema[0], &v, text, sizeof text), "0.1");
-    CU_ASSERT(rp_params_number(&schema[4], &v) == 1.0);
     CU_ASSERT_PTR_NULL(rp_params_find(schema, "absent"));
 }
 
@@ -86,18 +87,18 @@ static void keys(void)
     values v;
     char one[33], two[33];
     rp_params_defaults(schema, &v);
-    rp_params_hash(schema, &v, 1993, 0, 1, one);
-    rp_params_hash(schema, &v, 1993, 0, 1, two);
+    rp_params_hash(schema, &v, 1993, 0, "1", one);
+    rp_params_hash(schema, &v, 1993, 0, "1", two);
     CU_ASSERT_STRING_EQUAL(one, two);
     CU_ASSERT_EQUAL(strlen(one), 32);
-    rp_params_hash(schema, &v, 1993, 1, 1, two);
+    rp_params_hash(schema, &v, 1993, 1, "1", two);
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
-    rp_params_hash(schema, &v, 1994, 0, 1, two);
+    rp_params_hash(schema, &v, 1994, 0, "1", two);
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
-    rp_params_hash(schema, &v, 1993, 0, 2, two);
+    rp_params_hash(schema, &v, 1993, 0, "2", two);
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
     v.a = nextafter(v.a, 1.0);
-    rp_params_hash(schema, &v, 1993, 0, 1, two);
+    rp_params_hash(schema, &v, 1993, 0, "1", two);
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
 }
 
@@ -242,6 +243,30 @@ static void tables(void)
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT_EQUAL(t.n_rows, 2);
     rp_table_free(&t);
+    /* through a link: the target is replaced, and the link stays */
+    char link[64];
+    snprintf(link, sizeof link, "%s.link", path);
+    CU_ASSERT_FATAL(symlink(path, link) == 0);
+    CHECK_OK(rp_file_open(link, &out));
+    fputs("7 8 9\n", out);
+    CHECK_OK(rp_file_close(link, out, RP_OK));
+    struct stat info;
+    CU_ASSERT(lstat(link, &info) == 0 && S_ISLNK(info.st_mode));
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT_EQUAL(t.n_columns, 3);
+    rp_table_free(&t);
+    unlink(link);
+    /* a pipe is written to, not replaced */
+    CU_ASSERT_FATAL(mkfifo(link, 0600) == 0);
+    int reader = open(link, O_RDONLY | O_NONBLOCK);
+    char got[8] = "";
+    CHECK_OK(rp_file_open(link, &out));
+    fputs("through", out);
+    CHECK_OK(rp_file_close(link, out, RP_OK));
+    CU_ASSERT(read(reader, got, 7) == 7 && strcmp(got, "through") == 0);
+    CU_ASSERT(stat(link, &info) == 0 && S_ISFIFO(info.st_mode));
+    close(reader);
+    unlink(link);
     out = fopen(path, "w");
     fputs("1 2\n3\n", out);
     fclose(out);

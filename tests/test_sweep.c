@@ -62,7 +62,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
 
 #define TOY(NAME)                                                                                            \
     {                                                                                                        \
-        NAME, "toy", toy_schema, sizeof(toy), toy_outputs, toy_check, toy_run                                \
+        .name = NAME, .about = "toy", .schema = toy_schema, .params_size = sizeof(toy),                      \
+        .outputs = toy_outputs, .check = toy_check, .run = toy_run                                           \
     }
 static const sweep_protocol toy_protocol = TOY("toy"), other_protocol = TOY("other");
 static const sweep_protocol *const toys[] = {&toy_protocol, &other_protocol, NULL};
@@ -360,6 +361,11 @@ static void test_crash(void)
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
+    /* it may have been the machine's fault: tried again, and only that */
+    sql("UPDATE runs SET seconds = 77 WHERE status <> 'crashed'");
+    CHECK_OK(run(1, &c));
+    CU_ASSERT(c.stored == 10 && c.failed == 3);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE seconds = 77") == 7);
     clean();
     /* an error of the protocol, in contrast, stops the sweep; what was stored before stays */
     fresh("protocol = \"toy\"; replicas = 6; grid = { mode = [\"break\"]; };");
@@ -368,6 +374,13 @@ static void test_crash(void)
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
     clean();
+}
+
+static rp_status toy_fingerprint(char digits[33])
+{
+    memset(digits, 'a', 32);
+    digits[32] = '\0';
+    return RP_OK;
 }
 
 static void test_plan_again(void)
@@ -391,6 +404,14 @@ static void test_plan_again(void)
     write_text(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 0); /* another seed, other results */
+    /* the same protocol with other bits: nothing that is stored fits */
+    sweep_protocol changed = toy_protocol;
+    changed.fingerprint = toy_fingerprint;
+    write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    CHECK_OK(sweep_prepare(file, dir, (const sweep_protocol *const[]){&changed, NULL}, &c));
+    CU_ASSERT(c.planned == 8 && c.stored == 0);
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.stored == 8);
     write_text(file, "protocol = \"other\"; replicas = 2;");
     CHECK_FAILS(prepare(&c), RP_BAD_INPUT, "holds runs of protocol \"toy\", not \"other\"");
     CHECK_OK(sweep_status(dir, toys, &c)); /* and the refused plan changed nothing */

@@ -30,7 +30,8 @@ typedef enum {
     ANG_TILT_OK_PULLING,       /* found, but at theta_t one ray of the lattice form pulls: grains do not */
     ANG_TILT_ALREADY_UNSTABLE, /* theta_r exceeds theta_ms of (3): slides without tilt */
     ANG_TILT_NO_SLIDE,         /* friction holds at every tilt below `limit`, where the form ends */
-    ANG_TILT_RAYS_MISS         /* theta_r >= phi: the upper ray never leaves the pile, no theory */
+    ANG_TILT_RAYS_MISS,        /* theta_r >= phi: the upper ray never leaves the pile, no theory */
+    ANG_TILT_NO_PILE           /* a mean theta_r below 0, of piles compared with theory */
 } ang_tilt_status;
 
 typedef struct {
@@ -171,6 +172,9 @@ typedef struct {
         ang_estimate theta_t;  /* (4) at the mean theta_r */
         ang_estimate diff;     /* mean measured theta_t minus that */
         ang_estimate theta_rt; /* mean theta_r plus that */
+        /* magnitude of diff less that of diff_ms, and the same with each over its measured angle: negative
+         * where (4) is nearer to the measurement than (3), the claim of Fig. 7 */
+        ang_estimate gain, gain_relative;
     } form[ANG_N_FORMS];
 } ang_comparison;
 

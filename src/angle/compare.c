@@ -39,17 +39,40 @@ static void resample(size_t n, const double a[], const double b[], gsl_rng *rng,
     *b_mean = b_sum / (double)n;
 }
 
+/* (4) at a mean theta_r, which may come out below 0 for piles that are nearly flat: then there is none. */
+static rp_status tilt_at(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *tilt)
+{
+    if (theta_r >= 0.0) return ang_tilt(form, mu, theta_r, phi, tilt);
+    *tilt = (ang_tilt_result){ANG_TILT_NO_PILE, NAN, NAN, NAN, NAN};
+    return RP_OK;
+}
+
+/* How much nearer (4) comes to the measured theta_t than (3) to the measured sum: negative is nearer. */
+static double gain(double theta_t, double form, double theta_rt, double theta_ms)
+{
+    return fabs(theta_t - form) - fabs(theta_rt - theta_ms);
+}
+
+static double gain_relative(double theta_t, double form, double theta_rt, double theta_ms)
+{
+    return fabs(theta_t - form) / fabs(theta_t) - fabs(theta_rt - theta_ms) / fabs(theta_rt);
+}
+
 static rp_status central_values(double mu, double phi, ang_comparison *c)
 {
     c->diff_ms = (ang_estimate){c->theta_rt.mean - c->theta_ms, NAN};
     for (int f = 0; f < ANG_N_FORMS; f++) {
         ang_tilt_result tilt;
-        rp_status status = ang_tilt((ang_form)f, mu, c->theta_r.mean, phi, &tilt);
+        rp_status status = tilt_at((ang_form)f, mu, c->theta_r.mean, phi, &tilt);
         if (status) return status;
         c->form[f].status = tilt.status;
         c->form[f].theta_t = (ang_estimate){tilt.theta_t, NAN};
         c->form[f].diff = (ang_estimate){c->theta_t.mean - tilt.theta_t, NAN};
         c->form[f].theta_rt = (ang_estimate){c->theta_r.mean + tilt.theta_t, NAN};
+        c->form[f].gain =
+            (ang_estimate){gain(c->theta_t.mean, tilt.theta_t, c->theta_rt.mean, c->theta_ms), NAN};
+        c->form[f].gain_relative =
+            (ang_estimate){gain_relative(c->theta_t.mean, tilt.theta_t, c->theta_rt.mean, c->theta_ms), NAN};
     }
     return RP_OK;
 }
@@ -70,29 +93,36 @@ rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], 
     for (size_t i = 0; i < n; i++) c->n_unstable += theta_r[i] > c->theta_ms;
     if (n == 1) return RP_OK;
 
-    spread sum = {0}, tilts[ANG_N_FORMS] = {{0}}, diffs[ANG_N_FORMS] = {{0}}, sums[ANG_N_FORMS] = {{0}};
+    spread sum = {0}, tilts[ANG_N_FORMS] = {{0}}, diffs[ANG_N_FORMS] = {{0}}, sums[ANG_N_FORMS] = {{0}},
+           gains[ANG_N_FORMS] = {{0}}, relative[ANG_N_FORMS] = {{0}};
     for (size_t i = 0; i < n_resamples; i++) {
         double r, t;
         resample(n, theta_r, theta_t, rng, &r, &t);
         add(&sum, r + t);
         for (int f = 0; f < ANG_N_FORMS; f++) {
             ang_tilt_result tilt;
-            status = ang_tilt((ang_form)f, mu, r, phi, &tilt);
+            status = tilt_at((ang_form)f, mu, r, phi, &tilt);
             if (status) return status;
             if (isnan(tilt.theta_t)) continue;
             add(&tilts[f], tilt.theta_t);
             add(&diffs[f], t - tilt.theta_t);
             add(&sums[f], r + tilt.theta_t);
+            add(&gains[f], gain(t, tilt.theta_t, r + t, c->theta_ms));
+            add(&relative[f], gain_relative(t, tilt.theta_t, r + t, c->theta_ms));
         }
     }
-    c->diff_ms.se = deviation(&sum);
+    /* resampling n piles spreads as the standard deviation with n below the root, not n - 1 */
+    const double unbias = sqrt((double)n / (double)(n - 1));
+    c->diff_ms.se = unbias * deviation(&sum);
     for (int f = 0; f < ANG_N_FORMS; f++) {
         size_t lost = n_resamples - tilts[f].n;
         if (lost > c->n_lost) c->n_lost = lost;
         if (isnan(c->form[f].theta_t.value)) continue;
-        c->form[f].theta_t.se = deviation(&tilts[f]);
-        c->form[f].diff.se = deviation(&diffs[f]);
-        c->form[f].theta_rt.se = deviation(&sums[f]);
+        c->form[f].theta_t.se = unbias * deviation(&tilts[f]);
+        c->form[f].diff.se = unbias * deviation(&diffs[f]);
+        c->form[f].theta_rt.se = unbias * deviation(&sums[f]);
+        c->form[f].gain.se = unbias * deviation(&gains[f]);
+        c->form[f].gain_relative.se = unbias * deviation(&relative[f]);
     }
     return RP_OK;
 }

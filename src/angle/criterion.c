@@ -50,7 +50,8 @@ const char *ang_form_word(ang_form form)
 
 const char *ang_tilt_word(ang_tilt_status status)
 {
-    static const char *const words[] = {"ok", "ok_pulling", "already_unstable", "no_slide", "rays_miss"};
+    static const char *const words[] = {"ok",       "ok_pulling", "already_unstable",
+                                        "no_slide", "rays_miss",  "no_pile"};
     return words[status];
 }
 

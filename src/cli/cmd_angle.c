@@ -192,6 +192,18 @@ static rp_status place_columns(const rp_table *table, bool with_r, int columns[3
     return RP_OK;
 }
 
+/* A table of states may hold a pile at several times. */
+static rp_status refuse_several_steps(const rp_table *table)
+{
+    int column = rp_table_column(table, "step");
+    for (size_t i = 1; table->names[0] && column >= 0 && i < table->n_rows; i++)
+        if (strcmp(table->cells[i * table->n_columns + (size_t)column], table->cells[column]) != 0)
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
+                           table->path, table->lines[i], table->cells[i * table->n_columns + (size_t)column],
+                           table->cells[column]);
+    return RP_OK;
+}
+
 /* Without slopes: rows without result. */
 static void print_slopes(const slope_options *o, const ang_surface *surface, const ang_slope *slopes)
 {
@@ -219,6 +231,7 @@ static rp_status slope_of_table(const rp_table *table, const slope_options *o)
     ang_slope slopes[ANG_N_METHODS];
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
     rp_status status = place_columns(table, options.height == ANG_TOP, columns);
+    if (!status) status = refuse_several_steps(table);
     if (!status) status = read_columns(table, 3, columns, 0, &block);
     if (!status) {
         status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
@@ -306,10 +319,12 @@ static const char *const compare_columns[][2] = {
     {"n_unstable", ""},
     {"n_lost", ""},
 };
-/* Before and after the form's name. */
-static const char *const form_columns[][2] = {{"theta_t_", "_deg"},  {"theta_t_", "_se_deg"},
-                                              {"diff_", "_deg"},     {"diff_", "_se_deg"},
-                                              {"theta_rt_", "_deg"}, {"theta_rt_", "_se_deg"}};
+/* Before and after the form's name, and the unit. */
+static const char *const form_columns[][3] = {{"theta_t_", "_deg", "deg"},  {"theta_t_", "_se_deg", "deg"},
+                                              {"diff_", "_deg", "deg"},     {"diff_", "_se_deg", "deg"},
+                                              {"theta_rt_", "_deg", "deg"}, {"theta_rt_", "_se_deg", "deg"},
+                                              {"gain_", "_deg", "deg"},     {"gain_", "_se_deg", "deg"},
+                                              {"gain_relative_", "", ""},   {"gain_relative_", "_se", ""}};
 enum {
     N_HEAD = N_OF(compare_columns),
     N_FORM = N_OF(form_columns),
@@ -325,7 +340,7 @@ static void print_compare_header(void)
         snprintf(names[i], sizeof names[i], "%s%s%s", form_columns[i % N_FORM][0],
                  ang_form_word((ang_form)(i / N_FORM)), form_columns[i % N_FORM][1]);
         columns[N_HEAD + i][0] = names[i];
-        columns[N_HEAD + i][1] = "deg";
+        columns[N_HEAD + i][1] = form_columns[i % N_FORM][2];
     }
     columns[N_COMPARE][0] = "status";
     columns[N_COMPARE][1] = "";
@@ -349,9 +364,11 @@ static void print_comparison(double mu, const ang_comparison *c)
                            (double)c->n_lost};
     ang_tilt_status worst = ANG_TILT_OK;
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const ang_estimate parts[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt};
+        const ang_estimate parts[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
+                                      c->form[f].gain, c->form[f].gain_relative};
         for (int i = 0; i < N_FORM; i++)
-            v[N_HEAD + f * N_FORM + i] = (i % 2 ? parts[i / 2].se : parts[i / 2].value) / deg;
+            v[N_HEAD + f * N_FORM + i] =
+                (i % 2 ? parts[i / 2].se : parts[i / 2].value) / (*form_columns[i][2] ? deg : 1.0);
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
     rp_table_row_word(stdout, N_COMPARE, v, ang_tilt_word(worst));

@@ -77,8 +77,8 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
 rp_status cmd_bench(int argc, char **argv)
 {
     static const char *const columns[][2] = {{"grains", ""},      {"steps", ""},    {"best", "1e6/s"},
-                                             {"median", "1e6/s"}, {"seconds", "s"}, {"contacts", ""}, {"pairs", ""},
-                                             {"rebuilds", ""}};
+                                             {"median", "1e6/s"}, {"seconds", "s"}, {"contacts", ""},
+                                             {"pairs", ""},       {"rebuilds", ""}};
     enum { RUNS = 5 };
     bench_options o;
     int n;

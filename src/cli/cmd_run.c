@@ -157,6 +157,8 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
         if (to_next < part) part = to_next;
         if (part > part_of_bar) part = part_of_bar;
         status = dem_run(sim, part);
+        /* a grain that got away is physics without a result, not a program gone wrong */
+        if (status == RP_BROKEN && dem_sim_fault(sim) == DEM_FAULT_LEAKED) status = RP_NO_RESULT;
         show_progress(sim, scene->steps);
         if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
             status = outputs_write(&out, sim);

@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -272,37 +273,8 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
     return buffer;
 }
 
-double rp_params_number(const rp_param *param, const void *values)
-{
-    const char *field = (const char *)values + param->offset;
-    switch (param->type) {
-    case RP_REAL: return *(const double *)field;
-    case RP_INT: return (double)*(const long *)field;
-    case RP_BOOL: return *(const bool *)field;
-    case RP_CHOICE: return *(const int *)field;
-    case RP_FLAGS: return *(const unsigned *)field;
-    case RP_TEXT:
-    case RP_TEXTS: break;
-    }
-    return 0.0;
-}
-
-void rp_params_describe(const rp_param *schema, const char *prefix, FILE *out)
-{
-    for (; schema->name; schema++) {
-        fprintf(out, "  %s%-*s %s%s%s", prefix, 22 - (int)strlen(prefix), schema->name, schema->meaning,
-                *schema->unit ? ", " : "", schema->unit);
-        if (schema->range && *schema->range) fprintf(out, "; %s", schema->range);
-        fprintf(out,
-                !schema->fallback   ? " (required)\n"
-                : *schema->fallback ? " (default %s)\n"
-                                    : "\n",
-                schema->fallback);
-    }
-}
-
 void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
-                    int version, char key[33])
+                    const char *model, char key[33])
 {
     XXH3_state_t *state = XXH3_createState();
     XXH3_128bits_reset(state);
@@ -312,7 +284,7 @@ void rp_params_hash(const rp_param *schema, const void *values, unsigned long se
                          rp_params_text(schema, values, text, sizeof text));
         XXH3_128bits_update(state, line, (size_t)n);
     }
-    int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%d\n", seed, run, version);
+    int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%s\n", seed, run, model);
     XXH3_128bits_update(state, line, (size_t)n);
     XXH128_hash_t h = XXH3_128bits_digest(state);
     XXH3_freeState(state);

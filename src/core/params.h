@@ -4,7 +4,6 @@
 #define RP_PARAMS_H
 
 #include <stddef.h>
-#include <stdio.h>
 
 #include "core/status.h"
 
@@ -65,18 +64,12 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
-/* The value as a number: choices give their index, booleans 0 or 1, text 0. */
-double rp_params_number(const rp_param *param, const void *values);
-
 /* Word number `index` of a choice's range, copied into `buffer`; empty if there is none. */
 const char *rp_params_word(const rp_param *param, int index, char *buffer, size_t size);
 
-/* Table of the schema: name, unit, default, range, meaning; `prefix` ("--" or "") goes before each name. */
-void rp_params_describe(const rp_param *schema, const char *prefix, FILE *out);
-
-/* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. `seed` and `version` are
- * folded in, so that results of another stream or other physics have another key. */
+/* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. Seed, run and `model`, the
+ * physics' name, are folded in, so that results of another stream or other physics have another key. */
 void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
-                    int version, char key[33]);
+                    const char *model, char key[33]);
 
 #endif

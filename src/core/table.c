@@ -2,6 +2,7 @@
 #include "core/table.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -68,31 +69,40 @@ rp_status rp_table_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
-static void temporary_name(const char *path, char *buffer, size_t size)
+/* A file is written under another name beside it and then replaced whole, a link's target in place of the
+ * link. Devices and pipes are written directly: `buffer` is then empty. */
+static const char *temporary_name(const char *path, char *target, char *buffer, size_t size)
 {
-    snprintf(buffer, size, "%s.tmp%ld", path, (long)getpid());
+    struct stat info;
+    if (!realpath(path, target)) snprintf(target, PATH_MAX, "%s", path);
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        buffer[0] = '\0';
+    else
+        snprintf(buffer, size, "%s.tmp%ld", target, (long)getpid());
+    return buffer;
 }
 
 rp_status rp_file_open(const char *path, FILE **out)
 {
-    char temporary[4096];
+    char target[PATH_MAX], temporary[PATH_MAX + 32];
     if (strcmp(path, "-") == 0) {
         *out = stdout;
         return RP_OK;
     }
-    temporary_name(path, temporary, sizeof temporary);
-    *out = fopen(temporary, "w");
+    temporary_name(path, target, temporary, sizeof temporary);
+    *out = fopen(*temporary ? temporary : path, "w");
     return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
 }
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
 {
-    char temporary[4096];
+    char target[PATH_MAX], temporary[PATH_MAX + 32];
     if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
-    temporary_name(path, temporary, sizeof temporary);
+    temporary_name(path, target, temporary, sizeof temporary);
     rp_status status = keep ? keep : rp_table_finish(out, path);
     if (fclose(out) != 0 && !status) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (!status && rename(temporary, path) != 0)
+    if (!*temporary) return status;
+    if (!status && rename(temporary, target) != 0)
         status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
     if (status) unlink(temporary);
     return status;
@@ -215,6 +225,10 @@ rp_status rp_table_number(const rp_table *table, size_t row, int column, int mis
 {
     const char *cell = table->cells[row * table->n_columns + (size_t)column];
     char *end;
+    if (missing_ok && strcmp(cell, "infinite") == 0) {
+        *value = INFINITY;
+        return RP_OK;
+    }
     *value = strtod(cell, &end);
     if (*end || (!isfinite(*value) && !(missing_ok && isnan(*value))))
         return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number", table->path,

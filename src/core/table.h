@@ -53,7 +53,8 @@ void rp_table_free(rp_table *table);
 /* Index of a column, or -1. */
 int rp_table_column(const rp_table *table, const char *name);
 
-/* A cell as a number; "nan" is allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file, line, column. */
+/* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
+ * line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);
 
 #endif
