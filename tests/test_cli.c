@@ -803,6 +803,22 @@ static void test_stopped(void)
     leave();
 }
 
+/* A scene that is stopped keeps what it wrote, and leaves no half file. */
+static void test_scene_stopped(void)
+{
+    enter();
+    write_text("s.cfg",
+               "steps = 2000000000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
+    int status = shell(
+        "\"$REPOSE\" run s.cfg --every 100000 -o d >out 2>err & p=$!; sleep 0.7; kill -TERM $p; wait $p");
+    CU_ASSERT(failed(__LINE__, status, 75, "stopped at step"));
+    rp_table t = read_table("d/states.tsv");
+    CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
+    rp_table_free(&t);
+    CU_ASSERT(shell("! ls d | grep -q tmp") == 0);
+    leave();
+}
+
 void suite_cli(void)
 {
     static const check_case cases[] = {{"help of every command", test_help},
@@ -820,6 +836,7 @@ void suite_cli(void)
                                        {"run: broken, 70", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
                                        {"run --box: a row again", test_row_again},
+                                       {"run: stopped", test_scene_stopped},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

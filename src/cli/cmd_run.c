@@ -1,5 +1,6 @@
 /* `repose run`: any scene from a file, or one row of a sweep again with its tables. */
 #include <math.h>
+#include <signal.h>
 #include <stddef.h>
 #include <string.h>
 #include <time.h>
@@ -145,9 +146,19 @@ static void show_progress(const dem_sim *sim, long steps)
     fprintf(stderr, "\rstep %ld of %ld, %d %%%s", dem_step(sim), steps, percent, percent == 100 ? "\n" : "");
 }
 
+static volatile sig_atomic_t stop_signal;
+
+static void note_stop(int signal_number)
+{
+    stop_signal = signal_number;
+}
+
 static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim *sim)
 {
-    const long part_of_bar = scene->steps / 100 + 1;
+    signal(SIGINT, note_stop);
+    signal(SIGTERM, note_stop);
+    /* some tenths of a second: often enough to show progress and to notice a signal */
+    const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
     outputs out = {.directory = *o->directory ? o->directory : NULL};
     rp_status status = outputs_open(&out, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
@@ -155,11 +166,14 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
         long part = scene->steps - dem_step(sim);
         long to_next = o->every > 0 ? o->every - dem_step(sim) % o->every : part;
         if (to_next < part) part = to_next;
-        if (part > part_of_bar) part = part_of_bar;
+        if (part > most) part = most;
         status = dem_run(sim, part);
         /* a grain that got away is physics without a result, not a program gone wrong */
         if (status == RP_BROKEN && dem_sim_fault(sim) == DEM_FAULT_LEAKED) status = RP_NO_RESULT;
         show_progress(sim, scene->steps);
+        if (!status && stop_signal)
+            status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
+                             dem_step(sim), scene->steps);
         if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
             status = outputs_write(&out, sim);
     }
