@@ -112,71 +112,78 @@ static rp_status wrong_type(const rp_param *param, const rp_value *value, const 
                    param->range && *param->range ? ", allowed: " : "", param->range ? param->range : "");
 }
 
-rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value)
+static rp_status set_real(const rp_param *param, double *field, const rp_value *value)
 {
-    char *field = (char *)values + param->offset;
-    numeric_range range;
-    switch (param->type) {
-    case RP_REAL: {
-        range = parse_range(param->range);
-        double v;
-        if (value->kind == RP_V_INT)
-            v = (double)value->i;
-        else if (value->kind == RP_V_REAL)
-            v = value->r;
-        else if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
-            *(double *)field = strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
-            return RP_OK;
-        } else
-            return wrong_type(param, value, "a number");
-        if (!isfinite(v)) return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
-        if (!in_range(&range, v))
-            return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
-                           param->range, *param->unit ? " " : "", param->unit);
-        *(double *)field = v;
+    const numeric_range range = parse_range(param->range);
+    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
+        *field = strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
         return RP_OK;
     }
-    case RP_INT:
-        range = parse_range(param->range);
-        if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
-            *(long *)field = -1;
-            return RP_OK;
-        }
-        if (value->kind != RP_V_INT) return wrong_type(param, value, "a whole number");
-        if (!in_range(&range, (double)value->i))
-            return rp_fail(RP_BAD_INPUT, "%s = %ld: out of range, allowed: %s", param->name, value->i,
-                           param->range);
-        *(long *)field = value->i;
+    if (value->kind != RP_V_INT && value->kind != RP_V_REAL) return wrong_type(param, value, "a number");
+    double v = value->kind == RP_V_INT ? (double)value->i : value->r;
+    if (!isfinite(v)) return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
+    if (!in_range(&range, v))
+        return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
+                       param->range, *param->unit ? " " : "", param->unit);
+    *field = v;
+    return RP_OK;
+}
+
+static rp_status set_int(const rp_param *param, long *field, const rp_value *value)
+{
+    const numeric_range range = parse_range(param->range);
+    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
+        *field = -1;
         return RP_OK;
+    }
+    if (value->kind != RP_V_INT) return wrong_type(param, value, "a whole number");
+    if (!in_range(&range, (double)value->i))
+        return rp_fail(RP_BAD_INPUT, "%s = %ld: out of range, allowed: %s", param->name, value->i,
+                       param->range);
+    *field = value->i;
+    return RP_OK;
+}
+
+static rp_status set_word(const rp_param *param, void *field, const rp_value *value)
+{
+    if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
+    int index = word_index(param->range, value->s);
+    if (index < 0)
+        return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s", param->name, value->s,
+                       param->range);
+    if (param->type == RP_CHOICE)
+        *(int *)field = index;
+    else
+        *(unsigned *)field |= 1u << index;
+    return RP_OK;
+}
+
+static rp_status add_text(const rp_param *param, rp_texts *texts, const rp_value *value)
+{
+    if (value->kind != RP_V_TEXT) return wrong_type(param, value, "text");
+    if (texts->n == sizeof texts->items / sizeof *texts->items)
+        return rp_fail(RP_BAD_INPUT, "%s: given too often", param->name);
+    texts->items[texts->n++] = value->s;
+    return RP_OK;
+}
+
+rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value)
+{
+    void *field = (char *)values + param->offset;
+    switch (param->type) {
+    case RP_REAL: return set_real(param, field, value);
+    case RP_INT: return set_int(param, field, value);
+    case RP_CHOICE:
+    case RP_FLAGS: return set_word(param, field, value);
+    case RP_TEXTS: return add_text(param, field, value);
     case RP_BOOL:
         if (value->kind != RP_V_BOOL) return wrong_type(param, value, "true or false");
         *(bool *)field = value->i != 0;
         return RP_OK;
-    case RP_CHOICE:
-    case RP_FLAGS: {
-        if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
-        int index = word_index(param->range, value->s);
-        if (index < 0)
-            return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s", param->name, value->s,
-                           param->range);
-        if (param->type == RP_CHOICE)
-            *(int *)field = index;
-        else
-            *(unsigned *)field |= 1u << index;
-        return RP_OK;
-    }
     case RP_TEXT:
         if (value->kind != RP_V_TEXT) return wrong_type(param, value, "text");
         *(const char **)field = value->s;
         return RP_OK;
-    case RP_TEXTS: {
-        rp_texts *texts = (rp_texts *)field;
-        if (value->kind != RP_V_TEXT) return wrong_type(param, value, "text");
-        if (texts->n == sizeof texts->items / sizeof *texts->items)
-            return rp_fail(RP_BAD_INPUT, "%s: given too often", param->name);
-        texts->items[texts->n++] = value->s;
-        return RP_OK;
-    }
     }
     return rp_fail(RP_BROKEN, "%s: unknown type", param->name);
 }
