@@ -220,7 +220,7 @@ static void conclude(experiment *e, const char *status, const char *message)
     if (message != e->result->message) snprintf(e->result->message, sizeof e->result->message, "%s", message);
 }
 
-static rp_status write_energy(experiment *e)
+static void write_energy(experiment *e)
 {
     dem_energy energy;
     const double n = (double)dem_count(e->sim);
@@ -228,7 +228,6 @@ static rp_status write_energy(experiment *e)
     rp_table_row(e->energy, 6,
                  (double[]){(double)dem_step(e->sim), dem_time(e->sim), n, energy.kinetic / n,
                             energy.elastic / n, energy.gravity / n});
-    return RP_OK;
 }
 
 /* Advance; a fault of the simulation ends the run with its word and RP_NO_RESULT. */
@@ -256,6 +255,7 @@ static rp_status measure_slopes(experiment *e, ang_slope slopes[ANG_N_METHODS])
     const size_t n = dem_count(e->sim);
     double *x = e->work, *y = x + n, *r = y + n;
     rp_status status = dem_states(e->sim, e->states);
+    if (status) return status;
     for (size_t i = 0; i < n; i++) {
         x[i] = e->states[i].x;
         y[i] = e->states[i].y;
@@ -264,7 +264,7 @@ static rp_status measure_slopes(experiment *e, ang_slope slopes[ANG_N_METHODS])
     const ang_options options = {e->d, (ang_height)e->p->height, (ang_empty)e->p->empty,
                                  (ang_parabola)e->p->parabola};
     ang_surface surface = {0};
-    if (!status) status = ang_surface_make(n, x, y, r, e->p->W, &options, &surface);
+    status = ang_surface_make(n, x, y, r, e->p->W, &options, &surface);
     e->result->values[OUT_CELLS] = (double)surface.n_occupied;
     if (!status && slopes)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
