@@ -9,4 +9,4 @@ set xrange [0:*]
 set key top right
 set arrow 1 from opened/1000, graph 0 to opened/1000, graph 1 nohead lc rgb '#888888' dt 3
 set label 2 ' wall removed' at opened/1000, graph 0.94 font ',8'
-plot t('lh1/energy.tsv') using (column('step')/1000):(column('kinetic')) with lines lw 0.5 lc 2 notitle
+plot t('lh1/energy.tsv') using (column('step')/1000):(column('kinetic_per_grain')) with lines lw 0.5 lc 2 notitle

@@ -1,6 +1,7 @@
 /* The pool: worker processes, forked once, each with a socket on which the parent sends the number of a run
  * and the worker sends back one record. The parent is the only one that writes. Determinism: a run depends
  * on its parameters, the seed and its number only, never on the worker or the order. */
+#include "core/clock.h"
 #include "sweeps/private.h"
 
 #include <errno.h>
@@ -13,7 +14,6 @@
 #include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef struct {
@@ -36,23 +36,16 @@ typedef struct {
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* The life of a worker. It ends when the parent does. */
 static void work(const sweep_plan *plan, int socket)
 {
     for (size_t run; recv(socket, &run, sizeof run, 0) == sizeof run;) {
         sweep_row row = {.run = run};
         for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) row.result.values[i] = NAN;
-        double start = now();
+        double start = rp_clock();
         row.status =
             plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed, run, &row.result);
-        row.seconds = now() - start;
+        row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
     }
@@ -142,7 +135,7 @@ static rp_status collect(pool *p, worker *w)
 static void show(pool *p)
 {
     if (!p->options->watch) return;
-    p->progress.elapsed = now() - p->start;
+    p->progress.elapsed = rp_clock() - p->start;
     p->progress.left =
         p->finished ? p->progress.elapsed * (double)(p->n_todo - p->finished) / (double)p->finished : NAN;
     p->options->watch(&p->progress, p->options->context);
@@ -188,7 +181,8 @@ static rp_status run_all(pool *p)
 rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t *todo, size_t n,
                          const sweep_options *options, const sweep_counts *counts)
 {
-    pool p = {.plan = plan, .store = store, .todo = todo, .n_todo = n, .options = options, .start = now()};
+    pool p = {
+        .plan = plan, .store = store, .todo = todo, .n_todo = n, .options = options, .start = rp_clock()};
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
     sigset_t stops, before;

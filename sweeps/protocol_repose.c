@@ -16,7 +16,6 @@
 enum { FLOOR_EXTENDS, FLOOR_ENDS, FLOOR_ABSORBS };
 enum { STOP_REST, STOP_STEPS };
 enum { MEASURE_THETA_R = 1, MEASURE_THETA_T = 2, MEASURE_THETA_T_STATIC = 4 };
-enum { WALL_FLOOR, WALL_LEFT, WALL_RIGHT, N_WALLS };
 
 typedef struct {
     double W, H, mu, mu_wall, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
@@ -161,18 +160,12 @@ static void make_scene(const repose_params *p, unsigned long seed, unsigned long
     dem_material wall = def.material;
     wall.k_n = p->k_n_wall < 0.0 ? 2.0 * p->k_n : p->k_n_wall;
     wall.mu = p->mu_wall < 0.0 ? p->mu : p->mu_wall;
-    def.n_walls = N_WALLS;
-    for (int w = 0; w < N_WALLS; w++)
-        def.walls[w] = (dem_wall){
-            .material = wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = p->open};
-    def.walls[WALL_FLOOR].direction[1] = 1.0;
-    def.walls[WALL_LEFT].direction[0] = 1.0;
-    def.walls[WALL_RIGHT].direction[0] = -1.0;
-    def.walls[WALL_RIGHT].point[0] = p->W;
-    if (isfinite(p->open)) def.walls[WALL_RIGHT].extent[0] = 0.0;
+    dem_box_walls(&def, p->W, &wall);
+    def.walls[DEM_BOX_RIGHT].open_speed = p->open;
+    if (isfinite(p->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
     def.x_max = p->floor == FLOOR_ABSORBS ? p->W : 3.0 * p->W;
     if (p->floor == FLOOR_ENDS) {
-        def.walls[WALL_FLOOR].extent[1] = p->W;
+        def.walls[DEM_BOX_FLOOR].extent[1] = p->W;
         def.y_min = -2.0 * d;
     }
     *scene = (dem_scene){.def = def, .has_fill = true};
@@ -220,16 +213,6 @@ static void conclude(experiment *e, const char *status, const char *message)
     if (message != e->result->message) snprintf(e->result->message, sizeof e->result->message, "%s", message);
 }
 
-static void write_energy(experiment *e)
-{
-    dem_energy energy;
-    const double n = (double)dem_count(e->sim);
-    dem_energies(e->sim, &energy);
-    rp_table_row(e->energy, 6,
-                 (double[]){(double)dem_step(e->sim), dem_time(e->sim), n, energy.kinetic / n,
-                            energy.elastic / n, energy.gravity / n});
-}
-
 /* Advance; a fault of the simulation ends the run with its word and RP_NO_RESULT. */
 static rp_status advance(experiment *e, long steps)
 {
@@ -244,7 +227,7 @@ static rp_status advance(experiment *e, long steps)
         }
         if (status) return status;
         steps -= part;
-        if (e->every > 0 && dem_step(e->sim) % e->every == 0) write_energy(e);
+        if (e->every > 0 && dem_step(e->sim) % e->every == 0) dem_write_energy(e->sim, e->energy);
     }
     return RP_OK;
 }
@@ -314,8 +297,8 @@ static rp_status fill_box(experiment *e)
 static rp_status open_box(experiment *e)
 {
     const long opened_at = dem_step(e->sim), least = 5000;
-    dem_wall_open(e->sim, WALL_RIGHT, e->p->open);
-    e->scene.def.walls[WALL_RIGHT].open_at_step = opened_at + 1;
+    dem_wall_open(e->sim, DEM_BOX_RIGHT, e->p->open);
+    e->scene.def.walls[DEM_BOX_RIGHT].open_at_step = opened_at + 1;
     rp_status status = advance(e, e->p->stop == STOP_REST ? least : e->p->relax_steps);
     if (!status && e->p->stop == STOP_REST) status = settle(e, true, "after the opening");
     e->result->values[OUT_RELAX_STEPS] = (double)(dem_step(e->sim) - opened_at);
@@ -343,7 +326,7 @@ static rp_status measure_pile(experiment *e)
     rp_status status = note_state(e);
     if (status) return status;
     /* what lies flat on a smooth floor is no pile of angle 0: any slope would have flowed out */
-    if (e->scene.def.walls[WALL_FLOOR].material.mu == 0.0) {
+    if (e->scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0) {
         conclude(e, "no_pile", "a floor without friction, and no wall on the right");
         return RP_NO_RESULT;
     }
@@ -572,16 +555,13 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 rp_status sweep_repose_trace(const void *params, unsigned long seed, unsigned long run, const char *directory,
                              long every, void (*header)(FILE *), sweep_result *result)
 {
-    static const char *const columns[][2] = {{"step", ""},       {"t", "s"},         {"grains", ""},
-                                             {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
     const trace t = {directory, header};
     char path[4096];
     FILE *energy;
     rp_status status = rp_make_directory(directory);
     if (!status) status = open_table(&t, "energy.tsv", path, sizeof path, &energy);
     if (status) return status;
-    rp_table_note(energy, "energies", "per grain present; gravity from y = 0");
-    rp_table_columns(energy, 6, columns);
+    dem_write_energy_columns(energy);
     status = run_experiment(params, seed, run, &t, every, energy, result);
     return rp_file_close(path, energy, status);
 }

@@ -24,10 +24,9 @@ static dem_definition box(long N, double W, long run, dem_grain **grains)
     CHECK_OK(dem_fill_random(&fill, *grains));
     def.grains = *grains;
     def.n_grains = (size_t)N;
-    def.n_walls = 3;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
-    def.walls[1] = line(0.0, 0.0, 1.0, 0.0, &def.material);
-    def.walls[2] = line(W, 0.0, -1.0, 0.0, &def.material);
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, W, &wall);
     return def;
 }
 

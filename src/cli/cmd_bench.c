@@ -1,9 +1,9 @@
 /* `repose bench`: particle-steps a second on this machine, for the box scene. */
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "cli/cli.h"
+#include "core/clock.h"
 #include "dem/dem.h"
 
 typedef struct {
@@ -31,13 +31,6 @@ static const cli_command command = {
     0,
     0};
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static int ascending(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -52,17 +45,7 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
     if (!grains) return rp_fail(RP_NO_MEMORY, "%ld grains: out of memory", o->n);
     dem_material wall = def.material;
     wall.k_n *= 2.0;
-    def.n_walls = 3;
-    for (int w = 0; w < 3; w++)
-        def.walls[w] = (dem_wall){{w == 2 ? width : 0.0, 0.0},
-                                  {w == 0   ? 0.0
-                                   : w == 1 ? 1.0
-                                            : -1.0,
-                                   w == 0},
-                                  wall,
-                                  {-INFINITY, INFINITY},
-                                  -1,
-                                  INFINITY};
+    dem_box_walls(&def, width, &wall);
     def.x_max = 3.0 * width;
     def.grains = grains;
     def.n_grains = (size_t)o->n;
@@ -88,20 +71,20 @@ rp_status cmd_bench(int argc, char **argv)
     const double width = fmax(0.4, sqrt(0.04 * (double)o.n));
     long steps = o.steps > 0 ? o.steps : (long)fmax(100.0, 2e7 / (double)o.n);
     if (o.steps <= 0 && o.state == 1 && steps > 10000) steps = 10000; /* later the pile has come to rest */
-    const double begun = now();
+    const double begun = rp_clock();
     dem_sim *settled = NULL;
     double rates[RUNS];
     dem_counts before, after;
     status = settle(&o, width, &settled);
-    if (!status && o.state == 1) dem_wall_open(settled, 2, INFINITY);
+    if (!status && o.state == 1) dem_wall_open(settled, DEM_BOX_RIGHT, INFINITY);
     for (int k = 0; !status && k < RUNS; k++) {
         dem_sim *sim;
         status = dem_clone(settled, &sim);
         if (status) break;
         dem_count_work(sim, &before);
-        double started = now();
+        double started = rp_clock();
         status = dem_run(sim, steps);
-        double seconds = now() - started;
+        double seconds = rp_clock() - started;
         dem_count_work(sim, &after);
         rates[k] = (after.grain_steps - before.grain_steps) / seconds / 1e6;
         dem_free(sim);
@@ -112,8 +95,8 @@ rp_status cmd_bench(int argc, char **argv)
         rp_table_note(stdout, "kernel", "%s", dem_kernel_name(settled));
         rp_table_columns(stdout, 8, columns);
         rp_table_row(stdout, 8,
-                     (double[]){(double)o.n, (double)steps, rates[RUNS - 1], rates[RUNS / 2], now() - begun,
-                                (double)after.contacts, (double)after.pairs,
+                     (double[]){(double)o.n, (double)steps, rates[RUNS - 1], rates[RUNS / 2],
+                                rp_clock() - begun, (double)after.contacts, (double)after.pairs,
                                 (double)(after.rebuilds - before.rebuilds)});
     }
     dem_free(settled);

@@ -3,10 +3,10 @@
 #include <signal.h>
 #include <stddef.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "core/clock.h"
 #include "dem/scene.h"
 #include "sweeps/sweep.h"
 
@@ -68,15 +68,13 @@ static rp_status open_in(const char *directory, const char *name, char path[4096
 
 static rp_status outputs_open(outputs *o, const dem_sim *sim)
 {
-    static const char *const columns[][2] = {{"step", ""},       {"t", "s"},         {"grains", ""},
-                                             {"kinetic", "erg"}, {"elastic", "erg"}, {"gravity", "erg"}};
     rp_status status = RP_OK;
     if (o->directory) {
         status = rp_make_directory(o->directory);
         if (!status) status = open_in(o->directory, "states.tsv", o->states_path, &o->states);
         if (!status) status = open_in(o->directory, "energy.tsv", o->energy_path, &o->energy);
         if (status) return status;
-        rp_table_columns(o->energy, 6, columns);
+        dem_write_energy_columns(o->energy);
     } else {
         o->states = stdout;
         write_header(stdout);
@@ -88,13 +86,7 @@ static rp_status outputs_open(outputs *o, const dem_sim *sim)
 
 static rp_status outputs_write(outputs *o, const dem_sim *sim)
 {
-    if (o->energy) {
-        dem_energy e;
-        dem_energies(sim, &e);
-        rp_table_row(o->energy, 6,
-                     (double[]){(double)dem_step(sim), dem_time(sim), (double)dem_count(sim), e.kinetic,
-                                e.elastic, e.gravity});
-    }
+    if (o->energy) dem_write_energy(sim, o->energy);
     return dem_write_states(sim, o->states);
 }
 
@@ -186,8 +178,7 @@ static rp_status run_box(const run_options *o)
     if (!*o->directory) return rp_fail(RP_USAGE, "--box needs -o DIR, the folder for its tables");
     sweep_result result;
     const sweep_protocol *protocol;
-    struct timespec started, ended;
-    clock_gettime(CLOCK_MONOTONIC, &started);
+    const double started = rp_clock();
     rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory,
                                    o->every > 0 ? o->every : 100, write_header, &protocol, &result);
     if (status) return status;
@@ -199,10 +190,8 @@ static rp_status run_box(const run_options *o)
     }
     columns[n][0] = "status";
     columns[n][1] = "";
-    clock_gettime(CLOCK_MONOTONIC, &ended);
     cli_table(stdout, NULL, NULL);
-    rp_table_note(stdout, "run_time", "%.3g s",
-                  (double)(ended.tv_sec - started.tv_sec) + 1e-9 * (double)(ended.tv_nsec - started.tv_nsec));
+    rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
     return strncmp(result.status, "ok", 2) == 0

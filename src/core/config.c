@@ -178,3 +178,16 @@ rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
     }
     return RP_OK;
 }
+
+void rp_config_write(FILE *out, const rp_param *schema, const void *values)
+{
+    char text[512];
+    for (; schema->name; schema++) {
+        rp_params_text(schema, values, text, sizeof text);
+        bool number = (schema->type == RP_REAL || schema->type == RP_INT) && !isalpha(text[0]);
+        const char *quote = number || schema->type == RP_BOOL ? "" : "\"";
+        /* whole numbers above 2^31 - 1 would be refused: a real number shows that it is one */
+        const char *point = number && schema->type == RP_REAL && !strpbrk(text, ".e") ? ".0" : "";
+        fprintf(out, "%s = %s%s%s%s; ", schema->name, quote, text, point, quote);
+    }
+}

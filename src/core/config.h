@@ -3,6 +3,7 @@
 #define RP_CONFIG_H
 
 #include <libconfig.h>
+#include <stdio.h>
 
 #include "core/params.h"
 
@@ -19,6 +20,10 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
 
 /* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
+
+/* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
+ */
+void rp_config_write(FILE *out, const rp_param *schema, const void *values);
 
 /* An RP_BAD_INPUT failure that starts with the setting's file and line. */
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)

@@ -63,6 +63,10 @@ typedef struct {
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
 
+/* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
+enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
+void dem_box_walls(dem_definition *def, double W, const dem_material *wall);
+
 typedef struct dem_sim dem_sim;
 
 /* Why a run stopped. */

@@ -408,3 +408,83 @@ rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
     free(grains);
     return status;
 }
+
+static void write_pair(FILE *out, const char *key, const double pair[2])
+{
+    fprintf(out, "%s = ( %.17g, %.17g ); ", key, pair[0], pair[1]);
+}
+
+static void write_group(FILE *out, const char *key, const rp_param *schema, const void *values)
+{
+    fprintf(out, "%s = { ", key);
+    rp_config_write(out, schema, values);
+    fputs("};\n", out);
+}
+
+static void write_top(FILE *out, const dem_scene *scene)
+{
+    const dem_definition *def = &scene->def;
+    scene_values top;
+    rp_params_defaults(top_schema, &top);
+    top.dt = def->dt;
+    top.skin = def->skin > 0.0 ? def->skin : -1.0;
+    top.x_max = def->x_max;
+    top.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
+    top.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    top.turn_from_step = def->turn_from_step;
+    top.steps = scene->steps;
+    top.kernel = def->reference_kernel;
+    if (scene->has_fill) {
+        top.shape = scene->fill.shape;
+        top.density = scene->fill.density;
+    }
+    write_pair(out, "gravity", def->gravity);
+    rp_config_write(out, top_schema, &top);
+    fputc('\n', out);
+}
+
+static void write_walls(FILE *out, const dem_definition *def)
+{
+    fputs("walls = (", out);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &def->walls[w];
+        const wall_values values = {wall->material, wall->open_at_step, wall->open_speed};
+        fputs(w ? ",\n  { " : "\n  { ", out);
+        write_pair(out, "point", wall->point);
+        write_pair(out, "direction", wall->direction);
+        /* libconfig has no infinity: an open end is written as a number far away */
+        double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
+        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
+        rp_config_write(out, wall_schema, &values);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+static void write_particles(FILE *out, const dem_scene *scene)
+{
+    fputs("particles = (", out);
+    for (size_t i = 0; i < scene->def.n_grains; i++) {
+        const dem_grain *p = &scene->grains[i];
+        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, 0.0};
+        fputs(i ? ",\n  { " : "\n  { ", out);
+        rp_config_write(out, particle_schema, &values);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+void dem_scene_write(const dem_scene *scene, FILE *out)
+{
+    const dem_definition *def = &scene->def;
+    const law_values normal = {def->normal, def->slip, def->tension, def->material};
+    const law_values tangential = {def->tangential, def->slip, def->tension, def->material};
+    write_top(out, scene);
+    write_group(out, "normal", normal_schema, &normal);
+    write_group(out, "tangential", tangential_schema, &tangential);
+    write_walls(out, def);
+    if (scene->has_fill)
+        write_group(out, "fill", fill_schema, &scene->fill);
+    else
+        write_particles(out, scene);
+}

@@ -41,6 +41,10 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out);
 /* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring. */
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
 
+/* Table rows: step t grains kinetic elastic gravity kinetic_per_grain (erg; gravity from the origin). */
+void dem_write_energy_columns(FILE *out);
+void dem_write_energy(const dem_sim *sim, FILE *out);
+
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
  * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
 void dem_write_notes(const dem_sim *sim, FILE *out);

@@ -23,6 +23,18 @@ dem_definition dem_definition_default(void)
     };
 }
 
+void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
+{
+    def->n_walls = DEM_BOX_N;
+    for (int w = 0; w < DEM_BOX_N; w++)
+        def->walls[w] = (dem_wall){
+            .material = *wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = INFINITY};
+    def->walls[DEM_BOX_FLOOR].direction[1] = 1.0;
+    def->walls[DEM_BOX_LEFT].direction[0] = 1.0;
+    def->walls[DEM_BOX_RIGHT].direction[0] = -1.0;
+    def->walls[DEM_BOX_RIGHT].point[0] = W;
+}
+
 double dem_mass(int shape, double density, double r)
 {
     return density * M_PI * r * r * (shape == DEM_SPHERE ? 4.0 / 3.0 * r : 1.0);
