@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, figure 1(b): kinetic energy per grain against the iteration.
-opened = real(system("awk -F'[ =;]+' '{ for (i = 1; i < NF; i++) if ($i == \"open_at_step\") print $(i + 1) }' ".T.'lh1/scene.cfg'))
+opened = real(system("sed -n 's/.*open_at_step = \\([0-9][0-9]*\\).*/\\1/p' ".T."lh1/scene.cfg"))
 set xlabel 'iteration (thousands)'
 set ylabel 'kinetic energy per grain (erg)'
 set logscale y
