@@ -11,7 +11,7 @@ bool dem_integrate(dem_sim *sim)
     dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
     bool stale = false;
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = sim->advance ? sim->advance(sim, &stale) : 0; i < sim->n; i++) {
         dem_vec v = grain[i].v + dt * (force[i] * sim->inverse_mass[i] + gravity);
         dem_vec x = grain[i].x + dt * v, moved = x - sim->ref[i];
         grain[i].v = v;

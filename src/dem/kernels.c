@@ -36,6 +36,35 @@ static void kernel_reference(dem_sim *sim, double h)
     pair_loop(sim, h, sim->def.normal, sim->def.tangential, sim->def.slip, sim->def.tension);
 }
 
+bool dem_kernel_runs(int kernel)
+{
+    switch (kernel) {
+#ifdef __x86_64__
+    case DEM_AVX512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+    case DEM_AVX2: return __builtin_cpu_supports("avx2");
+#else
+    case DEM_AVX512:
+    case DEM_AVX2: return false;
+#endif
+    default: return true;
+    }
+}
+
+/* Put the widest instances that the definition allows and the processor can run in place of the baseline. */
+static void choose_wide(dem_sim *sim)
+{
+#ifdef __x86_64__
+    int kernel = sim->def.kernel;
+    if (kernel == DEM_FAST) kernel = dem_kernel_runs(DEM_AVX512) ? DEM_AVX512 : DEM_AVX2;
+    if (kernel == DEM_AVX512 && dem_kernel_runs(kernel)) dem_kernel_choose_avx512(sim);
+    if (kernel == DEM_AVX2 && dem_kernel_runs(kernel)) dem_kernel_choose_avx2(sim);
+#else
+    (void)sim;
+#endif
+}
+
 void dem_kernel_choose(dem_sim *sim)
 {
     static const struct {
@@ -51,11 +80,12 @@ void dem_kernel_choose(dem_sim *sim)
     const dem_definition *def = &sim->def;
     sim->kernel = kernel_reference;
     sim->kernel_name = "reference";
-    for (size_t i = 0; i < sizeof list / sizeof *list && !def->reference_kernel; i++)
+    for (size_t i = 0; i < sizeof list / sizeof *list && def->kernel != DEM_REFERENCE; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             (def->tangential == DEM_NONE || list[i].slip == def->slip) && list[i].tension == def->tension) {
             sim->kernel = list[i].kernel;
             sim->kernel_name = list[i].name;
+            choose_wide(sim);
             return;
         }
 }

@@ -65,7 +65,7 @@ static bool grow(void *array, size_t size, size_t room)
 
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
-    if (sim->n_pairs + more <= sim->pair_room) return RP_OK;
+    if (sim->n_pairs + more + 7 <= sim->pair_room) return RP_OK;
     size_t room = sim->pair_room = 2 * (sim->n_pairs + more) + 64;
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
@@ -73,6 +73,15 @@ static rp_status pair_room(dem_sim *sim, size_t more)
         grow(&sim->pair_mass, sizeof *sim->pair_mass, room) && grow(&sim->spring, sizeof *sim->spring, room))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+/* Fill the last of the groups that kernels may take at once with pairs that never touch. */
+static void pad_pairs(dem_sim *sim)
+{
+    for (size_t k = sim->n_pairs; k < (sim->n_pairs + 7) / 8 * 8; k++) {
+        sim->pair_i[k] = sim->pair_j[k] = 0;
+        sim->pair_radii[k] = sim->pair_mass[k] = sim->spring[k] = 0.0;
+    }
 }
 
 static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
@@ -89,6 +98,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
+    pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
     return RP_OK;
@@ -342,6 +352,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     sort_grains(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
+    pad_pairs(sim);
     if (!status) status = find_wall_slots(sim);
     return status;
 }

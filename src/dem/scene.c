@@ -55,8 +55,9 @@ static const rp_param top_schema[] = {
      "gravity's turn a step; positive lowers the side at +x"},
     {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity turns"},
-    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference",
-     "the instance for the scene's laws, or the general loop; the same bits"},
+    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast",
+     "fast | reference | baseline | avx2 | avx512",
+     "pair loop: the best here, the general one, or with these instructions; the same bits"},
     {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
      "table with columns x y r and, if wanted, m vx vy; instead of `particles`"},
     {0}};
@@ -368,7 +369,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
     def->turn_per_step = top.turn_deg * (M_PI / 180.0);
     def->turn_from_step = top.turn_from_step;
-    def->reference_kernel = top.kernel == 1;
+    def->kernel = top.kernel;
     scene->steps = top.steps;
     status = read_laws(root, def);
     if (!status) status = read_walls(root, def);
@@ -433,7 +434,7 @@ static void write_top(FILE *out, const dem_scene *scene)
     top.turn_deg = def->turn_per_step * (180.0 / M_PI);
     top.turn_from_step = def->turn_from_step;
     top.steps = scene->steps;
-    top.kernel = def->reference_kernel;
+    top.kernel = def->kernel;
     if (scene->has_fill) {
         top.shape = scene->fill.shape;
         top.density = scene->fill.density;

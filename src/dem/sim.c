@@ -197,6 +197,9 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
     if (status) return status;
+    if (!dem_kernel_runs(def->kernel))
+        return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
+                       def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
     if (!(def->dt > 0.0) || !isfinite(def->dt))
         return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||

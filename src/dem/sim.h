@@ -21,6 +21,8 @@ typedef struct {
 } dem_wall_slot;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
+/* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
+typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -28,6 +30,7 @@ struct dem_sim {
     dem_fault fault;
     const char *kernel_name;
     dem_kernel *kernel;
+    dem_advance *advance; /* NULL for none */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     double mu; /* finite stand-in for an infinite one */
@@ -45,7 +48,8 @@ struct dem_sim {
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
 
-    /* pairs closer than touching + skin; `spring` is 0 while they do not touch */
+    /* pairs closer than touching + skin; `spring` is 0 while they do not touch. Up to the next multiple of 8
+     * follow pairs of grain 0 with itself that never touch. */
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
@@ -71,8 +75,10 @@ static inline dem_vec dem_clockwise(dem_vec n)
     return (dem_vec){n[1], -n[0]};
 }
 
-/* Choose the kernel of the definition; kernels.c. */
+/* Choose the kernel of the definition, and for processors that have them one of their wide instances. */
 void dem_kernel_choose(dem_sim *sim);
+void dem_kernel_choose_avx512(dem_sim *sim);
+void dem_kernel_choose_avx2(dem_sim *sim);
 
 /* Advance velocities and positions by a step and clear the forces; true if the neighbour list has run out,
  * a grain left or a number is not finite; integrators.c. */
