@@ -263,48 +263,71 @@ static double held_spring(const struct dem_scratch *w, uint32_t a, uint32_t b)
     return 0.0;
 }
 
-/* Slots of grain i with grains from..to. */
+/* Pairs of grain i with grains from..to. Each is written, and kept where near, without a branch. */
 static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
-    const double r = sim->radius[i], m = sim->mass[i];
+    const double r = sim->radius[i], skin = sim->skin;
+    uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
+    size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grain[j].x;
-        double radii = r + sim->radius[j], reach = radii + sim->skin;
-        if (!(dem_dot(d, d) < reach * reach)) continue;
-        size_t k = sim->n_pairs++;
-        sim->pair_i[k] = (uint32_t)i;
-        sim->pair_j[k] = (uint32_t)j;
+        double reach = r + sim->radius[j] + skin;
+        pair_i[k] = (uint32_t)i;
+        pair_j[k] = (uint32_t)j;
+        k += dem_dot(d, d) < reach * reach;
+    }
+    sim->n_pairs = k;
+}
+
+/* The rest of what a pair holds, with the springs of those that touch. */
+static void complete_pairs(dem_sim *sim)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+        dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        double radii = sim->radius[i] + sim->radius[j], m_i = sim->mass[i], m_j = sim->mass[j];
         sim->pair_radii[k] = radii;
-        sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
+        sim->pair_mass[k] = m_i * m_j / (m_i + m_j);
         sim->spring[k] = 0.0;
-        if (dem_dot(d, d) < radii * radii) {
-            sim->spring[k] = held_spring(sim->scratch, (uint32_t)i, (uint32_t)j);
-            sim->touching[sim->n_touching++] = (uint32_t)k;
-        }
+        sim->touching[n] = (uint32_t)k;
+        n += dem_dot(d, d) < radii * radii;
+    }
+    sim->n_touching = n;
+    for (size_t t = 0; t < n; t++) {
+        const uint32_t k = sim->touching[t];
+        sim->spring[k] = held_spring(sim->scratch, sim->pair_i[k], sim->pair_j[k]);
     }
 }
 
+/* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
+ * above; cells that follow one another are taken as one. */
 static rp_status find_pairs(dem_sim *sim)
 {
     const struct dem_scratch *w = sim->scratch;
     const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
-    sim->n_pairs = sim->n_touching = 0;
+    sim->n_pairs = 0;
     for (size_t cy = 0, c = 0; cy < w->cells_y; cy++)
         for (size_t cx = 0; cx < w->cells_x; cx++, c++) {
             const size_t up = ((cy + 1) & mask_y) * w->cells_x;
             const size_t half[4] = {cy * w->cells_x + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
                                     up + ((cx + 1) & mask_x)};
-            size_t most = w->cell_start[c + 1] - w->cell_start[c];
-            for (int a = 0; a < 4; a++) most += w->cell_start[half[a] + 1] - w->cell_start[half[a]];
+            size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
+            for (int a = 0; a < 4; a++) {
+                const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
+                most += end - first;
+                if (first != to[n - 1]) from[n++] = first;
+                to[n - 1] = end;
+            }
             for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
                 rp_status status = pair_room(sim, most);
                 if (status) return status;
-                add_pairs(sim, i, i + 1, w->cell_start[c + 1]);
-                for (int a = 0; a < 4; a++)
-                    add_pairs(sim, i, w->cell_start[half[a]], w->cell_start[half[a] + 1]);
+                add_pairs(sim, i, i + 1, to[0]);
+                for (size_t a = 1; a < n; a++) add_pairs(sim, i, from[a], to[a]);
             }
         }
+    complete_pairs(sim);
     return RP_OK;
 }
 
