@@ -14,7 +14,7 @@ INLINE wide law_normal(int law, bool tension, const dem_material *c, wide m_eff,
     const wide zero = {0};
     wide elastic = law == DEM_HERTZ ? c->k_n * overlap * wide_sqrt(overlap) : c->k_n * overlap;
     wide f = elastic - c->gamma_n * m_eff * v_n;
-    return tension ? f : wide_choose(wide_less(zero, f), f, zero);
+    return tension ? f : wide_max(f, zero);
 }
 
 /* law_shear.h; the division only where a contact slides. */
@@ -23,9 +23,9 @@ INLINE wide law_shear(int slip, const dem_material *c, double mu, wide m_eff, wi
 {
     const wide zero = {0};
     wide ds = *spring + v_s * h;
-    wide cap = mu * wide_choose(wide_less(zero, f_n), f_n, zero);
+    wide cap = mu * wide_max(f_n, zero);
     wide pull = c->k_s * ds;
-    lanes slides = wide_less(cap, wide_copysign(pull, zero));
+    lanes slides = wide_less(cap, wide_abs(pull));
     wide held = wide_choose(slides, wide_copysign(cap, pull), pull);
     if (slip == DEM_TRUNCATED && wide_bits(slides) & wide_bits(touch))
         ds = wide_choose(slides, held / c->k_s, ds);
@@ -64,12 +64,12 @@ INLINE void pair_loop(dem_sim *sim, double h, int normal, int tangential, int sl
         wide f_n = law_normal(normal, tension, &c, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
         if (tangential == DEM_SPRING) {
-            const wide sx = ny, sy = -nx;
+            /* along s = (ny, -nx), the normal turned clockwise */
             wide ds = wide_load(spring + k);
-            wide f_s = law_shear(slip, &c, mu, m_eff, vx * sx + vy * sy, f_n, h, touch, &ds);
+            wide f_s = law_shear(slip, &c, mu, m_eff, vx * ny - vy * nx, f_n, h, touch, &ds);
             wide_store(spring + k, wide_choose(touch, ds, zero));
-            fx += f_s * sx;
-            fy += f_s * sy;
+            fx = fx + f_s * ny;
+            fy = fy - f_s * nx;
         }
         dem_vec f[WIDTH];
         wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));

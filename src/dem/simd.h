@@ -28,6 +28,17 @@ static inline wide wide_sqrt(wide a)
     return _mm512_sqrt_pd(a);
 }
 
+/* a where a > b, else b */
+static inline wide wide_max(wide a, wide b)
+{
+    return _mm512_max_pd(a, b);
+}
+
+static inline wide wide_abs(wide a)
+{
+    return _mm512_abs_pd(a);
+}
+
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
@@ -145,6 +156,16 @@ static inline void wide_store(double *to, wide a)
 static inline wide wide_sqrt(wide a)
 {
     return _mm256_sqrt_pd(a);
+}
+
+static inline wide wide_max(wide a, wide b)
+{
+    return _mm256_max_pd(a, b);
+}
+
+static inline wide wide_abs(wide a)
+{
+    return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
 }
 
 static inline lanes wide_less(wide a, wide b)
