@@ -204,14 +204,19 @@ static void extra_rebuilds_of(bool rotation)
     dem_definition def = box(100, 2.2, 2, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
-    for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = def.material.mu_roll;
+    /* 16 columns of some 0.3 cm wrap around inside the box, so that either grain of a pair may come first */
+    for (int i = 0; i < 100; i++) grains[i].x += 3.8;
+    for (int w = 0; w < 3; w++) {
+        def.walls[w].material.mu_roll = def.material.mu_roll;
+        def.walls[w].point[0] += 3.8;
+    }
     dem_sim *sim = start(&def), *rebuilt;
     CHECK_OK(dem_run(sim, 8000));
     CHECK_OK(dem_clone(sim, &rebuilt));
     for (int k = 0; k < 40; k++) {
         CHECK_OK(dem_run(sim, 50));
         CHECK_OK(dem_neighbours_rebuild(rebuilt));
-        CHECK_OK(dem_neighbours_rebuild(rebuilt)); /* also twice in a row */
+        if (k % 2) CHECK_OK(dem_neighbours_rebuild(rebuilt)); /* also twice in a row */
         CHECK_OK(dem_run(rebuilt, 50));
     }
     /* a lost spring would shift a grain by mu m g / k_s = 1e-4 */
