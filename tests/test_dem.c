@@ -420,13 +420,20 @@ static void corner_without_rebuild(void)
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
  * slowly, starts each touch with what it slides in a step, not with the spring of the touch before. */
-static void springs_end(void)
+static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
+    if (rolling) {          /* turning in place of sliding; too soft to be turned back */
+        def.rotation = true;
+        def.material.mu = def.material.gamma_roll = 0.0;
+        def.material.mu_roll = 10.0;
+        def.material.k_roll = 1e-3;
+        grains[0].omega = 1.0;
+    }
     def.grains = grains;
     def.n_grains = 2;
     def.n_walls = 1;
@@ -441,17 +448,100 @@ static void springs_end(void)
         CHECK_OK(dem_run(sim, 1));
         CHECK_OK(dem_contacts(sim, &c, &n));
         /* 0.1 cm/s along x, and as much again from the slope of the heavy grain where it has drifted to */
+        const double spring = n == 0 ? 0.0 : fabs(rolling ? c[0].rolling_spring : c[0].shear_spring);
         if (n == 1 && before == 0) {
             touches++;
-            CU_ASSERT(fabs(c[0].shear_spring) <= 3.0 * 0.1 * def.dt);
+            CU_ASSERT(spring <= 3.0 * 0.1 * def.dt);
         }
-        if (n == 1) longest = fmax(longest, fabs(c[0].shear_spring));
+        longest = fmax(longest, spring);
         before = n;
         free(c);
     }
     CU_ASSERT(touches >= 10);
     CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* a spring that was not ended would have shown */
     dem_free(sim);
+}
+
+static void springs_end(void)
+{
+    springs_end_of(false);
+    springs_end_of(true);
+}
+
+/* The couple of two unequal grains that turn against each other without friction: displacement R_eff (omega_a
+ * - omega_b) dt after a step, R_eff = r_a r_b/(r_a + r_b). */
+static void rolling_couple(void)
+{
+    dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.0042, 0.0, 0.0, 0.0, 3.0},
+                           {0.27, 0.0, 0.1739, 0.0222, 0.0, 0.0, 0.0, -11.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
+    def.material.mu_roll = 0.3;
+    def.grains = grains;
+    def.n_grains = 2;
+    dem_sim *sim = start(&def);
+    dem_contact *c;
+    dem_state s[2];
+    size_t n;
+    const double r_eff = 0.1 * 0.1739 / 0.2739, xi = r_eff * (3.0 + 11.0) * def.dt;
+    CHECK_OK(dem_run(sim, 1));
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    dem_states(sim, s);
+    CU_ASSERT_EQUAL_FATAL(n, 1);
+    const double sign = c[0].id_a == 1 ? 1.0 : -1.0;
+    CHECK_NEAR(c[0].rolling_spring, sign * xi, 1e-12 * xi);
+    CHECK_NEAR(s[0].torque, -r_eff * def.material.k_roll * xi, 1e-12);
+    CHECK_NEAR(s[1].torque, r_eff * def.material.k_roll * xi, 1e-12);
+    CHECK_NEAR(c[0].rolling_torque, sign * s[0].torque, 1e-15);
+    free(c);
+    dem_free(sim);
+}
+
+/* The contacts that are reported add up to the net forces and torques, in an avalanche of spinning grains. */
+static void contacts_add_up(void)
+{
+    enum { N = 80 };
+    dem_grain *grains;
+    dem_definition def = box(N, 2.0, 23, &grains);
+    def.rotation = true;
+    def.damping = DEM_DAMPING_INSIDE;
+    def.material.gamma_s = 200.0;
+    def.material.mu_roll = 0.1;
+    for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
+    def.walls[2].open_at_step = 4000;
+    dem_sim *sim = start(&def);
+    dem_contact *c;
+    dem_state s[N];
+    double sums[N + 1][3] = {{0.0}}; /* of each id: force, torque; 0 takes what the walls get */
+    size_t n, sliding = 0;
+    CHECK_OK(dem_run(sim, 5000));
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    CU_ASSERT_EQUAL_FATAL(dem_count(sim), N);
+    dem_states(sim, s);
+    for (size_t k = 0; k < n; k++) {
+        const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, d = hypot(dx, dy);
+        const double fx = (c[k].normal_force * dx + c[k].shear_force * dy) / d,
+                     fy = (c[k].normal_force * dy - c[k].shear_force * dx) / d;
+        const bool wall = c[k].id_b == 0;
+        const double arm_a = wall ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
+        double *a = sums[c[k].id_a], *b = sums[c[k].id_b];
+        a[0] += fx, a[1] += fy, a[2] += arm_a * c[k].shear_force + c[k].rolling_torque;
+        b[0] -= fx, b[1] -= fy, b[2] += (d - arm_a) * c[k].shear_force - c[k].rolling_torque;
+        const double cap = 0.2 * fmax(c[k].normal_force, 0.0);
+        CU_ASSERT(fabs(c[k].shear_force) <= cap * (1.0 + 1e-12));
+        sliding += fabs(c[k].shear_force) > cap * (1.0 - 1e-9);
+    }
+    CU_ASSERT(n > N && sliding > 0 && sliding < n);
+    for (int i = 0; i < N; i++) {
+        CHECK_NEAR(sums[i + 1][0], s[i].fx, 1e-9); /* dyn; a grain weighs some 4 */
+        CHECK_NEAR(sums[i + 1][1] - 981.0 * s[i].m, s[i].fy, 1e-9);
+        CHECK_NEAR(sums[i + 1][2], s[i].torque, 1e-10);
+    }
+    free(c);
+    dem_free(sim);
+    free(grains);
 }
 
 /* A wall that is lifted drags a grain that touches it, upward. */
@@ -709,6 +799,8 @@ void suite_dem(void)
                                        {"floor that ends", floor_that_ends},
                                        {"corner without a rebuild", corner_without_rebuild},
                                        {"springs end with their contacts", springs_end},
+                                       {"rolling couple of a pair", rolling_couple},
+                                       {"contacts add up to net forces", contacts_add_up},
                                        {"lifted wall", lifted_wall},
                                        {"lifted wall drags", lifted_wall_drags},
                                        {"outlet", outlet},
