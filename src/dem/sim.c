@@ -176,8 +176,6 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 
 static rp_status check_walls(const dem_definition *def)
 {
-    if (def->n_walls > DEM_MAX_WALLS)
-        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     for (size_t k = 0; k < def->n_walls; k++) {
         const dem_wall *w = &def->walls[k];
         char of[32];
@@ -229,6 +227,8 @@ static rp_status check_grain_values(const dem_definition *def)
 
 static rp_status check_definition(const dem_definition *def)
 {
+    if (def->n_walls > DEM_MAX_WALLS)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     rp_status status = check_grain_values(def);
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
