@@ -2,7 +2,8 @@
  * that a scene pays only for what it uses; the same loop with arguments known at run time is the reference
  * that every instance must match bit for bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1). */
 static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
-                                                            int tangential, int slip, bool tension)
+                                                            int tangential, int slip, bool tension,
+                                                            bool gear)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
@@ -36,6 +37,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
         dem_vec f = f_n * direction;
         if (tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(direction);
+            if (gear) spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
             double f_s =
                 dem_law_shear(slip, c.k_s, c.gamma_s, mu, mass[k], dem_dot(v, s), f_n, h, &spring[k]);
             f += f_s * s;

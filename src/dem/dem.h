@@ -1,6 +1,6 @@
 /* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
  *
- * Translation only; spheres or disks of any radius; walls are lines or segments; gravity may turn.
+ * Translation only; spheres or disks of any radius; walls are lines or segments; gravity or the box may turn.
  * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
@@ -15,6 +15,7 @@
 enum { DEM_HERTZ, DEM_LINEAR };    /* normal law */
 enum { DEM_NONE, DEM_SPRING };     /* tangential law */
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
+enum { DEM_VERLET, DEM_GEAR5 };    /* time integration */
 enum { DEM_SPHERE, DEM_DISK };     /* mass from density: (4/3) pi rho r^3, or rho pi r^2 */
 enum { DEM_MAX_WALLS = 8 };
 
@@ -39,21 +40,24 @@ typedef struct {
     double open_speed;
 } dem_wall;
 
+/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not meet. */
 typedef struct {
     double x, y, r, m, vx, vy;
+    bool fixed;
 } dem_grain;
 
 typedef struct {
     double gravity[2];
     double dt;
     double skin; /* of the neighbour list; 0 chooses one */
-    int normal, tangential, slip;
+    int integrator, normal, tangential, slip;
     bool tension; /* true: the damped normal force may pull, as (2a) is printed */
     dem_material material;
-    double x_max, y_min;  /* a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
-    long turn_from_step;
-    bool reference_kernel; /* use the loop that decides at run time, for tests */
+    double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
+    long turn_from_step;      /* of both */
+    bool reference_kernel;    /* use the loop that decides at run time, for tests */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -100,14 +104,26 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
 /* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
- * RP_NO_MEMORY. After an error the simulation can only be read and freed. */
+ * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains). After an error the simulation can only be
+ * read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
- * a step (0 stops it). */
+ * a step (0 stops it), |angle| < 1; let gravity be g, which a turn then goes on from. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);
 void dem_gravity_turn(dem_sim *sim, double radians_per_step);
+void dem_gravity_set(dem_sim *sim, const double g[2]);
+
+/* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| < 1; positive
+ * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
+ * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
+void dem_box_turn(dem_sim *sim, double radians_per_step);
+double dem_box_angle(const dem_sim *sim); /* turned so far, radians */
+
+/* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
+ * which the walls are where the definition has them. */
+void dem_box_frame(const dem_sim *sim, double *x, double *y);
 
 /* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
 rp_status dem_neighbours_rebuild(dem_sim *sim);
@@ -129,8 +145,10 @@ void dem_count_work(const dem_sim *sim, dem_counts *counts);
 typedef struct {
     uint32_t id;
     double x, y, r, m, vx, vy;
-    double fx, fy; /* net force, gravity included */
+    double fx,
+        fy; /* net force, gravity included; on a fixed grain the contacts' force, that its hold carries */
     int contacts;
+    bool fixed;
 } dem_state;
 
 /* States of the grains in the order of their ids; `states` holds dem_count() entries.
@@ -147,16 +165,17 @@ typedef struct {
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
-/* Energies: kinetic, elastic (normal and shear springs), gravity (from the origin). */
+/* Energies: kinetic, elastic (normal and shear springs), gravity (from the origin; of what can move). */
 typedef struct {
     double kinetic, elastic, gravity;
 } dem_energy;
 void dem_energies(const dem_sim *sim, dem_energy *energy);
 
-/* Force on each wall, in the order of the definition: forces[2 * wall], forces[2 * wall + 1]. */
+/* Force on each wall, laboratory frame, in the order of the definition: forces[2 * wall],
+ * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
-/* How far from rest the grains with lo < x < hi are. */
+/* How far from rest the grains with lo < x < hi are, fixed ones left out. */
 typedef struct {
     size_t n;              /* grains in the region */
     double kinetic_energy; /* mean over them */

@@ -26,14 +26,15 @@
 #define X(name, normal, tangential, slip, tension)                                                           \
     static void kernel_##name(dem_sim *sim, double h)                                                        \
     {                                                                                                        \
-        pair_loop(sim, h, normal, tangential, slip, tension);                                                \
+        pair_loop(sim, h, normal, tangential, slip, tension, false);                                         \
     }
 KERNELS(X)
 #undef X
 
 static void kernel_reference(dem_sim *sim, double h)
 {
-    pair_loop(sim, h, sim->def.normal, sim->def.tangential, sim->def.slip, sim->def.tension);
+    pair_loop(sim, h, sim->def.normal, sim->def.tangential, sim->def.slip, sim->def.tension,
+              sim->gear != NULL);
 }
 
 void dem_kernel_choose(dem_sim *sim)
@@ -51,6 +52,7 @@ void dem_kernel_choose(dem_sim *sim)
     const dem_definition *def = &sim->def;
     sim->kernel = kernel_reference;
     sim->kernel_name = "reference";
+    if (def->integrator == DEM_GEAR5 && def->tangential == DEM_SPRING) return; /* it has no instances */
     for (size_t i = 0; i < sizeof list / sizeof *list && !def->reference_kernel; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             (def->tangential == DEM_NONE || list[i].slip == def->slip) && list[i].tension == def->tension) {

@@ -98,17 +98,19 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
 {
     double m_min = INFINITY, m_second = INFINITY, limit = INFINITY;
     for (size_t i = 0; i < def->n_grains; i++) {
+        if (def->grains[i].fixed) continue;
         m_second = fmin(m_second, fmax(m_min, def->grains[i].m));
         m_min = fmin(m_min, def->grains[i].m);
     }
     const double v = impact_speed(def);
     const char *which = "no contact";
-    if (def->n_grains > 1) {
-        double m_eff = m_min * m_second / (m_min + m_second);
+    if (def->n_grains > 1 && isfinite(m_min)) {
+        /* one that can move: the others are fixed */
+        double m_eff = isinf(m_second) ? m_min : m_min * m_second / (m_min + m_second);
         limit = contact_step_limit(def, &def->material, m_eff, impact_overlap(def, &def->material, m_eff, v));
         which = "two of the lightest grains";
     }
-    for (size_t w = 0; w < def->n_walls && def->n_grains > 0; w++) {
+    for (size_t w = 0; w < def->n_walls && isfinite(m_min); w++) {
         const dem_material *c = &def->walls[w].material;
         double t = contact_step_limit(def, c, m_min, impact_overlap(def, c, m_min, v));
         if (t < limit) {
@@ -168,6 +170,11 @@ static rp_status check_walls(const dem_definition *def)
     return RP_OK;
 }
 
+static rp_status refuse_turn(void)
+{
+    return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
+}
+
 static rp_status check_grain_values(const dem_definition *def)
 {
     if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
@@ -181,6 +188,11 @@ static rp_status check_grain_values(const dem_definition *def)
         if (!(p->m > 0.0) || !isfinite(p->m))
             return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1,
                            p->m);
+        if (p->fixed && (p->vx != 0.0 || p->vy != 0.0))
+            return rp_fail(RP_BAD_INPUT, "particle %zu: vx = %g, vy = %g: must be 0, it is fixed", i + 1,
+                           p->vx, p->vy);
+        if (p->fixed && def->box_turn_per_step != 0.0)
+            return rp_prefix(refuse_turn(), "particle %zu: ", i + 1);
         if (!isfinite(p->x + p->y + p->vx + p->vy))
             return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
         if (p->x > def->x_max || p->y < def->y_min)
@@ -202,6 +214,9 @@ static rp_status check_definition(const dem_definition *def)
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
         !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
+    if (!(fabs(def->box_turn_per_step) < 1.0))
+        return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
+                       def->box_turn_per_step);
     if (!(def->skin >= 0.0) || !isfinite(def->skin))
         return rp_fail(RP_BAD_INPUT, "skin = %g: out of range, allowed: [0, inf)", def->skin);
     const char *what;
@@ -209,6 +224,12 @@ static rp_status check_definition(const dem_definition *def)
     if (def->dt > limit)
         return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def->dt, what, limit);
     return RP_OK;
+}
+
+static void set_gravity(dem_sim *sim, const double g[2])
+{
+    sim->gravity = (dem_vec){g[0], g[1]};
+    sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
 }
 
 /* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
@@ -228,6 +249,22 @@ void dem_gravity_turn(dem_sim *sim, double radians_per_step)
     sim->def.turn_per_step = radians_per_step;
     sim->def.turn_from_step = sim->step;
     sine_cosine(radians_per_step, &sim->turn_sin, &sim->turn_cos);
+}
+
+void dem_box_turn(dem_sim *sim, double radians_per_step)
+{
+    double sine, cosine;
+    sine_cosine(radians_per_step, &sine, &cosine);
+    sim->def.box_turn_per_step = radians_per_step;
+    sim->box_from_step = sim->box_renew_step = sim->step;
+    sim->box_step = (dem_vec){cosine, sine};
+}
+
+void dem_gravity_set(dem_sim *sim, const double g[2])
+{
+    dem_vec before = sim->gravity;
+    set_gravity(sim, g);
+    dem_integrate_gravity(sim, sim->gravity - before);
 }
 
 static void turn_gravity(dem_sim *sim)
@@ -285,8 +322,11 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->mass = calloc(room, sizeof *sim->mass);
     sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
     sim->id = calloc(room, sizeof *sim->id);
-    if (!sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->id)
+    sim->fixed = calloc(room, sizeof *sim->fixed);
+    const bool gear = sim->def.integrator == DEM_GEAR5;
+    if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
+    if ((gear && !sim->gear) || !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass ||
+        !sim->inverse_mass || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return RP_OK;
 }
@@ -315,8 +355,8 @@ static rp_status check_start_overlaps(const dem_sim *sim)
                          sim->def.dt, limit);
 }
 
-/* Forces of the start, with velocities of the start and springs as they are; then velocities half a step
- * back, as the leapfrog keeps them. */
+/* Forces of the start, with velocities of the start and springs as they are; then what the integrator
+ * makes of them. */
 static rp_status start_forces(dem_sim *sim)
 {
     rp_status status = dem_neighbours_rebuild(sim);
@@ -326,9 +366,20 @@ static rp_status start_forces(dem_sim *sim)
     if (sim->alarm) status = check_overlaps(sim);
     if (!status) status = check_start_overlaps(sim);
     if (status) return status;
-    for (size_t i = 0; i < sim->n; i++)
-        sim->grain[i].v -= 0.5 * sim->def.dt * (sim->force[i] * sim->inverse_mass[i] + sim->gravity);
+    dem_integrate_start(sim);
     return RP_OK;
+}
+
+static void place_walls(dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    sim->box = (dem_vec){1.0, 0.0};
+    dem_box_turn(sim, def->box_turn_per_step);
+    sim->box_from_step = def->turn_from_step;
+    for (size_t w = 0; w < def->n_walls; w++) {
+        sim->wall[w].point = (dem_vec){def->walls[w].point[0], def->walls[w].point[1]};
+        sim->wall[w].direction = (dem_vec){def->walls[w].direction[0], def->walls[w].direction[1]};
+    }
 }
 
 static rp_status fill_in(dem_sim *sim, const dem_definition *def)
@@ -336,9 +387,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def = *def;
     sim->def.grains = NULL;
     sim->n = sim->n_start = def->n_grains;
-    sim->gravity = (dem_vec){def->gravity[0], def->gravity[1]};
-    sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
+    set_gravity(sim, def->gravity);
     sine_cosine(def->turn_per_step, &sim->turn_sin, &sim->turn_cos);
+    place_walls(sim);
     /* 1e300 times no force is none, where infinity would give NaN */
     sim->mu = fmin(def->material.mu, 1e300);
     for (size_t w = 0; w < def->n_walls; w++) sim->wall_mu[w] = fmin(def->walls[w].material.mu, 1e300);
@@ -350,9 +401,10 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
         const dem_grain *p = &def->grains[i];
         sim->grain[i] = (dem_record){{p->x, p->y}, {p->vx, p->vy}};
         sim->force[i] = (dem_vec){0.0, 0.0};
+        if (sim->gear) sim->gear[i] = (dem_gear){0};
         sim->radius[i] = p->r;
         sim->mass[i] = p->m;
-        sim->inverse_mass[i] = 1.0 / p->m;
+        sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
         sim->id[i] = (uint32_t)i + 1;
         sim->r_min = fmin(sim->r_min, p->r);
         sim->r_max = fmax(sim->r_max, p->r);
@@ -389,6 +441,7 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
+    c->gear = NULL, c->fixed = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = NULL;
     c->wall_slot = NULL, c->scratch = NULL;
     rp_status status = alloc_arrays(c, sim->n_start);
@@ -404,6 +457,8 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
+    memcpy(c->fixed, sim->fixed, c->n_fixed * sizeof *c->fixed);
+    if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
     *copy = c;
     return RP_OK;
 }
@@ -412,6 +467,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
+    free(sim->gear), free(sim->fixed);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot), free(sim);
@@ -420,15 +476,18 @@ void dem_free(dem_sim *sim)
 rp_status dem_run(dem_sim *sim, long steps)
 {
     const double h = sim->def.dt;
+    if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
-        bool stale = dem_integrate(sim);
+        dem_walls_turn(sim);
+        bool stale = dem_integrate(sim) || (sim->box_swing[1] != 0.0 && sim->step >= sim->box_renew_step);
         sim->step++;
         rp_status status = stale ? dem_neighbours_rebuild(sim) : RP_OK;
         if (status) return status;
         sim->kernel(sim, h);
         dem_walls_apply(sim, h);
         if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;
+        if (sim->gear) dem_integrate_correct(sim);
     }
     return RP_OK;
 }
@@ -457,6 +516,18 @@ double dem_time(const dem_sim *sim)
 size_t dem_count(const dem_sim *sim)
 {
     return sim->n;
+}
+
+double dem_box_angle(const dem_sim *sim)
+{
+    return sim->box_angle;
+}
+
+void dem_box_frame(const dem_sim *sim, double *x, double *y)
+{
+    dem_vec place = dem_to_box(sim, (dem_vec){*x, *y});
+    *x = place[0];
+    *y = place[1];
 }
 
 void dem_gravity(const dem_sim *sim, double gravity[2])
