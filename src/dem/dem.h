@@ -90,8 +90,9 @@ const char *dem_fault_text(dem_fault fault);
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
  * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
  * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come.
- * dem_create also looks at overlaps of the start. */
+ * about twice that. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest
+ * under a column of the start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the
+ * contact that sets it. INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.

@@ -220,12 +220,12 @@ static void sort_grains(dem_sim *sim)
 }
 
 /* A wall that turns may come nearer to the farthest grain by half the skin; the grain has the other half. */
-static void plan_renewal(dem_sim *sim)
+static void measure_room(dem_sim *sim)
 {
     double far2 = 0.0;
     for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
-    double angle = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
-    sim->box_renew_step = sim->step + (long)fmin(angle / fabs(sim->def.box_turn_per_step), 1e9);
+    sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
+    sim->box_swept = 0.0;
 }
 
 /* Keep the springs of touching pairs, sorted by the lower new index. */
@@ -357,7 +357,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (status) return status;
     sim->rebuilds++;
     sort_grains(sim);
-    if (sim->def.box_turn_per_step != 0.0) plan_renewal(sim);
+    measure_room(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
     if (!status) status = find_wall_slots(sim);

@@ -37,11 +37,12 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
-    /* turned walls: the turn of a step and in all (cosine, sine), the way of a point over dt in a step along
-     * and across its place, the walls' places, when the list must be renewed */
+    /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
+     * step, over dt, along and across its place; angles turned in all, since the last rebuilding, and until
+     * the next; the walls' places */
     dem_vec box_step, box, box_swing;
-    double box_angle;
-    long box_from_step, box_renew_step;
+    double box_angle, box_swept, box_room;
+    long box_from_step;
     struct {
         dem_vec point, direction;
     } wall[DEM_MAX_WALLS];
