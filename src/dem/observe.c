@@ -1,5 +1,5 @@
 /* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
- * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out. */
+ * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out where the integrator is Verlet. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,11 @@
 #include "dem/law_shear.h"
 #include "dem/sim.h"
 
+static bool is_fixed(const dem_sim *sim, size_t i)
+{
+    return sim->inverse_mass[i] == 0.0;
+}
+
 static dem_vec acceleration(const dem_sim *sim, size_t i)
 {
     return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
@@ -15,6 +20,7 @@ static dem_vec acceleration(const dem_sim *sim, size_t i)
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
+    if (sim->gear || is_fixed(sim, i)) return sim->grain[i].v;
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
 }
 
@@ -26,7 +32,8 @@ static double omega(const dem_sim *sim, size_t i)
 
 static double rotational_energy(const dem_sim *sim, size_t i)
 {
-    return sim->spin ? 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia : 0.0;
+    if (!sim->spin || is_fixed(sim, i)) return 0.0;
+    return 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -65,21 +72,23 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
     for (size_t id = 1; id <= sim->n_start; id++) {
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
-        dem_vec x = sim->grain[i].x, v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        dem_vec x = sim->grain[i].x, v = velocity(sim, i);
+        dem_vec f = is_fixed(sim, i) ? sim->force[i] : sim->mass[i] * acceleration(sim, i);
         const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
-        *states++ = (dem_state){(uint32_t)id,
-                                x[0],
-                                x[1],
-                                sim->radius[i],
-                                sim->mass[i],
-                                v[0],
-                                v[1],
-                                f[0],
-                                f[1],
-                                spin.angle,
-                                sim->spin ? omega(sim, i) : 0.0,
-                                spin.torque,
-                                contacts[i]};
+        *states++ = (dem_state){.id = (uint32_t)id,
+                                .x = x[0],
+                                .y = x[1],
+                                .r = sim->radius[i],
+                                .m = sim->mass[i],
+                                .vx = v[0],
+                                .vy = v[1],
+                                .fx = f[0],
+                                .fy = f[1],
+                                .angle = spin.angle,
+                                .omega = sim->spin ? omega(sim, i) : 0.0,
+                                .torque = spin.torque,
+                                .contacts = contacts[i],
+                                .fixed = is_fixed(sim, i)};
     }
     free(contacts);
     free(place);
@@ -91,8 +100,10 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
     const dem_material *c = &sim->def.material;
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
-    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, f_s = 0.0, couple = 0.0;
+    double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
     double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
+    /* Gear corrects places after it has found who touches: it can be below 0 by a little */
+    double overlap = fmax(sim->pair_radii[k] - r, 0.0);
     dem_vec n = d * (1.0 / r);
     double v_s = dem_dot(v, dem_clockwise(n));
     if (sim->spin)
@@ -166,6 +177,7 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
 {
     *energy = (dem_energy){0};
     for (size_t i = 0; i < sim->n; i++) {
+        if (is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i);
         energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
@@ -199,7 +211,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     double force2 = 0.0;
     for (size_t i = 0; i < sim->n; i++) {
         double x = sim->grain[i].x[0];
-        if (!(x > lo && x < hi)) continue;
+        if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
         rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i);
