@@ -15,8 +15,8 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
         status = rp_fail(RP_BAD_INPUT, "%s: protocol \"%s\" writes no tables", file, plan.protocol->name);
     const sweep_tables tables = {dir, every, header};
     if (!status)
-        status = plan.protocol->trace(sweep_plan_point(&plan, row / plan.replicas), plan.seed, row, &tables,
-                                      result);
+        status = plan.protocol->trace(sweep_plan_point(&plan, row / plan.replicas), plan.seed,
+                                      sweep_plan_pile(&plan, row), &tables, result);
     sweep_plan_free(&plan);
     return status;
 }
