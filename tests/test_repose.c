@@ -202,7 +202,7 @@ static void test_other_rests(void)
 {
     if (check_fast()) return;
     sweep_result result;
-    traced_run((const setting[]){{"W", "2"}, {"H", "2"}, {"mu", "0.2"}, {0}}, &result);
+    traced_run((const setting[]){{"W", "2"}, {"H", "2"}, {"mu", "0.6"}, {0}}, &result);
     CU_ASSERT_STRING_EQUAL(result.status, "ok");
     dem_scene scene;
     dem_sim *sim = NULL;
