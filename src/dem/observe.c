@@ -32,8 +32,8 @@ static double omega(const dem_sim *sim, size_t i)
 
 static double rotational_energy(const dem_sim *sim, size_t i)
 {
-    if (!sim->spin || is_fixed(sim, i)) return 0.0;
-    return 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia;
+    const double inertia = dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]);
+    return sim->spin ? 0.5 * inertia * omega(sim, i) * omega(sim, i) : 0.0;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
