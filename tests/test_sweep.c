@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,6 +42,10 @@ static const rp_param toy_schema[] = {
 static const sweep_output toy_outputs[] = {
     {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
 
+/* Slow runs from number 20 on wait while this is set, shared with the workers: a sweep that is to be
+ * interrupted then cannot end first, however busy the machine. */
+static volatile int *hold;
+
 static rp_status toy_check(const void *params)
 {
     const toy *p = params;
@@ -54,7 +59,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
     gsl_rng_free(r);
     snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
-    if (p->mode == SLOW) usleep(20000);
+    if (p->mode == SLOW) usleep(5000);
+    while (p->mode == SLOW && hold && *hold && run >= 20) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
@@ -271,6 +277,9 @@ static int interrupted(int signal, size_t rows)
 {
     sweep_counts c = {0};
     int end = 0;
+    hold = mmap(NULL, sizeof *hold, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(hold != MAP_FAILED);
+    *hold = 1;
     pid_t child = fork();
     if (child == 0) _exit((int)run(2, NULL));
     while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
@@ -278,6 +287,7 @@ static int interrupted(int signal, size_t rows)
         usleep(2000);
     }
     kill(child, signal);
+    *hold = 0;
     waitpid(child, &end, 0);
     return end;
 }
