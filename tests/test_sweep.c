@@ -213,6 +213,20 @@ static void test_order(void)
     clean();
 }
 
+static void test_bundles(void)
+{
+    fresh("protocol = \"toy\"; replicas = 1;\n"
+          "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
+    sweep_counts c;
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6);
+    CHECK_OK(run(1, NULL));
+    /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
+    CU_ASSERT(sql_number("SELECT 2 * sum(x * k * mass) FROM runs") == 68 * 4);
+    CU_ASSERT(sql_number("SELECT 2 * x * mass FROM runs WHERE run = 3") == 9);
+    clean();
+}
+
 static void test_zip(void)
 {
     fresh("protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
@@ -513,8 +527,11 @@ static void test_bad_files(void)
         {"protocol = \"toy\";\ngrid = { picks = [\"red\"]; };", "s.cfg:2: picks: cannot vary"},
         {"protocol = \"toy\";\nfixed = { x = 1; };\ngrid = { x = [1]; };",
          "s.cfg:3: x: stands under fixed and"},
+        {"protocol = \"toy\";\ngrid = ( { x = [1, 2]; },\n { x = [1]; } );", "s.cfg:3: x: stands twice"},
+        {"protocol = \"toy\";\ngrid = ( 3 );", "s.cfg:2: grid: groups"},
+        {"protocol = \"toy\";\nzip = true;\ngrid = ( { x = [1]; } );", "s.cfg:3: grid: zip = true is for"},
         {"protocol = \"toy\";\nzip = true;\ngrid = { x = [1, 2];\n k = [1]; };",
-         "s.cfg:4: k: 1 values; with zip"},
+         "s.cfg:4: k: 1 values; lists that go together"},
         {"protocol = \"toy\";\nreplicas = 1000000;\ngrid = { k = [1,2,3,4,5,6,7,8,9,10,11]; };",
          "too many runs"},
         {"protocol = \"toy\";\ngrid = { k = [1, 2]; x = [0.5, 9.5]; };",
@@ -659,6 +676,7 @@ void suite_sweep(void)
 {
     static const check_case cases[] = {{"grid order and values", test_order},
                                        {"zip", test_zip},
+                                       {"bundles of lists", test_bundles},
                                        {"shared piles", test_shared_piles},
                                        {"reduce", test_reduce},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
