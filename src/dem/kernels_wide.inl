@@ -8,42 +8,57 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+typedef struct {
+    dem_material c;
+    double mu;
+    bool hertz, tension, shear, truncated, inside;
+} laws;
+
 /* law_normal.h */
-INLINE wide law_normal(int law, bool tension, const dem_material *c, wide m_eff, wide overlap, wide v_n)
+INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
 {
-    const wide zero = {0};
-    wide elastic = law == DEM_HERTZ ? c->k_n * overlap * wide_sqrt(overlap) : c->k_n * overlap;
-    wide f = elastic - c->gamma_n * m_eff * v_n;
-    return tension ? f : wide_max(f, zero);
+    wide f = law->c.k_n * overlap;
+    if (law->hertz) f *= wide_sqrt(overlap);
+    f -= law->c.gamma_n * m_eff * v_n;
+    return law->tension ? f : wide_max(f, (wide){0});
 }
 
 /* law_shear.h; the division only where a contact slides. */
-INLINE wide law_shear(int slip, const dem_material *c, double mu, wide m_eff, wide v_s, wide f_n, double h,
-                      lanes touch, wide *spring)
+INLINE wide law_shear(const laws *law, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
 {
-    const wide zero = {0};
-    wide ds = *spring + v_s * h;
-    wide cap = mu * wide_max(f_n, zero);
-    wide pull = c->k_s * ds;
+    wide ds = *spring + v_s * h, dashpot = law->c.gamma_s * m_eff * v_s;
+    wide cap = law->mu * wide_max(f_n, (wide){0});
+    wide pull = law->c.k_s * ds;
+    if (law->inside) pull += dashpot;
     lanes slides = wide_less(cap, wide_abs(pull));
-    wide held = wide_choose(slides, wide_copysign(cap, pull), pull);
-    if (slip == DEM_TRUNCATED && wide_bits(slides) & wide_bits(touch))
-        ds = wide_choose(slides, held / c->k_s, ds);
+    wide held = wide_choose(slides, wide_copysign(cap, pull), pull), of_spring = held, force = -held;
+    if (law->inside)
+        of_spring -= dashpot;
+    else
+        force = -dashpot - held;
+    if (law->truncated && wide_bits(slides) & wide_bits(touch))
+        ds = wide_choose(slides, of_spring / law->c.k_s, ds);
     *spring = ds;
-    return -c->gamma_s * m_eff * v_s - held;
+    return force;
 }
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
  * since it starts from +0. The list ends in pairs that never touch. */
-INLINE void pair_loop(dem_sim *sim, double h, int normal, int tangential, int slip, bool tension)
+void WIDE_KERNEL(dem_sim *sim, double h)
 {
+    const dem_definition *def = &sim->def;
+    const laws law = {def->material,
+                      sim->mu,
+                      def->normal == DEM_HERTZ,
+                      def->tension,
+                      def->tangential == DEM_SPRING,
+                      def->slip == DEM_TRUNCATED,
+                      def->damping == DEM_DAMPING_INSIDE};
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
     double *restrict spring = sim->spring;
     uint32_t *restrict touching = sim->touching;
-    const dem_material c = sim->def.material;
-    const double mu = sim->mu;
     const wide zero = {0}, limit = zero + sim->r_min;
     size_t n = 0;
     unsigned alarm = 0;
@@ -54,19 +69,19 @@ INLINE void pair_loop(dem_sim *sim, double h, int normal, int tangential, int sl
         const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
         const lanes touch = wide_less(r2, radii * radii);
         if (!wide_bits(touch)) {
-            if (tangential == DEM_SPRING) wide_store(spring + k, zero);
+            if (law.shear) wide_store(spring + k, zero);
             continue;
         }
         n = wide_append(touching, n, touch, k);
         const wide r = wide_sqrt(r2), inverse = 1.0 / r, overlap = radii - r, nx = x * inverse,
                    ny = y * inverse, m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
-        wide f_n = law_normal(normal, tension, &c, m_eff, overlap, vx * nx + vy * ny);
+        wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (tangential == DEM_SPRING) {
+        if (law.shear) {
             /* along s = (ny, -nx), the normal turned clockwise */
             wide ds = wide_load(spring + k);
-            wide f_s = law_shear(slip, &c, mu, m_eff, vx * ny - vy * nx, f_n, h, touch, &ds);
+            wide f_s = law_shear(&law, m_eff, vx * ny - vy * nx, f_n, h, touch, &ds);
             wide_store(spring + k, wide_choose(touch, ds, zero));
             fx = fx + f_s * ny;
             fy = fy - f_s * nx;
@@ -83,11 +98,12 @@ INLINE void pair_loop(dem_sim *sim, double h, int normal, int tangential, int sl
 }
 
 /* As dem_integrate; returns for how many grains. */
-static size_t advance(dem_sim *sim, bool *stale)
+size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity), reach = zero + 0.25 * sim->skin * sim->skin,
+               box_x = zero + sim->box[0], box_y = wide_repeat((dem_vec){sim->box[1], -sim->box[1]}),
                most = wide_repeat((dem_vec){sim->def.x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, sim->def.y_min});
     unsigned out = 0;
@@ -99,57 +115,14 @@ static size_t advance(dem_sim *sim, bool *stale)
         v = v + dt * (wide_load(force) * wide_load_twice(sim->inverse_mass + i) + gravity);
         x = x + dt * v;
         wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
         /* written so that NaN counts as moved */
-        out |= (wide_bits(wide_at_most(wide_sums(moved * moved), reach)) ^ ALL) |
-               wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
+        out |= wide_bits(wide_at_most(moved + wide_swap(moved), reach)) ^ ALL;
+        wide in_box = box_x * x - box_y * wide_swap(x);
+        out |= wide_bits(wide_less(most, in_box)) | wide_bits(wide_less(in_box, least));
     }
     *stale |= out != 0;
     return i;
-}
-
-/* name, normal law, tangential law, slip */
-#define LAWS(X)                                                                                              \
-    X(hertz_none, DEM_HERTZ, DEM_NONE, DEM_TRUNCATED)                                                        \
-    X(hertz_truncated, DEM_HERTZ, DEM_SPRING, DEM_TRUNCATED)                                                 \
-    X(hertz_total, DEM_HERTZ, DEM_SPRING, DEM_TOTAL)                                                         \
-    X(linear_none, DEM_LINEAR, DEM_NONE, DEM_TRUNCATED)                                                      \
-    X(linear_truncated, DEM_LINEAR, DEM_SPRING, DEM_TRUNCATED)                                               \
-    X(linear_total, DEM_LINEAR, DEM_SPRING, DEM_TOTAL)
-
-#define X(name, normal, tangential, slip)                                                                    \
-    static void name##_pull(dem_sim *sim, double h)                                                          \
-    {                                                                                                        \
-        pair_loop(sim, h, normal, tangential, slip, true);                                                   \
-    }                                                                                                        \
-    static void name##_push(dem_sim *sim, double h)                                                          \
-    {                                                                                                        \
-        pair_loop(sim, h, normal, tangential, slip, false);                                                  \
-    }
-LAWS(X)
-#undef X
-
-void WIDE_CHOOSE(dem_sim *sim)
-{
-    static const struct {
-        const char *name;
-        dem_kernel *kernel;
-        int normal, tangential, slip;
-        bool tension;
-    } list[] = {
-#define X(name, normal, tangential, slip)                                                                    \
-    {#name "_pull_" WIDE_NAME, name##_pull, normal, tangential, slip, true},                                 \
-        {#name "_push_" WIDE_NAME, name##_push, normal, tangential, slip, false},
-        LAWS(X)
-#undef X
-    };
-    const dem_definition *def = &sim->def;
-    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
-        if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
-            (def->tangential == DEM_NONE || list[i].slip == def->slip) && list[i].tension == def->tension) {
-            sim->kernel = list[i].kernel;
-            sim->kernel_name = list[i].name;
-        }
-    sim->advance = advance;
 }

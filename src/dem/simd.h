@@ -132,10 +132,10 @@ static inline void wide_store_records(dem_record *to, wide x, wide v)
     wide_store((double *)(to + 2), _mm512_permutex2var_pd(x, high, v));
 }
 
-/* Each vector's x + y, twice. */
-static inline wide wide_sums(wide a)
+/* (y, x) of each. */
+static inline wide wide_swap(wide a)
 {
-    return a + _mm512_permute_pd(a, 0x55);
+    return _mm512_permute_pd(a, 0x55);
 }
 
 #else /* AVX2 */
@@ -246,9 +246,9 @@ static inline void wide_store_records(dem_record *to, wide x, wide v)
     wide_store((double *)(to + 1), _mm256_permute2f128_pd(x, v, 0x31));
 }
 
-static inline wide wide_sums(wide a)
+static inline wide wide_swap(wide a)
 {
-    return a + _mm256_permute_pd(a, 0x5);
+    return _mm256_permute_pd(a, 0x5);
 }
 #endif
 
