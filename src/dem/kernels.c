@@ -78,6 +78,7 @@ static void choose_wide(dem_sim *sim)
     const bool avx512 = def->kernel == DEM_AVX512 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX512));
     const bool avx2 = def->kernel == DEM_AVX2 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX2));
     if (!avx512 && !avx2) return;
+    sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
     if (def->integrator == DEM_VERLET) sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
     if (def->rotation && def->tangential == DEM_SPRING) return;
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;

@@ -72,7 +72,7 @@ void WIDE_KERNEL(dem_sim *sim, double h)
             if (law.shear) wide_store(spring + k, zero);
             continue;
         }
-        n = wide_append(touching, n, touch, k);
+        n = wide_append(touching, n, wide_bits(touch), k);
         const wide r = wide_sqrt(r2), inverse = 1.0 / r, overlap = radii - r, nx = x * inverse,
                    ny = y * inverse, m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
@@ -125,4 +125,27 @@ size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
     }
     *stale |= out != 0;
     return i;
+}
+
+/* As add_near in neighbours.c. */
+void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
+{
+    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), r = zero + sim->radius[i],
+               inverse_mass = zero + sim->inverse_mass[i];
+    size_t k = sim->n_pairs;
+    for (size_t j = from; j < to; j += WIDTH) {
+        wide a, b, v;
+        wide_load_records(sim->grain + j, &a, &v);
+        wide_load_records(sim->grain + j + WIDTH / 2, &b, &v);
+        a = (x - a) * (x - a);
+        b = (x - b) * (x - b);
+        wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
+        wide reach = r + wide_load(sim->radius + j) + sim->skin;
+        unsigned near = wide_bits(wide_less(d2, reach * reach)) &
+                        wide_bits(wide_less(zero, inverse_mass + wide_load(sim->inverse_mass + j)));
+        if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
+        for (size_t p = 0; p < WIDTH; p++) sim->pair_i[k + p] = (uint32_t)i;
+        k = wide_append(sim->pair_j, k, near, j);
+    }
+    sim->n_pairs = k;
 }

@@ -67,7 +67,7 @@ static bool grow(void *array, size_t size, size_t room)
 
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
-    if (sim->n_pairs + more + 7 <= sim->pair_room) return RP_OK;
+    if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
     size_t room = sim->pair_room = 2 * (sim->n_pairs + more) + 64;
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
@@ -113,7 +113,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
 {
     struct dem_scratch *w = sim->scratch = calloc(1, sizeof *w);
     if (!w) return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
-    const size_t n = sim->n_start + 1;
+    const size_t n = sim->n_start + 8; /* as in sim.c */
     if (like) {
         w->cells_x = like->scratch->cells_x;
         w->cells_y = like->scratch->cells_y;
@@ -297,7 +297,7 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 }
 
 /* Pairs of grain i with grains from..to. Each is written, and kept where near, without a branch. */
-static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
     const double r = sim->radius[i], inverse_mass = sim->inverse_mass[i], skin = sim->skin;
@@ -344,6 +344,7 @@ static rp_status find_pairs(dem_sim *sim)
 {
     const struct dem_scratch *w = sim->scratch;
     const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
+    dem_near *const add = sim->near ? sim->near : add_near;
     sim->n_pairs = 0;
     for (size_t cy = 0, c = 0; cy < w->cells_y; cy++)
         for (size_t cx = 0; cx < w->cells_x; cx++, c++) {
@@ -360,8 +361,8 @@ static rp_status find_pairs(dem_sim *sim)
             for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
                 rp_status status = pair_room(sim, most);
                 if (status) return status;
-                add_pairs(sim, i, i + 1, to[0]);
-                for (size_t a = 1; a < n; a++) add_pairs(sim, i, from[a], to[a]);
+                add(sim, i, i + 1, to[0]);
+                for (size_t a = 1; a < n; a++) add(sim, i, from[a], to[a]);
             }
         }
     complete_pairs(sim);

@@ -390,7 +390,7 @@ static rp_status check_overlaps(dem_sim *sim)
 
 static rp_status alloc_arrays(dem_sim *sim, size_t n)
 {
-    const size_t room = n + 1;
+    const size_t room = n + 8; /* some pass the last grain by up to 7 */
     sim->grain = aligned_alloc(64, (room * sizeof *sim->grain + 63) / 64 * 64);
     sim->force = aligned_alloc(64, (room * sizeof *sim->force + 63) / 64 * 64);
     sim->ref = aligned_alloc(64, (room * sizeof *sim->ref + 63) / 64 * 64);

@@ -35,10 +35,14 @@ typedef struct {
 typedef void dem_kernel(struct dem_sim *sim, double h);
 /* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
 typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
+/* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
+typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
-/* Where processors have the instructions: grains that do not rotate and no Gear springs; kernels_wide.inl. */
+/* Where processors have the instructions; the pair loop for grains that do not rotate, and no Gear springs;
+ * kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
+dem_near dem_near_avx512, dem_near_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -47,6 +51,7 @@ struct dem_sim {
     char kernel_name[40];
     dem_kernel *kernel;
     dem_advance *advance; /* NULL for none */
+    dem_near *near;       /* NULL for that of neighbours.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last

@@ -66,13 +66,13 @@ static inline wide wide_copysign(wide a, wide sign)
         _mm512_ternarylogic_epi64(mask, _mm512_castpd_si512(sign), _mm512_castpd_si512(a), 0xca));
 }
 
-/* Append `first` + the index of each lane that says yes; writes WIDTH numbers whatever their count. */
-static inline size_t wide_append(uint32_t *list, size_t n, lanes l, size_t first)
+/* Append `first` + the place of each bit that is set; writes WIDTH numbers whatever their count. */
+static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256i k = _mm256_add_epi32(index, _mm256_set1_epi32((int)first));
-    _mm256_storeu_si256((__m256i *)(list + n), _mm256_maskz_compress_epi32(l, k));
-    return n + (size_t)__builtin_popcount(l);
+    _mm256_storeu_si256((__m256i *)(list + n), _mm256_maskz_compress_epi32((__mmask8)bits, k));
+    return n + (size_t)__builtin_popcount(bits);
 }
 
 /* Positions and velocities of grains i[] relative to grains j[]. */
@@ -138,6 +138,12 @@ static inline wide wide_swap(wide a)
     return _mm512_permute_pd(a, 0x55);
 }
 
+/* The first number of each vector of a, then of b. */
+static inline wide wide_firsts(wide a, wide b)
+{
+    return _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), b);
+}
+
 #else /* AVX2 */
 enum { WIDTH = 4 };
 typedef __m256d wide;
@@ -194,11 +200,11 @@ static inline wide wide_copysign(wide a, wide sign)
     return _mm256_or_pd(_mm256_and_pd(mask, sign), _mm256_andnot_pd(mask, a));
 }
 
-static inline size_t wide_append(uint32_t *list, size_t n, lanes l, size_t first)
+static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
     for (size_t p = 0; p < WIDTH; p++) {
         list[n] = (uint32_t)(first + p);
-        n += wide_bits(l) >> p & 1;
+        n += bits >> p & 1;
     }
     return n;
 }
@@ -249,6 +255,11 @@ static inline void wide_store_records(dem_record *to, wide x, wide v)
 static inline wide wide_swap(wide a)
 {
     return _mm256_permute_pd(a, 0x5);
+}
+
+static inline wide wide_firsts(wide a, wide b)
+{
+    return _mm256_permute4x64_pd(_mm256_unpacklo_pd(a, b), 0xd8);
 }
 #endif
 
