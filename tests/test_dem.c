@@ -280,6 +280,7 @@ static void kernels_match_reference(void)
         }
         def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
         def.walls[DEM_BOX_FLOOR].open_at_step = steps - 900;
+        def.box_turn_per_step = shear % 3 == 1 ? 1e-4 : 0.0;
         def.x_max = 2.5;
         def.y_min = -0.5;
         def.kernel = DEM_REFERENCE;
