@@ -161,6 +161,18 @@ static void test_coverage(void)
     gsl_rng_free(rng);
 }
 
+/* The largest of all pairs counts, wherever it is, and its sign is that of the larger x. */
+static void test_pairs(void)
+{
+    const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 18.1, 18.3};
+    ang_trend t;
+    CHECK_OK(ang_trend_fit(6, x, y, NULL, 1.0, &t));
+    CHECK_NEAR(t.pair.value, 1.5, sum_error);
+    CHECK_NEAR(t.pair.se, sqrt(0.02), sum_error);
+    CHECK_NEAR(t.p_pairs, ang_contrast_p_margin(&t.pair, 1.0), sum_error);
+    CU_ASSERT(t.p_pairs > 0.9 && t.p_margin < 0.05);
+}
+
 /* At the margin TOST says "no dependence" in no more than 5 % of the cases, with a trend as with a hump. */
 static void test_tost_size(void)
 {
@@ -249,6 +261,7 @@ void suite_trend(void)
         {"two x: Welch and paired", test_two_x},
         {"TOST is an interval", test_tost_is_interval},
         {"planted trends: coverage, false alarms", test_coverage},
+        {"largest pair", test_pairs},
         {"planted trends: size of TOST", test_tost_size},
         {"Holm's correction", test_holm},
         {"verdicts", test_words},
