@@ -25,6 +25,7 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
     wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
     wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
     dem_box_walls(&def, b->W, &wall);
+    if (b->mu_floor >= 0.0) def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor;
     def.walls[DEM_BOX_RIGHT].open_speed = b->open;
     if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
     def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;
@@ -122,7 +123,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase)
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context)
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -137,17 +138,24 @@ rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase)
         bool quiet = false;
         rp_status status = sweep_box_advance(run, every);
         if (!status) status = sweep_box_rest(run, &rest, &quiet);
-        if (!status && opened) status = sweep_box_slopes(run, NULL);
+        if (!status && watch) status = watch(run, &rest, context);
         if (status) return status;
         passed = quiet ? passed + 1 : 0;
     }
     return RP_OK;
 }
 
-rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+ang_options sweep_box_options(const sweep_box *b)
+{
+    return (ang_options){2.0 * b->radius_mean, (ang_height)b->height, (ang_empty)b->empty,
+                         (ang_parabola)b->parabola};
+}
+
+rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface)
 {
     const size_t n = dem_count(run->sim);
     double *x = run->work, *y = x + n, *r = y + n;
+    *surface = (ang_surface){0};
     rp_status status = dem_states(run->sim, run->states);
     if (status) return status;
     for (size_t i = 0; i < n; i++) {
@@ -155,16 +163,19 @@ rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
         y[i] = run->states[i].y;
         r[i] = run->states[i].r;
     }
-    const sweep_box *b = run->box;
-    const ang_options options = {run->d, (ang_height)b->height, (ang_empty)b->empty,
-                                 (ang_parabola)b->parabola};
-    ang_surface surface = {0};
-    status = ang_surface_make(n, x, y, r, b->W, &options, &surface);
-    run->cells = (double)surface.n_occupied;
-    if (!status && slopes)
-        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-    ang_surface_free(&surface);
+    status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
+    run->cells = (double)surface->n_occupied;
     if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_pile", rp_message());
+    return status;
+}
+
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+{
+    const ang_options options = sweep_box_options(run->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(run, &options, &s);
+    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes);
+    ang_surface_free(&s);
     return status;
 }
 
