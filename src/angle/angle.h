@@ -193,8 +193,9 @@ typedef struct {
 rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double margin,
                         ang_trend *trend);
 
-/* What tests at `level` say: falls or rises if p_value (corrected or not) is below it, "_within_margin" if
- * p_margin and p_pairs both are ("no_dependence_within_margin" if only these), "undecided" if none. */
+/* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
+ * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
+ * if none. p_pairs, which asks for far more, has no part in it. */
 const char *ang_trend_word(const ang_trend *trend, double p_value, double level);
 
 /* Holm's correction for n tests; NaN is no test. */

@@ -271,7 +271,7 @@ void ang_holm(size_t n, const double p[], double corrected[])
 const char *ang_trend_word(const ang_trend *trend, double p_value, double level)
 {
     const bool moves = p_value < level, falls = trend->change.value < 0.0;
-    const bool small = trend->p_margin < level && trend->p_pairs < level;
+    const bool small = trend->p_margin < level;
     if (moves && small) return falls ? "falls_within_margin" : "rises_within_margin";
     if (moves) return falls ? "falls" : "rises";
     return small ? "no_dependence_within_margin" : "undecided";

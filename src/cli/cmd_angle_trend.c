@@ -59,9 +59,8 @@ static const cli_command trend_command = {
     "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
     "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest difference "
     "of\n"
-    "the means at two x; p_pairs: the largest TOST p over all pairs of x.\n"
-    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin and p_pairs < "
-    "level;\n"
+    "the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for far more.\n"
+    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
     "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
     "repose angle trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
     trend_params,
