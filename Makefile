@@ -155,6 +155,9 @@ TREND_lh_kn_wall := $(TREND_lh_kn)
 TREND_lh_kn_restitution := $(TREND_lh_kn)
 TREND_lh_gamma := --x gamma_n --scale log --pair
 TREND_lh_ks := --x k_s --scale log --pair
+# where the upper part of the range starts, for those with one
+UPPER_lh2b_all := 3.5
+UPPER_lh_ks := 1e4
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
@@ -165,8 +168,8 @@ $(T)/%_trend_method2.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r2_deg $(TREND_$*) >$@
 $(T)/%_trend_bottom.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_lower_less_upper_deg $(TREND_$*) >$@
-$(T)/%_trend_wide.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from 3.5 >$@
+$(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
 # Does a change shrink with the size of the box?
@@ -176,16 +179,16 @@ $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
 STUDY_lh2a := 200
-STUDY_lh2b := 40
+STUDY_lh2b := 30
 STUDY_lh2b_beyond := 10
-STUDY_lh_kn := 60
-STUDY_lh_kn_wall := 60
-STUDY_lh_kn_restitution := 60
+STUDY_lh_kn := 50
+STUDY_lh_kn_wall := 50
+STUDY_lh_kn_restitution := 50
 STUDY_lh_gamma := 50
 STUDY_lh_ks := 50
-STUDY_lh_wall := 30
-STUDY_lh_grain := 30
-STUDY_lh_smooth0 := 60
+STUDY_lh_wall := 20
+STUDY_lh_grain := 20
+STUDY_lh_smooth0 := 50
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
