@@ -149,7 +149,7 @@ $(T)/%_linear.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --successive >$@
 # Trends of theta_R, and of what else is named, over what a sweep varies; margin 1 degree.
 TREND_lh2a := --x H --by mu
-TREND_lh2b_all := --x W --by mu
+TREND_lh2b_all := --x W --by mu --power 2
 TREND_lh_kn := --x k_n --scale log --pair
 TREND_lh_kn_wall := $(TREND_lh_kn)
 TREND_lh_kn_restitution := $(TREND_lh_kn)

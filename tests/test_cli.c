@@ -648,6 +648,8 @@ static void test_angle_trends(void)
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "angle trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "angle trend runs.tsv -x x -y y --pair");
+    FAILS(64, "not both", "angle trend runs.tsv -x x -y y --scale log --power 2");
+    FAILS(65, "x = 0: out of range for weights", "angle trend runs.tsv -x x -y y --power 2");
     GOOD("angle trend runs.tsv -x x -y y"); /* without status every row counts */
     write_text("bent.tsv",
                "# x\ty\tse\n4\t1.9\t0.01\n1\t1\t0.01\n2\t1.2\t0.01\n5\t2.0\t0.01\n3\t1.4\t0.01\n");

@@ -28,7 +28,7 @@ static void test_single_values(void)
 {
     ang_trend t;
     double c0, c1, v00, v01, v11, rest, chi2;
-    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 1.0, &t));
+    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 0.0, 1.0, &t));
     gsl_fit_linear(xs, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &rest);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.slope.se, sqrt(v11), sum_error);
@@ -55,6 +55,15 @@ static void test_single_values(void)
     CHECK_NEAR(bend.value, gsl_vector_get(c, 2), sum_error);
     CHECK_NEAR(bend.se, sqrt(gsl_matrix_get(cov, 2, 2)), sum_error);
     CHECK_NEAR(ang_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
+    double weights[N];
+    for (size_t i = 0; i < N; i++) weights[i] = xs[i] * xs[i];
+    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 2.0, 1.0, &t));
+    gsl_fit_wlinear(xs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
+    CHECK_NEAR(t.slope.value, c1, sum_error);
+    CHECK_NEAR(t.intercept.value, c0, sum_error);
+    for (size_t i = 0; i < N; i++) gsl_vector_set(w, i, weights[i]);
+    gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
+    CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
     gsl_multifit_linear_free(work);
     gsl_vector_free(y);
     gsl_vector_free(w);
@@ -72,7 +81,7 @@ static void test_two_x(void)
     const double low_paired[] = {18.4, 17.2, 16.1}, high_paired[] = {18.1, 18.8, 19.9};
     ang_trend t;
     ang_stats a, b, d;
-    CHECK_OK(ang_trend_fit(7, x, y, NULL, 1.0, &t));
+    CHECK_OK(ang_trend_fit(7, x, y, NULL, 0.0, 1.0, &t));
     CHECK_OK(ang_mean(4, low, &a));
     CHECK_OK(ang_mean(3, high, &b));
     const double va = a.se * a.se, vb = b.se * b.se;
@@ -83,7 +92,7 @@ static void test_two_x(void)
     CHECK_NEAR(t.pair.value, t.change.value, sum_error);
     CHECK_NEAR(t.p_pairs, t.p_margin, sum_error);
     CU_ASSERT(t.n == 7 && t.n_x == 2 && t.from == 2.0 && t.to == 4.0 && isnan(t.bend.value));
-    CHECK_OK(ang_trend_fit(7, x, y, pile, 1.0, &t));
+    CHECK_OK(ang_trend_fit(7, x, y, pile, 0.0, 1.0, &t));
     CHECK_OK(ang_paired(3, high_paired, -1.0, low_paired, &d));
     CHECK_NEAR(t.change.value, d.mean, sum_error);
     CHECK_NEAR(t.change.se, d.se, sum_error);
@@ -115,7 +124,7 @@ static void test_tost_is_interval(void)
 }
 
 enum { X = 4, PILES = 7, CASES = 1000 };
-enum { BY_X, SINGLE, PAIRED, N_KINDS };
+enum { BY_X, SINGLE, PAIRED, WEIGHTED, N_KINDS };
 
 /* One planted set: a straight line of the given change over 2..8, scatter that triples from the smallest to
  * the largest x (SINGLE: the same everywhere), and, PAIRED, piles that differ by far more. `hump` is added at
@@ -134,7 +143,7 @@ static void plant(gsl_rng *rng, int kind, double change, double hump, ang_trend 
             pile[n] = (double)k;
         }
     }
-    CHECK_OK(ang_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, 1.0, t));
+    CHECK_OK(ang_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, 1.0, t));
 }
 
 static void test_coverage(void)
@@ -166,7 +175,7 @@ static void test_pairs(void)
 {
     const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
     ang_trend t;
-    CHECK_OK(ang_trend_fit(6, x, y, NULL, 1.0, &t));
+    CHECK_OK(ang_trend_fit(6, x, y, NULL, 0.0, 1.0, &t));
     CHECK_NEAR(t.pair.value, -1.4, sum_error);
     CHECK_NEAR(t.pair.se, sqrt(0.02), sum_error);
     CHECK_NEAR(t.p_pairs, ang_contrast_p_margin(&t.pair, 1.0), sum_error);
@@ -234,17 +243,19 @@ static void test_trend_errors(void)
                  se[] = {1, 1, 1, 1};
     ang_trend t;
     ang_contrast bend;
-    CHECK_FAILS(ang_trend_fit(0, twice, y, NULL, 1.0, &t), RP_NO_RESULT, "0 values");
-    CHECK_FAILS(ang_trend_fit(2, xs, y, NULL, 1.0, &t), RP_NO_RESULT, "2 values");
+    CHECK_FAILS(ang_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(ang_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
     CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
-    CHECK_FAILS(ang_trend_fit(4, same, y, NULL, 1.0, &t), RP_NO_RESULT, "1 different x");
-    CHECK_FAILS(ang_trend_fit(4, twice, bad, NULL, 1.0, &t), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(ang_trend_fit(4, bad, y, NULL, 1.0, &t), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, repeated, 1.0, &t), RP_BAD_INPUT, "pile 0: two values at x = 2");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, apart, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, &t), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, NAN, &t), RP_BAD_INPUT, "margin = ");
-    CHECK_OK(ang_trend_fit(4, twice, y, piles, 1.0, &t));
+    CHECK_FAILS(ang_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
+    CHECK_FAILS(ang_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(ang_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
+                "pile 0: two values at x = 2");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
+    CHECK_FAILS(ang_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_OK(ang_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
     CHECK_FAILS(ang_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
     CHECK_FAILS(ang_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
     CHECK_FAILS(ang_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");

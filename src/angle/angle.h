@@ -183,15 +183,16 @@ typedef struct {
     double p_pairs;         /* the largest ang_contrast_p_margin over all pairs of x */
 } ang_trend;
 
-/* Ordinary least squares on n values at two different x or more; errors from the scatter at each x
+/* Least squares on n values at two different x or more; errors from the scatter at each x
  * (Welch-Satterthwaite), so that it may differ between the x, and a curve does not count as scatter. Where
  * an x has one value only, from the scatter about the line. With `pile` (else NULL), values of the same
  * pile are compared: each contrast is taken pile by pile and then averaged. Piles that lack a value at one
- * of the x are left out. margin > 0: the largest change that counts as none.
+ * of the x are left out. Each value has the weight x^power, 0 for ordinary least squares: fixed weights, so
+ * that errors stay exact. margin > 0: the largest change that counts as none.
  * Errors: RP_NO_RESULT (fewer than 3 values, 2 x, or 2 whole piles), RP_BAD_INPUT (a value that is not
- * finite, two values of a pile at one x), RP_NO_MEMORY. */
-rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double margin,
-                        ang_trend *trend);
+ * finite, x <= 0 with a power, two values of a pile at one x), RP_NO_MEMORY. */
+rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
+                        double margin, ang_trend *trend);
 
 /* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
  * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided

@@ -13,7 +13,7 @@ typedef struct {
 
 /* The values at one x. */
 typedef struct {
-    double x, n, mean, variance; /* of the mean */
+    double x, n, w, mean, variance; /* w: weight, variance: of the mean */
 } cell;
 
 typedef struct {
@@ -21,9 +21,9 @@ typedef struct {
     size_t n, n_x, n_piles;
     point *points; /* by x; paired: pile after pile, each by x */
     cell *cells;
-    double *c, *work;       /* coefficients of a contrast; [n] work space */
-    double residual;        /* variance about the straight line, where an x has a single value; else NaN */
-    double x_mean, sxx, s3; /* moments of x about its mean */
+    double *c, *work; /* coefficients of a contrast; [n] work space */
+    double residual;  /* variance about the straight line, where an x has a single value; else NaN */
+    double sw, x_mean, sxx, s3; /* sum of the weights, moments of x about its mean */
 } sample;
 
 static int by_x(const void *a, const void *b)
@@ -85,7 +85,7 @@ static rp_status fill_cells(sample *s)
                 s->work[n] = s->points[first + n].y;
         rp_status status = ang_mean(n, s->work, &stats);
         if (status) return status;
-        s->cells[j] = (cell){s->cells[j].x, (double)n, stats.mean, stats.se * stats.se};
+        s->cells[j] = (cell){s->cells[j].x, (double)n, NAN, stats.mean, stats.se * stats.se};
         single = single || n < 2;
         first += n;
     }
@@ -120,14 +120,16 @@ static ang_contrast contrast(const sample *s)
     return r;
 }
 
-static void set_moments(sample *s)
+static void set_moments(sample *s, double power)
 {
-    s->x_mean = s->sxx = s->s3 = 0.0;
-    for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].n * s->cells[j].x / (double)s->n;
+    s->sw = s->x_mean = s->sxx = s->s3 = 0.0;
+    for (size_t j = 0; j < s->n_x; j++)
+        s->sw += s->cells[j].w = s->cells[j].n * (power == 0.0 ? 1.0 : pow(s->cells[j].x, power));
+    for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].w * s->cells[j].x / s->sw;
     for (size_t j = 0; j < s->n_x; j++) {
         const double dx = s->cells[j].x - s->x_mean;
-        s->sxx += s->cells[j].n * dx * dx;
-        s->s3 += s->cells[j].n * dx * dx * dx;
+        s->sxx += s->cells[j].w * dx * dx;
+        s->s3 += s->cells[j].w * dx * dx * dx;
     }
 }
 
@@ -137,9 +139,9 @@ static ang_contrast coefficient(sample *s, int degree)
     double norm = 0.0;
     for (size_t j = 0; j < s->n_x; j++) {
         const double dx = s->cells[j].x - s->x_mean;
-        const double p[] = {1.0, dx, dx * dx - s->s3 / s->sxx * dx - s->sxx / (double)s->n};
-        s->c[j] = s->cells[j].n * p[degree];
-        norm += s->cells[j].n * p[degree] * p[degree];
+        const double p[] = {1.0, dx, dx * dx - s->s3 / s->sxx * dx - s->sxx / s->sw};
+        s->c[j] = s->cells[j].w * p[degree];
+        norm += s->cells[j].w * p[degree] * p[degree];
     }
     for (size_t j = 0; j < s->n_x; j++) s->c[j] /= norm;
     return contrast(s);
@@ -148,7 +150,7 @@ static ang_contrast coefficient(sample *s, int degree)
 static ang_contrast intercept(sample *s)
 {
     for (size_t j = 0; j < s->n_x; j++)
-        s->c[j] = s->cells[j].n * (1.0 / (double)s->n - s->x_mean * (s->cells[j].x - s->x_mean) / s->sxx);
+        s->c[j] = s->cells[j].w * (1.0 / s->sw - s->x_mean * (s->cells[j].x - s->x_mean) / s->sxx);
     return contrast(s);
 }
 
@@ -206,7 +208,7 @@ static void compare_pairs(sample *s, double margin, ang_trend *trend)
         }
 }
 
-static rp_status analyse(sample *s, double margin, ang_trend *trend)
+static rp_status analyse(sample *s, double power, double margin, ang_trend *trend)
 {
     rp_status status = s->paired ? keep_whole_piles(s) : RP_OK;
     trend->n = s->n;
@@ -218,7 +220,7 @@ static rp_status analyse(sample *s, double margin, ang_trend *trend)
                        s->paired ? " of whole piles" : "", s->n_x, s->paired ? " of 2 piles" : "");
     status = fill_cells(s);
     if (status) return status;
-    set_moments(s);
+    set_moments(s, power);
     if (!isnan(s->residual)) set_residual(s);
     trend->from = s->cells[0].x;
     trend->to = s->cells[s->n_x - 1].x;
@@ -232,13 +234,18 @@ static rp_status analyse(sample *s, double margin, ang_trend *trend)
     return RP_OK;
 }
 
-rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double margin,
-                        ang_trend *trend)
+rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
+                        double margin, ang_trend *trend)
 {
     const ang_contrast none = {NAN, NAN, NAN};
     *trend = (ang_trend){0, 0, NAN, NAN, none, none, none, none, none, NAN, NAN};
     if (!(margin > 0.0 && isfinite(margin)))
         return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
+    for (size_t i = 0; i < n && power != 0.0; i++)
+        if (!(x[i] > 0.0))
+            return rp_fail(RP_BAD_INPUT,
+                           "value %zu: x = %g: out of range for weights x^%g, allowed: (0, inf)", i + 1, x[i],
+                           power);
     sample s = {.paired = pile != NULL, .n = n};
     s.points = calloc(n + 1, sizeof *s.points);
     s.cells = calloc(n + 1, sizeof *s.cells);
@@ -246,7 +253,7 @@ rp_status ang_trend_fit(size_t n, const double x[], const double y[], const doub
     s.work = calloc(n + 1, sizeof *s.work);
     rp_status status = s.points && s.cells && s.c && s.work ? load_points(&s, x, y, pile)
                                                             : rp_fail(RP_NO_MEMORY, "trend: out of memory");
-    if (!status) status = analyse(&s, margin, trend);
+    if (!status) status = analyse(&s, power, margin, trend);
     free(s.points);
     free(s.cells);
     free(s.c);

@@ -13,33 +13,28 @@ enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
 
 typedef struct {
     const char *x, *y, *by;
-    double from, to, margin, level;
+    double from, to, margin, level, power;
     int scale;
     bool pair;
 } options;
 
-#define COLUMN_PARAMS                                                                                        \
+/* clang-format off */
+#define COLUMN_PARAMS(POWER)                                                                                 \
     {"x", "", RP_TEXT, offsetof(options, x), NULL, "", "column of x"},                                       \
-        {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                   \
-        {"by",                                                                                               \
-         "",                                                                                                 \
-         RP_TEXT,                                                                                            \
-         offsetof(options, by),                                                                              \
-         "none",                                                                                             \
-         "",                                                                                                 \
-         "column whose different cells make the groups"},                                                    \
-        {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},  \
-    {                                                                                                        \
-        "to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"           \
-    }
+    {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                       \
+    {"by", "", RP_TEXT, offsetof(options, by), "none", "", "column whose different cells make the groups"},  \
+    {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
+    {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
+    {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
+     "weights x^power: 2 where scatter falls as 1/x"}
 
 #define TABLE_HELP                                                                                           \
-    "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if "     \
-    "there\n"                                                                                                \
-    "is such a column) does not start with ok, or with nan in a column, are left out and counted.\n"
+    "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if\n"    \
+    "there is such a column) does not start with ok, or with nan in a column, are left out and counted.\n"
+/* clang-format on */
 
 static const rp_param trend_params[] = {
-    COLUMN_PARAMS,
+    COLUMN_PARAMS("0"),
     {"scale", "", RP_CHOICE, offsetof(options, scale), "linear", "linear | log",
      "straight line in x, or in log10 x"},
     {"margin", "y", RP_REAL, offsetof(options, margin), "1", "(0, inf)",
@@ -52,7 +47,7 @@ static const rp_param trend_params[] = {
 static const cli_command trend_command = {
     "angle trend",
     "TABLE --x COLUMN --y COLUMN [options]",
-    "Does y depend on x? One row a group: ordinary least squares, errors from the scatter at each x (with\n"
+    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
     "--pair: of the slopes of single piles that have a row at every x).\n"
     "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of 90 "
     "%;\n"
@@ -67,12 +62,12 @@ static const cli_command trend_command = {
     1,
     1};
 
-static const rp_param size_params[] = {COLUMN_PARAMS, {0}};
+static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
 
 static const cli_command size_command = {
     "angle size",
     "TABLE --x COLUMN --y COLUMN [options]",
-    "Finite size: y = limit + c/x by ordinary least squares, one row a group; errors from the scatter at "
+    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at "
     "each\n"
     "x; lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number "
     "of\n"
@@ -267,7 +262,8 @@ static rp_status fit_groups(const rows *r, const options *o, bool size)
     for (size_t g = 0; g < r->n_groups && !status; g++) {
         const size_t first = r->first[g];
         group = ang_trend_fit(r->first[g + 1] - first, r->x + first, r->y + first,
-                              r->pile ? r->pile + first : NULL, o->margin, &trends[g]);
+                              r->pile ? r->pile + first : NULL, size ? -o->power : o->power, o->margin,
+                              &trends[g]);
         with_result += group == RP_OK;
         p[g] = group ? NAN : ang_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
@@ -300,6 +296,8 @@ static rp_status run(const cli_command *command, int argc, char **argv, bool siz
     rows r = {0};
     rp_status status = cli_parse(command, argc, argv, &o, &file, &n, &done);
     if (status || done) return status;
+    if (o.scale == SCALE_LOG && o.power != 0.0)
+        return rp_fail(RP_USAGE, "--power weighs with x itself; give --scale log or --power, not both");
     if (size) {
         o.scale = SCALE_INVERSE;
         o.margin = 1.0; /* of a test that is not printed */
