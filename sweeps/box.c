@@ -19,8 +19,18 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
     def.dt = b->dt;
     def.slip = b->slip;
     def.tension = b->tension;
-    def.material =
-        (dem_material){b->k_n, b->gamma_n, b->k_s, b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s, b->mu};
+    def.damping = b->damping;
+    def.rotation = b->rotation;
+    def.shape = b->shape;
+    const double gamma_s = b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s;
+    def.material = (dem_material){.k_n = b->k_n,
+                                  .gamma_n = b->gamma_n,
+                                  .k_s = b->k_s,
+                                  .gamma_s = gamma_s,
+                                  .mu = b->mu,
+                                  .mu_roll = b->mu_roll,
+                                  .k_roll = b->k_s,
+                                  .gamma_roll = gamma_s};
     dem_material wall = def.material;
     wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
     wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
@@ -44,11 +54,13 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);
+    if (b->mu_roll > 0.0 && !b->rotation)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", b->mu_roll);
     /* the lightest grain that can be drawn, falling from the top */
     dem_scene scene;
     sweep_box_scene(b, &scene);
     double m = dem_mass(b->shape, b->density, b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
-    dem_grain two[2] = {{0.0, 0.0, b->radius_min, m, 0.0, 0.0}, {0.0, drop, b->radius_min, m, 0.0, 0.0}};
+    dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
     scene.def.grains = two;
     scene.def.n_grains = 2;
     const char *what;

@@ -14,11 +14,11 @@ enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */
 typedef struct {
-    double W, mu, mu_wall, mu_floor, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
+    double W, mu, mu_wall, mu_floor, mu_roll, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
     double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
     double rest_energy, rest_force;
-    int shape, integrator, slip, floor, height, empty, parabola;
-    bool tension;
+    int shape, integrator, slip, damping, floor, height, empty, parabola;
+    bool tension, rotation;
 } sweep_box;
 
 /* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
@@ -50,7 +50,12 @@ typedef struct {
     R(integrator, "", RP_CHOICE, "verlet", "verlet", "time integration")                                     \
     R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
       "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
-    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")
+    R(damping, "", RP_CHOICE, "outside", "outside | inside",                                                 \
+      "whether the Coulomb limit leaves the shear dashpot out, as printed, or holds it with the spring")     \
+    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")              \
+    R(rotation, "", RP_BOOL, "false", "", "whether grains rotate; in the paper they do not")                 \
+    R(mu_roll, "", RP_REAL, "0.0", "[0, inf)",                                                               \
+      "rolling resistance, grains and walls; its stiffness is k_s, its damping gamma_s")
 
 #define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
     R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \

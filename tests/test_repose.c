@@ -263,11 +263,87 @@ static void test_frictions(void)
     }
 }
 
+/* The pile's grains that `scene` makes are those of the run's table, in every bit. */
+static void check_scene(dem_scene *scene, dem_sim **sim)
+{
+    dem_state states[256];
+    rp_table t;
+    CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, scene));
+    CHECK_OK(dem_scene_start(scene, sim));
+    CHECK_OK(dem_run(*sim, scene->steps));
+    CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
+    CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
+    CHECK_OK(dem_states(*sim, states));
+    for (size_t i = 0; i < t.n_rows; i++) {
+        double x, y;
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "x"), 0, &x));
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "y"), 0, &y));
+        CU_ASSERT(x == states[i].x && y == states[i].y);
+    }
+    rp_table_free(&t);
+}
+
+/* The choices of contact law as the scene has them. */
+static void test_contact_choices(void)
+{
+    sweep_result result;
+    traced_run((const setting[]){{"W", "1"},
+                                 {"H", "1"},
+                                 {"damping", "inside"},
+                                 {"rotation", "true"},
+                                 {"mu_roll", "0.25"},
+                                 {"k_s", "9000"},
+                                 {"gamma_s", "7"},
+                                 {"shape", "disk"},
+                                 {"stop", "steps"},
+                                 {"fill_steps", "1500"},
+                                 {"relax_steps", "10"},
+                                 {0}},
+               &result);
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    check_scene(&scene, &sim);
+    const dem_definition *def = &scene.def;
+    CU_ASSERT(def->damping == DEM_DAMPING_INSIDE && def->rotation && def->shape == DEM_DISK);
+    for (int w = -1; w < DEM_BOX_N; w++) {
+        const dem_material *c = w < 0 ? &def->material : &def->walls[w].material;
+        CU_ASSERT(c->mu_roll == 0.25 && c->k_roll == 9000.0 && c->gamma_roll == 7.0);
+    }
+    dem_energy energy;
+    dem_energies(sim, &energy);
+    CU_ASSERT(energy.rotational > 0.0);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    clean();
+}
+
+static void test_refusals(void)
+{
+    static const struct {
+        setting settings[4];
+        const char *message;
+    } cases[] = {
+        {{{"slip", "total"}, {0}}, "needs stop = \"steps\""},
+        {{{"stop", "steps"}, {"measure", "theta_t_static"}, {0}}, "needs stop = \"rest\""},
+        {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
+        {{{"dt", "2e-4"}, {0}}, "dt = 0.0002: too large"},
+        {{{"radius_min", "0.11"}, {0}}, "radius_mean = 0.1: must lie between"},
+        {{{"W", "0.9"}, {0}}, "W = 0.9: at least five grain diameters"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        void *params = make_params(cases[i].settings);
+        CHECK_FAILS(protocol->check(params), RP_BAD_INPUT, cases[i].message);
+        free(params);
+    }
+}
+
 void suite_repose(void)
 {
     static const check_case cases[] = {{"every reading of a surface", test_surfaces},
                                        {"looser criteria of rest", test_other_rests},
                                        {"friction of the floor", test_frictions},
+                                       {"choices of contact", test_contact_choices},
+                                       {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);
 }
