@@ -9,7 +9,6 @@
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
- *   {{most T k=v COL LIMIT}}        the same: at most LIMIT?
  *   {{holds T k=v COL TEXT}}       verdict on a word: does the cell contain TEXT? undecided and no_result
  * stay
  *   {{note T KEY}}                 a header line of the table
