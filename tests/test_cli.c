@@ -843,6 +843,36 @@ static void test_sweep(void)
     leave();
 }
 
+/* On shared piles, what comes after the opening alone differs. */
+static void test_shared_piles(void)
+{
+    enter();
+    write_text("s.cfg",
+               "protocol = \"repose\"; replicas = 2; seed = 1993; piles = \"shared\";\n"
+               "fixed = { W = 2.0; H = 2.0; %s };\ngrid = { floor = [\"extends\", \"absorbs\"]; };\n",
+               check_fast() ? "stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;" : "");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep run d");
+    GOOD("sweep export d -o runs.tsv");
+    rp_table t = read_table("runs.tsv");
+    CU_ASSERT(t.n_rows == 4);
+    for (size_t k = 0; k < 2; k++) {
+        CU_ASSERT(cell(&t, k, "pile") == (double)k && cell(&t, k + 2, "pile") == (double)k);
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "fill_contact_number"), word(&t, k + 2, "fill_contact_number"));
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "fill_steps_used"), word(&t, k + 2, "fill_steps_used"));
+        CU_ASSERT_STRING_NOT_EQUAL(word(&t, k, "residual_energy"), word(&t, k + 2, "residual_energy"));
+    }
+    CU_ASSERT_STRING_NOT_EQUAL(word(&t, 0, "fill_contact_number"), word(&t, 1, "fill_contact_number"));
+    rp_table_free(&t);
+    /* the last row again, by itself */
+    GOOD("run --box s.cfg --row 3 -o box");
+    rp_table again = read_table("out"), runs = read_table("runs.tsv");
+    CU_ASSERT_STRING_EQUAL(word(&again, 0, "residual_energy"), word(&runs, 3, "residual_energy"));
+    rp_table_free(&again);
+    rp_table_free(&runs);
+    leave();
+}
+
 /* One row of a sweep again: the numbers that the sweep stores, and a scene that runs to the same bits. */
 static void test_row_again(void)
 {
@@ -922,6 +952,7 @@ void suite_cli(void)
                                        {"run: tables in a folder", test_output_folder},
                                        {"run: broken, 70", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
+                                       {"sweep: shared piles", test_shared_piles},
                                        {"run --box: a row again", test_row_again},
                                        {"run: stopped", test_scene_stopped},
                                        {"sweep: stopped, 75", test_stopped},
