@@ -43,6 +43,18 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
+/* Spins and angles by the same leapfrog. */
+static void integrate_spins(dem_sim *sim)
+{
+    const double dt = sim->def.dt;
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_spin *p = &sim->spin[i];
+        p->omega += dt * p->inverse_inertia * p->torque;
+        p->angle += dt * p->omega;
+        p->torque = 0.0;
+    }
+}
+
 bool dem_integrate(dem_sim *sim)
 {
     const double dt = sim->def.dt;
@@ -64,6 +76,7 @@ bool dem_integrate(dem_sim *sim)
         stale |= !(dem_dot(moved, moved) <= reach) | dem_beyond(sim, grain[i].x);
     }
     hold_fixed(sim);
+    if (sim->spin) integrate_spins(sim);
     sim->grain_steps += (double)sim->n;
     return stale;
 }
@@ -90,6 +103,8 @@ void dem_integrate_start(dem_sim *sim)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
         else
             sim->grain[i].v -= 0.5 * dt * acceleration(sim, i);
+    for (size_t i = 0; i < sim->n && sim->spin; i++)
+        sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->spin[i].torque;
     hold_fixed(sim);
 }
 
