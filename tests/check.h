@@ -17,6 +17,7 @@
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \

@@ -706,6 +706,9 @@ static void refusals(void)
     grain.y = 0.09;
     def.dt = 9e-5; /* at this overlap Verlet allows it */
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an overlap of the start");
+    def.rotation = true;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "need the integrator verlet");
+    def.rotation = false;
     def.integrator = DEM_VERLET;
     CHECK_OK(dem_create(&def, &sim));
     dem_free(sim);
@@ -715,7 +718,7 @@ static void refusals(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "omega = 2: must be 0, it is fixed");
     def.integrator = DEM_GEAR5;
     grain.omega = 0.0;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "gear5: needs rotation = false");
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "grains that rotate need the integrator verlet");
 }
 
 void suite_motion(void)

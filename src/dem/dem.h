@@ -1,8 +1,7 @@
 /* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
- * gravity or the box may turn. Angles and spins are counter-clockwise; turns that lower the side at +x, as
- * positive ones do, are clockwise.
+ * gravity or the box may turn. Angles and spins are counter-clockwise.
  * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
@@ -17,9 +16,9 @@
 enum { DEM_HERTZ, DEM_LINEAR };    /* normal law */
 enum { DEM_NONE, DEM_SPRING };     /* tangential law */
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
-enum { DEM_VERLET, DEM_GEAR5 };    /* time integration; Gear's without rotation */
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
+enum { DEM_VERLET, DEM_GEAR5 }; /* time integration */
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 enum { DEM_SPHERE, DEM_DISK };
 enum { DEM_MAX_WALLS = 8 };
@@ -63,7 +62,7 @@ typedef struct {
     double skin; /* of the neighbour list; 0 chooses one */
     int integrator, normal, tangential, slip, damping;
     bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
-    bool rotation; /* else the grains only translate, and no mu_roll may be above 0 */
+    bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     int shape;     /* gives the moments of inertia */
     dem_material material;
     double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
@@ -103,8 +102,8 @@ const char *dem_fault_text(dem_fault fault);
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
  * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
  * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move.
- * With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
+ * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move. With
+ * Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
  * start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact that sets it.
  * INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
@@ -161,7 +160,7 @@ typedef struct {
     uint32_t id;
     double x, y, r, m, vx, vy;
     double fx,
-        fy; /* net force, gravity included; on a fixed grain that of its contacts, which its hold carries */
+        fy; /* net force, gravity included; on a fixed grain the contacts' force, that its hold carries */
     double angle, omega, torque;
     int contacts;
     bool fixed;
@@ -183,7 +182,7 @@ typedef struct {
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
 /* Energies: kinetic of the translation, elastic (normal, shear and rolling springs), gravity (from the
- * origin; of grains that can move), kinetic of the rotation. */
+ * origin; of what can move), kinetic of the rotation. */
 typedef struct {
     double kinetic, elastic, gravity, rotational;
 } dem_energy;

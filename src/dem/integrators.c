@@ -12,6 +12,18 @@
  * is exact for grains that touch nothing. */
 #include "dem/sim.h"
 
+/* Spins and angles by the same leapfrog. */
+static void integrate_spins(dem_sim *sim)
+{
+    const double dt = sim->def.dt;
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_spin *p = &sim->spin[i];
+        p->omega += dt * p->inverse_inertia * p->torque;
+        p->angle += dt * p->omega;
+        p->torque = 0.0;
+    }
+}
+
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
 static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
 
@@ -43,18 +55,6 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
-/* Spins and angles by the same leapfrog. */
-static void integrate_spins(dem_sim *sim)
-{
-    const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++) {
-        dem_spin *p = &sim->spin[i];
-        p->omega += dt * p->inverse_inertia * p->torque;
-        p->angle += dt * p->omega;
-        p->torque = 0.0;
-    }
-}
-
 bool dem_integrate(dem_sim *sim)
 {
     const double dt = sim->def.dt;
@@ -75,8 +75,8 @@ bool dem_integrate(dem_sim *sim)
         /* written so that NaN counts as moved */
         stale |= !(dem_dot(moved, moved) <= reach) | dem_beyond(sim, grain[i].x);
     }
-    hold_fixed(sim);
     if (sim->spin) integrate_spins(sim);
+    hold_fixed(sim);
     sim->grain_steps += (double)sim->n;
     return stale;
 }

@@ -32,7 +32,8 @@ static double omega(const dem_sim *sim, size_t i)
 
 static double rotational_energy(const dem_sim *sim, size_t i)
 {
-    return sim->spin ? 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia : 0.0;
+    const double inertia = dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]);
+    return sim->spin ? 0.5 * inertia * omega(sim, i) * omega(sim, i) : 0.0;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -74,20 +75,20 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
         dem_vec f = is_fixed(sim, i) ? sim->force[i] : sim->mass[i] * acceleration(sim, i);
         const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
-        *states++ = (dem_state){(uint32_t)id,
-                                x[0],
-                                x[1],
-                                sim->radius[i],
-                                sim->mass[i],
-                                v[0],
-                                v[1],
-                                f[0],
-                                f[1],
-                                spin.angle,
-                                sim->spin ? omega(sim, i) : 0.0,
-                                spin.torque,
-                                contacts[i],
-                                is_fixed(sim, i)};
+        *states++ = (dem_state){.id = (uint32_t)id,
+                                .x = x[0],
+                                .y = x[1],
+                                .r = sim->radius[i],
+                                .m = sim->mass[i],
+                                .vx = v[0],
+                                .vy = v[1],
+                                .fx = f[0],
+                                .fy = f[1],
+                                .angle = spin.angle,
+                                .omega = sim->spin ? omega(sim, i) : 0.0,
+                                .torque = spin.torque,
+                                .contacts = contacts[i],
+                                .fixed = is_fixed(sim, i)};
     }
     free(contacts);
     free(place);
@@ -100,9 +101,9 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     const dem_material *c = &sim->def.material;
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
     double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
+    double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
     /* Gear corrects places after it has found who touches: it can be below 0 by a little */
     double overlap = fmax(sim->pair_radii[k] - r, 0.0);
-    double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
     dem_vec n = d * (1.0 / r);
     double v_s = dem_dot(v, dem_clockwise(n));
     if (sim->spin)

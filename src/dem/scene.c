@@ -271,8 +271,8 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
 
 static rp_status read_particles_table(const rp_table *table, const scene_values *top, dem_scene *scene)
 {
-    enum { N = 9 };
-    static const char *const names[N] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega", "fixed"};
+    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega", "fixed"};
+    enum { N = sizeof names / sizeof *names };
     int columns[N];
     bool named = table->n_columns > 0 && table->names[0];
     for (int c = 0; c < N; c++) {

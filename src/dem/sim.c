@@ -280,10 +280,10 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
     if (status) return status;
-    if (def->integrator == DEM_GEAR5 && def->rotation)
-        return rp_fail(RP_BAD_INPUT, "integrator = gear5: needs rotation = false");
     if (!(def->dt > 0.0) || !isfinite(def->dt))
         return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
+    if (def->rotation && def->integrator == DEM_GEAR5)
+        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
         !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
@@ -396,11 +396,11 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
     sim->id = calloc(room, sizeof *sim->id);
     sim->fixed = calloc(room, sizeof *sim->fixed);
-    const bool gear = sim->def.integrator == DEM_GEAR5, spins = sim->def.rotation;
+    const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
-    if (spins) sim->spin = calloc(room, sizeof *sim->spin);
-    if ((gear && !sim->gear) || (spins && !sim->spin) || !sim->grain || !sim->force || !sim->ref ||
-        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
+    if (sim->def.rotation) sim->spin = calloc(room, sizeof *sim->spin);
+    if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
+        !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return RP_OK;
 }
@@ -519,9 +519,9 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->fixed = NULL;
+    c->gear = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
-    c->wall_slot = NULL, c->scratch = NULL, c->spin = NULL;
+    c->wall_slot = NULL, c->scratch = NULL;
     rp_status status = alloc_arrays(c, sim->n_start);
     if (!status) status = dem_neighbours_alloc(c, sim);
     if (status) {
@@ -535,9 +535,9 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
+    if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
     memcpy(c->fixed, sim->fixed, c->n_fixed * sizeof *c->fixed);
     if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
-    if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
     *copy = c;
     return RP_OK;
 }

@@ -67,9 +67,9 @@ struct dem_sim {
     dem_gear *gear;                       /* NULL for Verlet */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     uint32_t *id;
+    dem_spin *spin; /* NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
-    dem_spin *spin;  /* NULL without rotation */
 
     /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch */
     size_t n_pairs, pair_room, n_touching;
