@@ -107,6 +107,12 @@ static inline dem_vec dem_to_box(const dem_sim *sim, dem_vec x)
     return sim->box[0] * x - sim->box[1] * dem_clockwise(x);
 }
 
+/* Velocity of a point at x that turns with the walls. */
+static inline dem_vec dem_box_velocity(const dem_sim *sim, dem_vec x)
+{
+    return sim->box_swing[0] * x + sim->box_swing[1] * dem_clockwise(x);
+}
+
 /* A grain at x has left; false for NaN. */
 static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
 {
@@ -134,12 +140,6 @@ void dem_walls_turn(dem_sim *sim);
 
 /* Add the forces of the walls; walls.c. */
 void dem_walls_apply(dem_sim *sim, double h);
-
-/* Rolling velocity of a grain at a wall, which turns clockwise with the box. */
-static inline double dem_wall_rolling(const dem_sim *sim, size_t i)
-{
-    return sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]);
-}
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * overlap; brings slot->side up to date. False where the wall is open. */

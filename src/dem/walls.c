@@ -57,7 +57,7 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
     }
     if (sim->box_swing[1] != 0.0) {
         dem_vec p = sim->grain[slot->grain].x - (sim->radius[slot->grain] - *overlap) * *normal;
-        *velocity += sim->box_swing[0] * p + sim->box_swing[1] * dem_clockwise(p);
+        *velocity += dem_box_velocity(sim, p);
     }
     return true;
 }
@@ -82,9 +82,9 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec f = f_n * n;
         if (sim->def.tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(n);
+            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
             double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
             if (sim->spin) v_s += arm * sim->spin[i].omega;
-            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
             double f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s,
                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
             f += s * f_s;
@@ -92,7 +92,9 @@ void dem_walls_apply(dem_sim *sim, double h)
             if (sim->rolling)
                 sim->spin[i].torque +=
                     sim->radius[i] *
-                    dem_law_rolling(c, sim->mass[i], dem_wall_rolling(sim, i), f_n, h, &slot->roll);
+                    dem_law_rolling(c, sim->mass[i],
+                                    sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
+                                    &slot->roll);
         }
         sim->force[i] += f;
         sim->wall_force[slot->wall] -= f;
