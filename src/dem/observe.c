@@ -33,9 +33,9 @@ static double omega(const dem_sim *sim, size_t i)
 /* In a frame that spins itself. */
 static double rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
-    const double inertia = dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]);
-    const double spin = sim->spin ? omega(sim, i) - frame : 0.0;
-    return 0.5 * inertia * spin * spin;
+    if (!sim->spin || is_fixed(sim, i)) return 0.0;
+    const double spin = omega(sim, i) - frame;
+    return 0.5 * dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]) * spin * spin;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
