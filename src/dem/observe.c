@@ -35,7 +35,7 @@ static double rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
     if (!sim->spin || is_fixed(sim, i)) return 0.0;
     const double spin = omega(sim, i) - frame;
-    return 0.5 * spin * spin / sim->spin[i].inverse_inertia;
+    return 0.5 * dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]) * spin * spin;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -144,8 +144,9 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
         f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->wall_mu[w],
                             sim->mass[i], v_s, f_n, 0.0, &spring);
     if (sim->rolling)
-        couple = sim->radius[i] *
-                 dem_law_rolling(c, sim->mass[i], sim->radius[i] * sim->spin[i].omega, f_n, 0.0, &roll);
+        couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
+                                                  sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
+                                                  f_n, 0.0, &roll);
     *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
                              overlap,    f_n, f_s,    spring, couple, roll};
     return true;

@@ -82,17 +82,19 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec f = f_n * n;
         if (sim->def.tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(n);
+            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
             double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
             if (sim->spin) v_s += arm * sim->spin[i].omega;
-            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
             double f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s,
                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
             f += s * f_s;
             if (sim->spin) sim->spin[i].torque += arm * f_s;
             if (sim->rolling)
                 sim->spin[i].torque +=
-                    sim->radius[i] * dem_law_rolling(c, sim->mass[i], sim->radius[i] * sim->spin[i].omega,
-                                                     f_n, h, &slot->roll);
+                    sim->radius[i] *
+                    dem_law_rolling(c, sim->mass[i],
+                                    sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
+                                    &slot->roll);
         }
         sim->force[i] += f;
         sim->wall_force[slot->wall] -= f;
