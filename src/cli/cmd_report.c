@@ -9,6 +9,7 @@
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
+ *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
  * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
  */
@@ -34,7 +35,7 @@ static const cli_command command = {
     "report",
     "TEMPLATE [--tables DIR] [-o FILE]",
     "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
-    "below, least, note. A verdict compares with two standard errors.",
+    "below, least, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,
@@ -155,6 +156,24 @@ static rp_status print_verdict(const place *p, int next, const rp_table *t, size
     return RP_OK;
 }
 
+static rp_status print_holds(const place *p, int next, const rp_table *t, size_t row, FILE *out)
+{
+    int column = rp_table_column(t, p->words[next]);
+    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
+    if (next + 1 >= p->n) return rp_fail(RP_BAD_INPUT, "{{holds ...}}: a text is missing");
+    const char *cell = t->cells[row * t->n_columns + (size_t)column];
+    bool holds = false;
+    for (char *save, *text = strtok_r(p->words[next + 1], "|", &save); text;
+         text = strtok_r(NULL, "|", &save))
+        holds |= strstr(cell, text) != NULL;
+    fputs(holds                            ? "reproduced"
+          : strcmp(cell, "undecided") == 0 ? cell
+          : strcmp(cell, "no_result") == 0 ? "can't be tested: no result"
+                                           : "not reproduced",
+          out);
+    return RP_OK;
+}
+
 static rp_status print_cell(const place *p, int next, const rp_table *t, size_t row, FILE *out)
 {
     int column = rp_table_column(t, p->words[next]);
@@ -211,6 +230,8 @@ static rp_status fill_place(const place *p, FILE *out)
         double value, se;
         if (known)
             status = print_verdict(p, next, &table, row, out);
+        else if (strcmp(p->words[0], "holds") == 0)
+            status = print_holds(p, next, &table, row, out);
         else if (strcmp(p->words[0], "cell") == 0)
             status = print_cell(p, next, &table, row, out);
         else if (strcmp(p->words[0], "value") != 0)
