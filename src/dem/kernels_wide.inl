@@ -101,11 +101,12 @@ void WIDE_KERNEL(dem_sim *sim, double h)
 size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
+    const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
     const double dt = sim->def.dt;
+    const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity), reach = zero + 0.25 * sim->skin * sim->skin,
-               box_x = zero + sim->box[0], box_y = wide_repeat((dem_vec){sim->box[1], -sim->box[1]}),
-               most = wide_repeat((dem_vec){sim->def.x_max, INFINITY}),
-               least = wide_repeat((dem_vec){-INFINITY, sim->def.y_min});
+               most = wide_repeat((dem_vec){x_max, INFINITY}),
+               least = wide_repeat((dem_vec){-INFINITY, y_min});
     unsigned out = 0;
     size_t i = 0;
     for (; i + GRAINS <= sim->n; i += GRAINS) {
@@ -120,8 +121,7 @@ size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
         wide_store(force, zero);
         /* written so that NaN counts as moved */
         out |= wide_bits(wide_at_most(moved + wide_swap(moved), reach)) ^ ALL;
-        wide in_box = box_x * x - box_y * wide_swap(x);
-        out |= wide_bits(wide_less(most, in_box)) | wide_bits(wide_less(in_box, least));
+        out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
     *stale |= out != 0;
     return i;
