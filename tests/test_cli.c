@@ -600,6 +600,31 @@ static void test_angle_tables(void)
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     rp_table_free(&t);
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
+    FAILS(65, "no column \"theta_r3_deg\"", "angle phi line.tsv");
+    path_of("runs.tsv", path);
+    file = fopen(path, "w");
+    fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0\tnan\tnan\tno_pile\n");
+    for (int j = 0; j < 12; j++)
+        fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
+    fclose(file);
+    GOOD("angle phi runs.tsv");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 15); /* three equations and two differences, for all and for each mu */
+    for (size_t i = 0; i < t.n_rows; i++) {
+        bool all = i < 5;
+        CHECK_NEAR(cell(&t, i, "n"), all ? 12.0 : 6.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "n_mu"), all ? 2.0 : 1.0, 0.0);
+        CU_ASSERT(all ? isnan(cell(&t, i, "mu")) : cell(&t, i, "mu") == (i < 10 ? 0.1 : 0.2));
+    }
+    /* mean theta_r 9, theta_t 13/3 at mu = 0.1 */
+    CHECK_NEAR(cell(&t, 5, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
+    rp_table_free(&t);
+    GOOD("angle phi runs.tsv --from 0.15");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 5);
+    CHECK_NEAR(cell(&t, 0, "mu"), 0.2, 0.0);
+    rp_table_free(&t);
+    FAILS(1, "no row with status ok", "angle phi runs.tsv --from 0.25");
     leave();
 }
 

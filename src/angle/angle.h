@@ -183,4 +183,52 @@ typedef struct {
 rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
                       size_t n_resamples, gsl_rng *rng, ang_comparison *comparison);
 
+/* ---- inclination of the rays, fitted to piles (phi.c) ---- */
+
+/* Piles of one friction coefficient: theta_r[n] and theta_t[n], one pile an index. Borrowed. */
+typedef struct {
+    double mu; /* (0, inf) */
+    size_t n;  /* at least ANG_PHI_PILES */
+    const double *theta_r, *theta_t;
+} ang_piles;
+
+enum { ANG_PHI_PILES = 5 };
+
+/* What phi is fitted to: (3) at theta_r + theta_t, or (4) in a form whose forces balance; and by how much phi
+ * of (4) exceeds that of (3), on the same piles. */
+typedef enum {
+    ANG_AGAINST_MARGINAL,
+    ANG_AGAINST_BALANCED,
+    ANG_AGAINST_LATTICE,
+    ANG_BALANCED_LESS_MARGINAL,
+    ANG_LATTICE_LESS_MARGINAL,
+    ANG_N_AGAINST
+} ang_against;
+
+typedef struct {
+    double phi;              /* or the difference of two */
+    double lo, hi;           /* 95 % by the profile of chi2: a rise by 3.84; NaN for a difference */
+    double boot_lo, boot_hi; /* 95 % by bootstrap over piles, percentiles */
+    /* chi2 of one phi for all groups, its degrees of freedom, and the chance of a larger one (NaN without
+     * dof); of a difference: of none, by its bootstrapped error */
+    double chi2, p_value;
+    size_t dof;
+    bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
+} ang_phi;
+
+const char *ang_against_word(ang_against against);
+
+/* How far phi is from the piles: minus twice the logarithm of the likelihood ratio, see phi.c. `against` is
+ * an equation; phi in (theta_r + theta_t of every mean, pi/2): the flank of a failing pile is less steep than
+ * the rays. Errors: RP_BAD_INPUT (a value, fewer than ANG_PHI_PILES piles), RP_NO_RESULT (piles without
+ * spread). */
+rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against against, double phi,
+                         double *chi2);
+
+/* The phi that serves all groups best, against each equation, and the differences. n_resamples >= 2.
+ * Errors: as ang_phi_misfit; RP_NO_RESULT for no groups or piles steeper than any ray; RP_NO_MEMORY;
+ * RP_BROKEN (NLopt). */
+rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
+                      ang_phi fit[ANG_N_AGAINST]);
+
 #endif
