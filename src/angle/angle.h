@@ -231,4 +231,81 @@ rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against 
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
                       ang_phi fit[ANG_N_AGAINST]);
 
+/* ---- measured stress (stress.c) ---- */
+
+/* The force (fx, fy) on a grain with centre (x, y), by a grain with centre (x_b, y_b) or at that point of a
+ * wall. */
+typedef struct {
+    double x, y, x_b, y_b, fx, fy;
+} ang_contact;
+
+/* s_ab, compression positive; the force that the side of a plane to which its normal n points puts on the
+ * other is -s_ab n_b. Grains that cannot turn need no balance of torques: xy and yx differ. */
+typedef struct {
+    double xx, xy, yx, yy;
+} ang_tensor;
+
+/* nx times ny cells of width dx and height dy, from (x0, y0); cell (i, j) has number j nx + i. */
+typedef struct {
+    double x0, y0, dx, dy;
+    size_t nx, ny;
+} ang_grid;
+
+/* Mean stress of each cell, force/length: the sum over contacts of force times branch, as far as the branch
+ * lies in the cell, over the cell's area (Goldhirsch 2010 with the cell as the kernel; branches end at
+ * walls). Summed over cells that hold all branches, area times stress is the sum of force times branch.
+ * Errors: RP_BAD_INPUT (a grid without cells, a number that is not finite). */
+rp_status ang_stress_cells(size_t n, const ang_contact contacts[], const ang_grid *grid, ang_tensor stress[]);
+
+/* Mohr's circle of a stress. */
+typedef struct {
+    double pressure;  /* its centre: mean of the principal stresses of the symmetric part */
+    double shear;     /* its radius */
+    double couple;    /* (xy - yx)/2, which shifts it: traction without torque balance */
+    double direction; /* of the largest compression, from x, in (-pi/2, pi/2] */
+    double mobilised; /* greatest angle between traction and normal over all planes, see stress.c; pi/2 where
+                         a plane pulls, NaN without stress */
+} ang_mohr;
+ang_mohr ang_stress_mohr(const ang_tensor *stress);
+
+/* Response of a pile to tilt, per weight of the pile normal to the floor. With t = tan of the tilt: floor
+ * forces n[0] + n[1] t (normal) and h[0] + h[1] t (along it, by the pile, down the tilt), and the stress
+ * s[0] + s[1] t in the pile, up to a factor. */
+typedef struct {
+    double n[2], h[2];
+    ang_tensor s[2];
+} ang_response;
+
+/* Tilt at which the floor has to give the friction mu, h = mu n; negative if it already does more. NaN if it
+ * never comes to that below pi/2. */
+double ang_floor_tilt(const ang_response *response, double mu);
+
+/* Tilt nearest to 0 at which the stress mobilises the angle `friction`, with this sign; within +-pi/4, NaN if
+ * there is none. */
+double ang_bulk_tilt(const ang_response *response, double friction);
+
+/* Mobilised angle at a tilt. */
+double ang_bulk_mobilised(const ang_response *response, double tilt);
+
+typedef struct {
+    double value, lo, hi; /* 95 % by bootstrap over piles, percentiles; NaN if a tenth of the resamples is */
+} ang_interval;
+
+/* Critical tilts of the mean response of n piles of one mu (of the floor and inside), beside what was
+ * measured. */
+typedef struct {
+    size_t n;
+    ang_interval floor_0, bulk_0; /* tan of mobilised friction without tilt: on the floor, inside */
+    ang_interval floor_tilt;      /* floor friction comes to mu */
+    ang_interval bulk_tilt;       /* friction inside comes to atan mu; negative: is beyond it without tilt */
+    ang_interval floor_at, bulk_at;     /* tan of the friction mobilised at the measured theta_t */
+    ang_interval theta_t;               /* measured */
+    ang_interval floor_less, bulk_less; /* measured theta_t less floor_tilt, bulk_tilt */
+} ang_critical;
+
+/* Errors: RP_NO_RESULT for n < 3, RP_BAD_INPUT for a number that is not finite or n_resamples < 2,
+ * RP_NO_MEMORY. */
+rp_status ang_critical_tilts(size_t n, const ang_response responses[], const double theta_t[], double mu,
+                             size_t n_resamples, gsl_rng *rng, ang_critical *critical);
+
 #endif
