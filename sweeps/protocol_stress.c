@@ -37,9 +37,10 @@ static const rp_param schema[] = {
     {0}};
 /* clang-format on */
 
-/* Tilts at which the forces are read, degrees. */
-static const double tilts_deg[] = {0.0, 0.5, 1.0, 2.0};
-enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, LEAST_TILTS = 3 };
+/* Tilts at which the forces are read, degrees; the response is that of the first N_FITTED, or as many as
+ * there are, and the last shows how far it holds. */
+static const double tilts_deg[] = {0.0, 0.5, 1.0, 2.0, 4.0};
+enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS = 3 };
 
 /* Places of the outputs in sweep_result.values; the list below has the same order. */
 enum {
@@ -55,7 +56,7 @@ enum {
     OUT_BULK = OUT_FLOOR + N_TILTS,
     OUT_FLOOR_TILT = OUT_BULK + N_TILTS,
     OUT_BULK_TILT,
-    OUT_BEND,
+    OUT_BEYOND,
     OUT_SLIDING_0,
     OUT_SLIDING_LAST,
     OUT_COUPLE,
@@ -69,34 +70,36 @@ enum {
 static const sweep_output outputs[] = {
     {"theta_r3_deg", "degree", "slope by method 3"},
     {"theta_t_displacement_deg", "degree", "tilt at which 5 % of the grains have moved 0.1 d"},
-    {"n_0", "W", "normal force on the floor, 0 < x < W, over the weight normal to it; at tilt 0"},
-    {"n_1", "W", "its rise with the tangent of the tilt"},
-    {"h_0", "W", "force of the pile along the floor, away from the wall; at tilt 0"},
-    {"h_1", "W", "its rise with the tangent of the tilt"},
-    {"sxx_0", "W d", "sum of force times branch over the contacts in 0 < x < W; at tilt 0"},
-    {"sxy_0", "W d", "the same: force along x, branch along y"},
-    {"syx_0", "W d", "the same: force along y, branch along x"},
-    {"syy_0", "W d", "the same: yy"},
-    {"sxx_1", "W d", "its rise with the tangent of the tilt"},
-    {"sxy_1", "W d", "its rise with the tangent of the tilt"},
-    {"syx_1", "W d", "its rise with the tangent of the tilt"},
-    {"syy_1", "W d", "its rise with the tangent of the tilt"},
+    {"n_0", "weight", "normal force on the floor, 0 < x < W, over the weight normal to it; at tilt 0"},
+    {"n_1", "weight", "its rise with the tangent of the tilt"},
+    {"h_0", "weight", "force of the pile along the floor, away from the wall; at tilt 0"},
+    {"h_1", "weight", "its rise with the tangent of the tilt"},
+    {"sxx_0", "weight d", "sum of force times branch over the contacts in 0 < x < W; at tilt 0"},
+    {"sxy_0", "weight d", "the same: force along x, branch along y"},
+    {"syx_0", "weight d", "the same: force along y, branch along x"},
+    {"syy_0", "weight d", "the same: yy"},
+    {"sxx_1", "weight d", "its rise with the tangent of the tilt"},
+    {"sxy_1", "weight d", "its rise with the tangent of the tilt"},
+    {"syx_1", "weight d", "its rise with the tangent of the tilt"},
+    {"syy_1", "weight d", "its rise with the tangent of the tilt"},
     {"floor_friction_0", "", "h/n at tilt 0"},
     {"floor_friction_05", "", "h/n at 0.5 degrees"},
     {"floor_friction_1", "", "h/n at 1 degree"},
     {"floor_friction_2", "", "h/n at 2 degrees"},
+    {"floor_friction_4", "", "h/n at 4 degrees"},
     {"bulk_friction_0", "", "tangent of the angle that the pile's mean stress mobilises, at tilt 0"},
     {"bulk_friction_05", "", "the same at 0.5 degrees"},
     {"bulk_friction_1", "", "the same at 1 degree"},
     {"bulk_friction_2", "", "the same at 2 degrees"},
+    {"bulk_friction_4", "", "the same at 4 degrees"},
     {"floor_tilt_deg", "degree", "tilt at which h/n comes to the floor's mu"},
     {"bulk_tilt_deg", "degree", "tilt at which the mean stress mobilises atan mu; negative: beyond it"},
-    {"bend", "W", "largest departure of h from its straight line"},
+    {"floor_friction_beyond", "", "h/n at 4 degrees less what the response of up to 2 degrees gives"},
     {"sliding_0", "", "part of the contacts within 1 % of the Coulomb limit at tilt 0"},
     {"sliding_last", "", "the same at the last tilt"},
     {"couple_0", "", "half of xy - yx, over the mean pressure, at tilt 0"},
-    {"tilts", "", "tilts read before 5 % of the grains had moved 0.1 d"},
-    {"weight_error", "W", "floor, wall and shear through x = W less the weight of 0 < x < W, at tilt 0"},
+    {"tilts", "", "tilts at which forces were read, before 5 % of the grains had moved 0.1 d"},
+    {"weight_error", "weight", "floor, wall and shear through x = W less the weight of 0 < x < W, at tilt 0"},
     {"balance_error", "m g",
      "largest net force on a grain of the pile, of its contacts and weight, at any tilt"},
     {"grains", "", "grains with 0 < x < W in the pile"},
@@ -325,12 +328,13 @@ static rp_status respond(const experiment *e, size_t field, double *at_0, double
 {
     double t[N_TILTS], v[N_TILTS], one[N_TILTS];
     ang_line line;
-    for (size_t k = 0; k < e->n_readings; k++) {
+    const size_t n = e->n_readings < N_FITTED ? e->n_readings : N_FITTED;
+    for (size_t k = 0; k < n; k++) {
         t[k] = e->readings[k].t;
         memcpy(&v[k], (const char *)&e->readings[k] + field, sizeof v[k]);
         one[k] = 1.0;
     }
-    rp_status status = ang_line_fit(e->n_readings, t, v, one, false, &line);
+    rp_status status = ang_line_fit(n, t, v, one, false, &line);
     *at_0 = line.intercept;
     *rise = line.slope;
     return status;
@@ -367,9 +371,8 @@ static rp_status conclude(experiment *e)
     memcpy(&v[OUT_S_0], r.s, sizeof r.s);
     v[OUT_FLOOR_TILT] = sweep_degrees(ang_floor_tilt(&r, mu_floor));
     v[OUT_BULK_TILT] = sweep_degrees(ang_bulk_tilt(&r, atan(mu)));
-    v[OUT_BEND] = 0.0;
-    for (size_t k = 0; k < e->n_readings; k++)
-        v[OUT_BEND] = fmax(v[OUT_BEND], fabs(e->readings[k].h - r.h[0] - r.h[1] * e->readings[k].t));
+    if (e->n_readings == N_TILTS)
+        v[OUT_BEYOND] = last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
     sweep_box_conclude(&e->box, "ok", "");
     return RP_OK;
 }

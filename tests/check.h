@@ -16,6 +16,7 @@
     X(suite_angle)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_scene)                                                                                           \
+    X(suite_stress)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \

@@ -288,19 +288,25 @@ double ang_bulk_tilt(const ang_response *response, double friction);
 double ang_bulk_mobilised(const ang_response *response, double tilt);
 
 typedef struct {
-    double value, lo, hi; /* 95 % by bootstrap over piles, percentiles; NaN if a tenth of the resamples is */
+    double value, se, lo, hi; /* error and 95 % interval by bootstrap over piles; NaN if a tenth of it is */
 } ang_interval;
 
-/* Critical tilts of the mean response of n piles of one mu (of the floor and inside), beside what was
- * measured. */
+/* Critical tilts of the mean response of n piles of one mu, beside the tilt at which they moved. Frictions
+ * are the tangents of mobilised angles. */
+#define ANG_CRITICAL_LIST(X)                                                                                 \
+    X(floor_friction_0, false) /* on the floor, without tilt */                                              \
+    X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
+    X(floor_tilt, true)        /* the floor's friction comes to mu */                                        \
+    X(bulk_tilt, true)         /* that inside comes to mu; negative: is beyond it without tilt */            \
+    X(theta_t, true)           /* measured */                                                                \
+    X(floor_less, true)        /* floor_tilt less measured */                                                \
+    X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \
+    X(bulk_friction_t, false)  /* inside, at the measured theta_t */                                         \
+    X(rank, false)             /* Spearman's correlation of the piles' own floor_tilt and theta_t */
 typedef struct {
-    size_t n;
-    ang_interval floor_0, bulk_0; /* tan of mobilised friction without tilt: on the floor, inside */
-    ang_interval floor_tilt;      /* floor friction comes to mu */
-    ang_interval bulk_tilt;       /* friction inside comes to atan mu; negative: is beyond it without tilt */
-    ang_interval floor_at, bulk_at;     /* tan of the friction mobilised at the measured theta_t */
-    ang_interval theta_t;               /* measured */
-    ang_interval floor_less, bulk_less; /* measured theta_t less floor_tilt, bulk_tilt */
+#define X(name, angle) ang_interval name;
+    ANG_CRITICAL_LIST(X)
+#undef X
 } ang_critical;
 
 /* Errors: RP_NO_RESULT for n < 3, RP_BAD_INPUT for a number that is not finite or n_resamples < 2,

@@ -149,45 +149,62 @@ static void add_tensor(ang_tensor *sum, const ang_tensor *s, double factor)
     sum->yy += factor * s->yy;
 }
 
-enum { N_QUANTITIES = 9 };
+enum { N_QUANTITIES = sizeof(ang_critical) / sizeof(ang_interval) };
 
-/* All quantities of ang_critical, in its order, of the mean over the piles pick[0..n), or over all. */
+/* Spearman's correlation between the piles' own critical tilts and theta_t, over those that have one. */
+static double rank_correlation(size_t n, const ang_response responses[], const double theta_t[],
+                               const size_t *pick, double mu, double work[])
+{
+    double *tilt = work, *t = work + n;
+    size_t found = 0;
+    for (size_t i = 0; i < n; i++) {
+        const size_t k = pick ? pick[i] : i;
+        tilt[found] = ang_floor_tilt(&responses[k], mu);
+        t[found] = theta_t[k];
+        found += !isnan(tilt[found]);
+    }
+    return found > 2 ? gsl_stats_spearman(tilt, 1, t, 1, found, work + 2 * n) : NAN;
+}
+
+/* The quantities of ang_critical, in its order, of the piles pick[0..n), or of all. work[4 n]. */
 static void quantities(size_t n, const ang_response responses[], const double theta_t[], const size_t *pick,
-                       double mu, double q[N_QUANTITIES])
+                       double mu, double work[], double q[N_QUANTITIES])
 {
     ang_response mean = {0};
-    double t = 0.0;
+    double tilt = 0.0;
     const double part = 1.0 / (double)n;
     for (size_t i = 0; i < n; i++) {
         const ang_response *r = &responses[pick ? pick[i] : i];
-        t += part * theta_t[pick ? pick[i] : i];
+        tilt += part * theta_t[pick ? pick[i] : i];
         for (int k = 0; k < 2; k++) {
             mean.n[k] += part * r->n[k];
             mean.h[k] += part * r->h[k];
             add_tensor(&mean.s[k], &r->s[k], part);
         }
     }
+    const double t = tan(tilt);
     q[0] = mean.h[0] / mean.n[0];
     q[1] = tan(ang_bulk_mobilised(&mean, 0.0));
     q[2] = ang_floor_tilt(&mean, mu);
     q[3] = ang_bulk_tilt(&mean, atan(mu));
-    q[4] = (mean.h[0] + mean.h[1] * tan(t)) / (mean.n[0] + mean.n[1] * tan(t));
-    q[5] = tan(ang_bulk_mobilised(&mean, t));
-    q[6] = t;
-    q[7] = t - q[2];
-    q[8] = t - q[3];
+    q[4] = tilt;
+    q[5] = q[2] - tilt;
+    q[6] = (mean.h[0] + mean.h[1] * t) / (mean.n[0] + mean.n[1] * t);
+    q[7] = tan(ang_bulk_mobilised(&mean, tilt));
+    q[8] = rank_correlation(n, responses, theta_t, pick, mu, work);
 }
 
-/* Percentiles of the numbers among sample[0..n), if nine tenths are. */
+/* Error and percentiles of the numbers among sample[0..n), if nine tenths are. */
 static ang_interval interval(double value, size_t n, double sample[])
 {
     const double tail = 0.025;
     size_t found = 0;
     for (size_t k = 0; k < n; k++)
         if (!isnan(sample[k])) sample[found++] = sample[k];
-    if (isnan(value) || 10 * found < 9 * n || found < 2) return (ang_interval){value, NAN, NAN};
+    if (isnan(value) || 10 * found < 9 * n || found < 2) return (ang_interval){value, NAN, NAN, NAN};
     gsl_sort(sample, 1, found);
-    return (ang_interval){value, gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
+    return (ang_interval){value, gsl_stats_sd(sample, 1, found),
+                          gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
                           gsl_stats_quantile_from_sorted_data(sample, 1, found, 1.0 - tail)};
 }
 
@@ -209,29 +226,28 @@ static rp_status check_responses(size_t n, const ang_response responses[], const
 rp_status ang_critical_tilts(size_t n, const ang_response responses[], const double theta_t[], double mu,
                              size_t n_resamples, gsl_rng *rng, ang_critical *critical)
 {
-    *critical = (ang_critical){.n = n};
+    ang_interval *all = (ang_interval *)critical;
+    for (int i = 0; i < N_QUANTITIES; i++) all[i] = (ang_interval){NAN, NAN, NAN, NAN};
     rp_status status = check_responses(n, responses, theta_t, n_resamples);
     if (status) return status;
     double q[N_QUANTITIES], one[N_QUANTITIES];
     size_t *pick = malloc(n * sizeof *pick);
-    double *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
-    if (pick && sample) {
-        quantities(n, responses, theta_t, NULL, mu, q);
+    double *work = malloc(4 * n * sizeof *work),
+           *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
+    if (pick && work && sample) {
+        quantities(n, responses, theta_t, NULL, mu, work, q);
         for (size_t k = 0; k < n_resamples; k++) {
             for (size_t i = 0; i < n; i++) pick[i] = gsl_rng_uniform_int(rng, n);
-            quantities(n, responses, theta_t, pick, mu, one);
+            quantities(n, responses, theta_t, pick, mu, work, one);
             for (int i = 0; i < N_QUANTITIES; i++) sample[(size_t)i * n_resamples + k] = one[i];
         }
-        ang_interval *const all[N_QUANTITIES] = {
-            &critical->floor_0,   &critical->bulk_0,     &critical->floor_tilt,
-            &critical->bulk_tilt, &critical->floor_at,   &critical->bulk_at,
-            &critical->theta_t,   &critical->floor_less, &critical->bulk_less};
         for (int i = 0; i < N_QUANTITIES; i++)
-            *all[i] = interval(q[i], n_resamples, sample + (size_t)i * n_resamples);
+            all[i] = interval(q[i], n_resamples, sample + (size_t)i * n_resamples);
     } else {
         status = rp_fail(RP_NO_MEMORY, "critical tilts: out of memory");
     }
     free(sample);
+    free(work);
     free(pick);
     return status;
 }

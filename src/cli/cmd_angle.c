@@ -5,6 +5,7 @@
 
 #include "angle/angle.h"
 #include "cli/cli.h"
+#include "cli/cmd_angle.h"
 #include "core/random.h"
 
 static const double deg = M_PI / 180.0;
@@ -111,32 +112,6 @@ static rp_status tilt(int argc, char **argv)
     return RP_OK;
 }
 
-/* ---- tables in ---- */
-
-/* The columns as new arrays of numbers, one after the other in one block (free it). A column of -1 is
- * skipped and its part unset. */
-static rp_status read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
-                              double **block)
-{
-    *block = malloc((n * table->n_rows + 1) * sizeof **block);
-    if (!*block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    for (size_t c = 0; c < n; c++)
-        for (size_t i = 0; columns[c] >= 0 && i < table->n_rows; i++) {
-            rp_status status =
-                rp_table_number(table, i, columns[c], missing_ok, *block + c * table->n_rows + i);
-            if (status) return status;
-        }
-    return RP_OK;
-}
-
-static rp_status find_columns(const rp_table *table, size_t n, const char *const names[], int columns[])
-{
-    for (size_t c = 0; c < n; c++)
-        if ((columns[c] = rp_table_column(table, names[c])) < 0)
-            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, names[c]);
-    return RP_OK;
-}
-
 /* ---- slope ---- */
 
 typedef struct {
@@ -180,7 +155,7 @@ static rp_status place_columns(const rp_table *table, bool with_r, int columns[3
     }
     int n = with_r ? 3 : 2;
     if (named) {
-        rp_status status = find_columns(table, (size_t)n, names, columns);
+        rp_status status = cli_columns_find(table, (size_t)n, names, columns);
         if (status) return status;
     } else if (table->n_columns < (size_t)n) {
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %d (%s) needed", table->path,
@@ -232,7 +207,7 @@ static rp_status slope_of_table(const rp_table *table, const slope_options *o)
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
     rp_status status = place_columns(table, options.height == ANG_TOP, columns);
     if (!status) status = refuse_several_steps(table);
-    if (!status) status = read_columns(table, 3, columns, 0, &block);
+    if (!status) status = cli_columns_read(table, 3, columns, 0, &block);
     if (!status) {
         status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
                                   o->width, &options, &surface);
@@ -383,9 +358,9 @@ static rp_status read_piles(const rp_table *table, pile **piles, size_t *n)
     size_t rows = table->n_rows;
     *n = 0;
     *piles = malloc((rows + 1) * sizeof **piles);
-    rp_status status = *piles ? find_columns(table, 4, names, columns)
+    rp_status status = *piles ? cli_columns_find(table, 4, names, columns)
                               : rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    if (!status) status = cli_columns_read(table, 3, columns, 1, &block);
     for (size_t i = 0; i < rows && !status; i++) {
         pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
         const char *word = table->cells[i * table->n_columns + (size_t)columns[3]];
@@ -666,8 +641,8 @@ static rp_status fit_table(const rp_table *table, const fit_options *o)
     int columns[3];
     double *block = NULL;
     size_t n = table->n_rows, missing;
-    rp_status status = find_columns(table, 3, names, columns);
-    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    rp_status status = cli_columns_find(table, 3, names, columns);
+    if (!status) status = cli_columns_read(table, 3, columns, 1, &block);
     if (!status) {
         size_t used = select_points(n, block, o, &missing);
         cli_table(stdout, fit_params, o);
@@ -707,6 +682,8 @@ static const struct {
     {"slope", slope, "slope of a table of grains by three methods"},
     {"compare", compare, "measured angles against (3) and (4)"},
     {"phi", phi, "inclination of the rays, fitted to measured angles"},
+    {"stress", cmd_angle_stress, "stress field and base forces of piles, from their contacts"},
+    {"critical", cmd_angle_critical, "tilt at which the measured stress reaches Coulomb's law"},
     {"fit", fit, "weighted straight line through a table"},
 };
 
