@@ -462,21 +462,56 @@ static const cli_command phi_command = {
     "bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a difference: if "
     "there\n"
     "is none); below 0.05 it does not (one_phi 0), and the intervals are those of a compromise. open: -1, 1\n"
-    "where the data give no bound on phi from below, from above, 2 from neither side: phi is not identified.",
+    "where the data give no bound on phi from below, from above, 2 from neither side: phi is not "
+    "identified.\n"
+    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with the "
+    "phi of\n"
+    "all mu, and with 60 degrees.",
     "repose angle phi build/tables/lh3_runs.tsv",
     phi_params,
     1,
     1};
 
-static void print_phi(double mu, size_t n_groups, size_t n, ang_against against, const ang_phi *fit)
+/* The measured angle that an equation is fitted to, the mean over piles, and what the equation gives for phi.
+ */
+static rp_status angles_of(const ang_piles *piles, ang_against against, double phi_all, ang_stats *measured,
+                           double given[2])
 {
+    const bool marginal = against == ANG_AGAINST_MARGINAL;
+    const double phis[2] = {phi_all, 60.0 * deg};
+    ang_stats theta_r;
+    rp_status status = ang_mean(piles->n, piles->theta_r, &theta_r);
+    if (!status)
+        status = ang_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0, marginal ? piles->theta_r : NULL,
+                            measured);
+    for (int i = 0; i < 2 && !status; i++) {
+        ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
+        ang_tilt_result tilt;
+        status = ang_tilt(form, piles->mu, theta_r.mean, phis[i], &tilt);
+        given[i] = marginal ? tilt.theta_ms : tilt.theta_t;
+    }
+    return status;
+}
+
+/* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
+static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
+                           const ang_phi *fit, double phi_all)
+{
+    ang_stats measured = {0, NAN, NAN, NAN, NAN, NAN};
+    double given[2] = {NAN, NAN};
     int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
-    rp_table_row_word(stdout, 13,
-                      (double[]){mu, (double)n_groups, (double)n, fit->phi / deg, fit->lo / deg,
-                                 fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg, fit->chi2,
-                                 (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN,
-                                 open},
-                      ang_against_word(against));
+    rp_status status = RP_OK;
+    if (piles && against < ANG_BALANCED_LESS_MARGINAL)
+        status = angles_of(piles, against, phi_all, &measured, given);
+    if (!status)
+        rp_table_row_word(stdout, 17,
+                          (double[]){piles ? piles->mu : NAN, (double)n_groups, (double)n, fit->phi / deg,
+                                     fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
+                                     fit->chi2, (double)fit->dof, fit->p_value,
+                                     fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open, measured.mean / deg,
+                                     measured.se / deg, given[0] / deg, given[1] / deg},
+                          ang_against_word(against));
+    return status;
 }
 
 /* All groups together, then each alone. */
@@ -484,14 +519,15 @@ static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_o
 {
     rp_status status = RP_OK;
     size_t n_all = 0;
-    ang_phi fit[ANG_N_AGAINST];
+    ang_phi all[ANG_N_AGAINST], one[ANG_N_AGAINST];
     for (size_t i = 0; i < n_groups; i++) n_all += groups[i].n;
-    for (size_t k = n_groups > 1 ? 0 : 1; k <= n_groups && !status; k++) {
-        size_t n = k == 0 ? n_groups : 1;
-        const ang_piles *some = k == 0 ? groups : &groups[k - 1];
-        status = ang_phi_fit(n, some, (size_t)o->bootstrap, rng, fit);
+    status = ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all);
+    for (int a = 0; a < ANG_N_AGAINST && !status && n_groups > 1; a++)
+        status = print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN);
+    for (size_t i = 0; i < n_groups && !status; i++) {
+        status = ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one);
         for (int a = 0; a < ANG_N_AGAINST && !status; a++)
-            print_phi(k == 0 ? NAN : some->mu, n, k == 0 ? n_all : some->n, (ang_against)a, &fit[a]);
+            status = print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi);
     }
     return status;
 }
@@ -528,7 +564,10 @@ static rp_status phi_table(const rp_table *table, const phi_options *o)
                                              {"p_value", ""},
                                              {"one_phi", ""},
                                              {"open", ""},
-
+                                             {"measured_deg", "deg"},
+                                             {"measured_se_deg", "deg"},
+                                             {"fitted_deg", "deg"},
+                                             {"sixty_deg", "deg"},
                                              {"against", ""}};
     pile *piles;
     size_t n, n_groups;
