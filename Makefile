@@ -138,6 +138,10 @@ $(T)/%_runs.tsv: $(T)/%.tsv
 	@$(REPOSE) sweep export $(B)/sweeps/$* >$@
 $(T)/%_compare.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle compare $< >$@
+$(T)/%_phi.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle phi $< >$@
+$(T)/%_critical.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle critical $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 
@@ -147,6 +151,17 @@ $(T)/%/energy.tsv $(T)/%_row.tsv: sweeps/%.cfg $(CODE)
 	@mkdir -p $(T)
 	@echo "run     $*"
 	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
+
+# The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
+STRESS_ROWS := $(shell seq 40 59)
+$(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
+	@echo "run     lh_stress"
+	@for r in $(STRESS_ROWS); do $(REPOSE) run --box $< --row $$r --every 100000 -o $@/$$r >/dev/null || exit 1; done
+	@touch $@
+$(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
+	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@
+$(T)/lh_stress_base.tsv: $(T)/lh_stress_piles
+	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 --base >$@
 
 # Models on paper: the angle, or the tent's outer and inner angle and 100 x_1/B, is in the name.
 $(T)/continuum_%.tsv: $(CODE)
