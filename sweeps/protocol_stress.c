@@ -141,7 +141,17 @@ static rp_status check(const void *params)
         return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->box.W, p->H);
     if (p->box.slip == DEM_TOTAL)
         return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest");
+    if (p->box.floor_grains)
+        return rp_fail(RP_BAD_INPUT, "floor_grains = true: the forces on a floor are those on a flat one");
     return RP_OK;
+}
+
+/* While it relaxes: the run ends as soon as too few cells are left for a slope. */
+static rp_status watch_pile(sweep_box_run *run, const dem_rest *rest, void *context)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    (void)rest, (void)context;
+    return sweep_box_slopes(run, slopes);
 }
 
 static rp_status make_pile(experiment *e)
@@ -151,11 +161,11 @@ static rp_status make_pile(experiment *e)
     rp_status status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
     if (!status) status = sweep_box_advance(&e->box, e->p->fill_steps);
-    if (!status) status = sweep_box_settle(&e->box, false, "filling");
+    if (!status) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
     if (status) return status;
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
     status = sweep_box_advance(&e->box, least);
-    if (!status) status = sweep_box_settle(&e->box, true, "after the opening");
+    if (!status) status = sweep_box_settle(&e->box, "after the opening", watch_pile, NULL);
     if (!status && e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0) {
         sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
         status = RP_NO_RESULT;
@@ -315,7 +325,7 @@ static rp_status tilt_to_rest(experiment *e)
         dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
-        if (!status) status = sweep_box_settle(&e->box, false, "tilt");
+        if (!status) status = sweep_box_settle(&e->box, "tilt", NULL, NULL);
         if (!status) status = has_moved(e, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[k]);

@@ -35,12 +35,12 @@ void cli_table(FILE *out, const rp_param *schema, const void *values);
 /* Read "0.1,0.25,..." into a new array (free it). Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n);
 
-/* Numbers of the columns called names[0..n). Errors: RP_BAD_INPUT for a name that is not there. */
-rp_status cli_columns_find(const rp_table *table, size_t n, const char *const names[], int columns[]);
+/* Numbers of the columns called names[n]. Errors: RP_BAD_INPUT. */
+rp_status cli_find_columns(const rp_table *table, size_t n, const char *const names[], int columns[]);
 
-/* n columns as new arrays of numbers, one after the other in one block (free it). A column of -1 is skipped
- * and its part unset. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status cli_columns_read(const rp_table *table, size_t n, const int columns[], int missing_ok,
+/* The columns as new arrays of numbers, one after the other in one block (free it, also after an error). A
+ * column of -1 is skipped and its part unset. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
                            double **block);
 
 /* The subcommands: name, function, summary. One list makes the dispatcher and the overview. */
@@ -51,6 +51,7 @@ rp_status cli_columns_read(const rp_table *table, size_t n, const int columns[],
     X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
+    X("forensics", cmd_forensics, "which unsaid choices agree with published numbers")                       \
     X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
     X("bench", cmd_bench, "particle-steps a second on this machine")                                         \
     X("report", cmd_report, "fill a report's template from tables")

@@ -75,8 +75,8 @@ static rp_status read_block(const char *prefix, const char *what, size_t n, cons
     int columns[16];
     snprintf(path, sizeof path, "%s_%s.tsv", prefix, what);
     rp_status status = rp_table_read(path, &table);
-    if (!status) status = cli_columns_find(&table, n, names, columns);
-    if (!status) status = cli_columns_read(&table, n, columns, 0, block);
+    if (!status) status = cli_find_columns(&table, n, names, columns);
+    if (!status) status = cli_read_columns(&table, n, columns, 0, block);
     *rows = status ? 0 : table.n_rows;
     rp_table_free(&table);
     return status;
@@ -384,9 +384,9 @@ static rp_status critical_table(const rp_table *table, const critical_options *o
     const size_t rows = table->n_rows;
     size_t n = 0;
     const int status_column = rp_table_column(table, "status");
-    rp_status status = cli_columns_find(table, N_OF(run_columns), run_columns, columns);
+    rp_status status = cli_find_columns(table, N_OF(run_columns), run_columns, columns);
     if (!status && status_column < 0) status = rp_fail(RP_BAD_INPUT, "%s: no column \"status\"", table->path);
-    if (!status) status = cli_columns_read(table, N_OF(run_columns), columns, 1, &block);
+    if (!status) status = cli_read_columns(table, N_OF(run_columns), columns, 1, &block);
     pile_run *runs = malloc((rows + 1) * sizeof *runs);
     if (!status && !runs) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     for (size_t i = 0; i < rows && !status; i++) {
