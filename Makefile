@@ -211,7 +211,7 @@ $(T)/%/energy.tsv $(T)/%_row.tsv: sweeps/%.cfg $(CODE)
 STRESS_ROWS := $(shell seq 40 59)
 $(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
 	@echo "run     lh_stress"
-	@for r in $(STRESS_ROWS); do $(REPOSE) run --box $< --row $$r --every 100000 -o $@/$$r >/dev/null || exit 1; done
+	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(JOBS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
 	@touch $@
 $(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
 	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@

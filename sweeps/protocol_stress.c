@@ -70,7 +70,8 @@ enum {
 static const sweep_output outputs[] = {
     {"theta_r3_deg", "degree", "slope by method 3"},
     {"theta_t_displacement_deg", "degree", "tilt at which 5 % of the grains have moved 0.1 d"},
-    {"n_0", "weight", "normal force on the floor, 0 < x < W, over the weight normal to it; at tilt 0"},
+    {"n_0", "weight",
+     "normal force on the floor, 0 < x < W, over all grains' weight normal to it; at tilt 0"},
     {"n_1", "weight", "its rise with the tangent of the tilt"},
     {"h_0", "weight", "force of the pile along the floor, away from the wall; at tilt 0"},
     {"h_1", "weight", "its rise with the tangent of the tilt"},

@@ -21,9 +21,9 @@
  *   the inside: the mobilised angle of the mean stress of the pile equals a friction angle.
  * Assumed: linearity up to failure (contacts that slide already, and those that start to, carry no more);
  * failure of the sum and not of its weakest part; and inside, that planes of grains have the friction of
- * their contacts, atan mu, though they interlock: along a plane just under the flank no stress in balance
- * with the weight mobilises less than the slope of the flank, tilt included, which exceeds atan mu in piles
- * that stand. That friction can be measured, but not inferred from mu. */
+ * their contacts, atan mu, though they interlock: along a plane under a long straight flank every stress in
+ * balance with the weight mobilises the slope of the flank, tilt included, and that exceeds atan mu in piles
+ * that stand. The friction of the packing can be measured, but not inferred from mu. */
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
