@@ -17,7 +17,7 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
             librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PC       := pkg-config
-PKGS     := gsl libconfig sqlite3 libxxhash
+PKGS     := gsl nlopt libconfig sqlite3 libxxhash
 LIBS      = $$($(PC) --libs $(PKGS)) -lm
 INCLUDES  = $$($(PC) --cflags $(PKGS))
 
