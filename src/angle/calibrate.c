@@ -38,16 +38,18 @@ const char *ang_calibrated_meaning(ang_calibrated_status status)
     return meanings[status];
 }
 
-/* Measured less response, and the covariance of that: the response's two fits share piles, whose angles are
- * correlated. */
+/* Measured less response, and the covariance of that: measured or simulated, the two angles are of the same
+ * piles. */
 static void difference(const problem *s, const double x[], double d[2], double covariance[3])
 {
     double v[ANG_MAX_ANGLES] = {0.0, 0.0};
+    covariance[1] = 0.0;
     for (size_t a = 0; a < s->c->n_angles; a++) {
         d[a] = s->m->angle[a] - ang_response_value(&s->c->response[a], x, &v[a]);
         covariance[2 * a] = v[a] + s->m->error[a] * s->m->error[a];
     }
-    covariance[1] = s->c->correlation * sqrt(v[0] * v[1]);
+    if (s->c->n_angles == 2)
+        covariance[1] = s->c->correlation * (sqrt(v[0] * v[1]) + s->m->error[0] * s->m->error[1]);
 }
 
 static double chi2_at(const problem *s, const double x[])
@@ -66,12 +68,12 @@ static double objective(unsigned n, const double *x, double *gradient, void *dat
 
 static double lower_end(const problem *s, size_t p)
 {
-    return s->c->response[0].lo[p];
+    return s->c->lo[p];
 }
 
 static double upper_end(const problem *s, size_t p)
 {
-    return s->c->response[0].hi[p];
+    return s->c->hi[p];
 }
 
 static double scanned(const problem *s, size_t p, int i, int n)
@@ -399,7 +401,9 @@ rp_status ang_calibration_bootstrap(const ang_piles *piles, const ang_calibratio
         ang_measured m = *measured;
         double x[2], chi2;
         resample(&s, c, rng);
-        for (size_t a = 0; a < c->n_angles; a++) m.angle[a] += gsl_ran_gaussian(rng, 1.0) * m.error[a];
+        double draw[2];
+        gsl_ran_bivariate_gaussian(rng, 1.0, 1.0, c->correlation, &draw[0], &draw[1]);
+        for (size_t a = 0; a < c->n_angles; a++) m.angle[a] += draw[a] * m.error[a];
         for (size_t a = 0; !status && a < c->n_angles; a++)
             status = ang_response_solve(&again.response[a], c, a, s.y + a * c->n_points);
         if (!status) status = ang_calibration_best(&again, &m, x, &chi2);

@@ -13,7 +13,7 @@
 
 #include "core/status.h"
 
-enum { ANG_MAX_PARAMS = 2, ANG_MAX_ANGLES = 2, ANG_MAX_TERMS = 16, ANG_MAX_SOLUTIONS = 4 };
+enum { ANG_MAX_PARAMS = 2, ANG_MAX_ANGLES = 2, ANG_MAX_TERMS = 16, ANG_SD_TERMS = 5, ANG_MAX_SOLUTIONS = 4 };
 
 /* n piles: parameters x[p][pile] and angles angle[a][pile], NaN where a pile has no such angle. */
 typedef struct {
@@ -23,9 +23,9 @@ typedef struct {
 
 typedef enum { ANG_POWERS, ANG_EXPONENTIAL, ANG_TANH } ang_shape;
 
-/* One angle against the parameters: a sum of terms f_i(x) y^j, with x the first parameter and y the second, each
- * taken from -1 to 1 over its range in powers. f_i, i up to the degree: powers of x; or 1, exp(-(x - lo)/scale), x; or
- * 1, tanh(x/scale), x. */
+/* One angle against the parameters: a sum of terms f_i(x) y^j, with x the first parameter and y the second,
+ * each taken from -1 to 1 over its range in powers. f_i, i up to the degree: powers of x; or 1, exp(-(x -
+ * lo)/scale), x; or 1, tanh(x/scale), x. */
 typedef struct {
     ang_shape shape;
     size_t degree[ANG_MAX_PARAMS];
@@ -34,20 +34,26 @@ typedef struct {
     double scale;
     double coefficients[ANG_MAX_TERMS], covariance[ANG_MAX_TERMS * ANG_MAX_TERMS];
     double chi2, p_value, aicc;
-    double inflation; /* of the covariance, for lack of fit: chi2/dof, at least 1 */
-    bool monotone;    /* in the first parameter; true with two parameters, where it is not asked for */
+    /* for lack of fit: factor of the covariance, chi2/dof but at least 1; and a variance of the response
+     * about the form, the excess of that factor over 1 in units of the points' own variance
+     * n_points/sum(weights) */
+    double inflation, discrepancy;
+    bool monotone; /* in the first parameter; true with two parameters, where it is not asked for */
 } ang_response;
 
 /* The responses of all angles, and the points (sets of piles with equal parameters) behind them. */
 typedef struct {
     size_t n_params, n_angles, n_points;
+    double lo[ANG_MAX_PARAMS], hi[ANG_MAX_PARAMS]; /* range of the piles' parameters */
     ang_response response[ANG_MAX_ANGLES];
-    double correlation;                               /* of the two angles of a pile, within its point */
-    double *x[ANG_MAX_PARAMS], *mean[ANG_MAX_ANGLES]; /* of the points; sd and n of the piles of each */
+    double log_variance[ANG_MAX_ANGLES][ANG_SD_TERMS]; /* of piles: 1, x, x^2, y, y^2 */
+    double correlation;                                /* of the two angles of a pile, within its point */
+    double *x[ANG_MAX_PARAMS], *mean[ANG_MAX_ANGLES];  /* of the points; sd and n of the piles of each */
     double *sd[ANG_MAX_ANGLES], *number[ANG_MAX_ANGLES];
 } ang_calibration;
 
-/* What was measured; error: its standard error, >= 0. */
+/* What was measured; error: its standard error, >= 0. Two angles are of the same piles: their errors are as
+ * correlated as the angles of simulated piles. */
 typedef struct {
     double angle[ANG_MAX_ANGLES], error[ANG_MAX_ANGLES];
 } ang_measured;
@@ -85,21 +91,20 @@ const char *ang_calibrated_word(ang_calibrated_status status);
 const char *ang_calibrated_meaning(ang_calibrated_status status);
 const char *ang_shape_word(ang_shape shape);
 
-/* Fit the responses: least squares with the weights n/sd^2 of the points. The form with the least AICc, chi2
- * + 2k
- * + 2k(k+1)/(n-k-1) with k coefficients and n points, is taken: powers up to the fourth, exponential, tanh
- * (the second parameter: powers up to the second). With one parameter a form that rises or falls throughout
- * goes before any other whose AICc is not better by more than 6. Free with ang_calibration_free, also after
- * an error. Errors: RP_BAD_INPUT (fewer than 4 points with piles, a point with one pile or without spread,
- * parameters that do not fill a rectangle), RP_NO_MEMORY, RP_BROKEN. */
+/* Fit the responses: least squares with the weights n/SD^2 of the points, SD from ang_calibration_sd. The
+ * form with the least AICc, chi2 + 2k + 2k(k+1)/(n-k-1) with k coefficients and n points, is taken: powers up
+ * to the fourth, exponential, tanh (the second parameter: powers up to the second). With one parameter a form
+ * that rises or falls throughout goes before any other whose AICc is not better by more than 6. Free with
+ * ang_calibration_free, also after an error. Errors: RP_BAD_INPUT (fewer than 4 points with piles, a point
+ * with one pile or without spread, parameters that do not fill a rectangle), RP_NO_MEMORY, RP_BROKEN. */
 rp_status ang_calibration_fit(const ang_piles *piles, ang_calibration *c);
 void ang_calibration_free(ang_calibration *c);
 
-/* The fitted angle at x, and the variance of the fit. */
+/* The fitted angle at x, and the variance of the fit and of the discrepancy. */
 double ang_response_value(const ang_response *response, const double x[], double *variance);
 
-/* SD of an angle over piles at x: those of the points, averaged as variances with a Gaussian weight whose
- * width is a tenth of the range. */
+/* SD of an angle over piles at x: a parabola in each parameter through the logarithms of the points'
+ * variances, since the variance of a dozen piles alone is too uncertain for a weight. */
 double ang_calibration_sd(const ang_calibration *c, size_t angle, const double x[]);
 
 /* Find the parameters. chi2(x) compares angle and response, with the variances of both. The 95 % interval of

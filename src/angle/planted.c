@@ -22,9 +22,9 @@ static rp_status measure_case(const ang_calibration *c, const ang_calibration *p
 {
     for (size_t p = 0; p < c->n_params; p++) {
         k->truth[p] = points->x[p][g];
-        if (!(k->truth[p] >= c->response[0].lo[p] && k->truth[p] <= c->response[0].hi[p]))
+        if (!(k->truth[p] >= c->lo[p] && k->truth[p] <= c->hi[p]))
             return rp_fail(RP_BAD_INPUT, "planted parameter = %g: out of the response's range, [%g, %g]",
-                           k->truth[p], c->response[0].lo[p], c->response[0].hi[p]);
+                           k->truth[p], c->lo[p], c->hi[p]);
     }
     for (size_t a = 0; a < c->n_angles; a++) {
         k->measured.angle[a] = points->mean[a][g];

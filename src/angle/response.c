@@ -2,6 +2,7 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit.h>
+#include <gsl/gsl_sf_psi.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -167,21 +168,71 @@ static rp_status check_rectangle(const ang_calibration *c)
                          n[0], n[1], c->n_points);
 }
 
+/* ---- scatter of piles ---- */
+
+static void set_range(ang_calibration *c)
+{
+    for (size_t p = 0; p < c->n_params; p++) {
+        c->lo[p] = c->hi[p] = c->x[p][0];
+        for (size_t g = 1; g < c->n_points; g++) {
+            c->lo[p] = fmin(c->lo[p], c->x[p][g]);
+            c->hi[p] = fmax(c->hi[p], c->x[p][g]);
+        }
+    }
+}
+
+/* 1, x, x^2 and, with two parameters, y, y^2, each parameter from -1 to 1. */
+static size_t scatter_terms(const ang_calibration *c, const double x[], double terms[ANG_SD_TERMS])
+{
+    size_t n = 1;
+    terms[0] = 1.0;
+    for (size_t p = 0; p < c->n_params; p++) {
+        double unit = (2.0 * x[p] - c->lo[p] - c->hi[p]) / (c->hi[p] - c->lo[p]);
+        terms[n++] = unit;
+        terms[n++] = unit * unit;
+    }
+    return n;
+}
+
+/* The variance of n normal values has a logarithm with mean log(sigma^2) + psi(v/2) - log(v/2) and variance
+ * psi'(v/2), v = n - 1. */
+static rp_status fit_scatter(ang_calibration *c, size_t angle)
+{
+    double terms[ANG_SD_TERMS], x[ANG_MAX_PARAMS], chi2;
+    const size_t n = 2 * c->n_params + 1;
+    gsl_matrix *design = gsl_matrix_alloc(c->n_points, n), *covariance = gsl_matrix_alloc(n, n);
+    gsl_vector *y = gsl_vector_alloc(c->n_points), *weights = gsl_vector_alloc(c->n_points);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(c->n_points, n);
+    rp_status status = RP_OK;
+    if (!design || !covariance || !y || !weights || !work)
+        status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t g = 0; !status && g < c->n_points; g++) {
+        double half = 0.5 * (c->number[angle][g] - 1.0);
+        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
+        scatter_terms(c, x, terms);
+        for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, terms[i]);
+        gsl_vector_set(y, g, 2.0 * log(c->sd[angle][g]) - gsl_sf_psi(half) + log(half));
+        gsl_vector_set(weights, g, 1.0 / gsl_sf_psi_1(half));
+    }
+    if (!status) {
+        gsl_vector_view solution = gsl_vector_view_array(c->log_variance[angle], n);
+        int state = gsl_multifit_wlinear(design, weights, y, &solution.vector, covariance, &chi2, work);
+        if (state) status = rp_fail(RP_BROKEN, "calibrate: least squares failed: %s", gsl_strerror(state));
+    }
+    gsl_matrix_free(design);
+    gsl_matrix_free(covariance);
+    gsl_vector_free(y);
+    gsl_vector_free(weights);
+    if (work) gsl_multifit_linear_free(work);
+    return status;
+}
+
 double ang_calibration_sd(const ang_calibration *c, size_t angle, const double x[])
 {
-    double sum = 0.0, weights = 0.0;
-    const ang_response *r = &c->response[angle];
-    for (size_t g = 0; g < c->n_points; g++) {
-        double squares = 0.0;
-        for (size_t p = 0; p < c->n_params; p++) {
-            double d = (x[p] - c->x[p][g]) / (0.1 * (r->hi[p] - r->lo[p]));
-            squares += d * d;
-        }
-        double w = exp(-0.5 * squares);
-        weights += w;
-        sum += w * c->sd[angle][g] * c->sd[angle][g];
-    }
-    return sqrt(sum / weights);
+    double terms[ANG_SD_TERMS], sum = 0.0;
+    size_t n = scatter_terms(c, x, terms);
+    for (size_t i = 0; i < n; i++) sum += c->log_variance[angle][i] * terms[i];
+    return exp(0.5 * sum);
 }
 
 /* ---- forms ---- */
@@ -223,7 +274,7 @@ double ang_response_value(const ang_response *r, const double x[], double *varia
     double terms[ANG_MAX_TERMS], value = 0.0;
     terms_at(r, x, terms);
     for (size_t i = 0; i < n_linear(r); i++) value += r->coefficients[i] * terms[i];
-    *variance = 0.0;
+    *variance = r->discrepancy;
     for (size_t i = 0; i < r->n_terms; i++)
         for (size_t j = 0; j < r->n_terms; j++)
             *variance += terms[i] * terms[j] * r->covariance[i * ANG_MAX_TERMS + j];
@@ -255,8 +306,11 @@ static rp_status problem_make(problem *s, ang_response *r, const ang_calibration
     if (!s->design || !s->covariance || !s->y || !s->weights || !s->solution || !s->work)
         return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     for (size_t g = 0; g < c->n_points; g++) {
+        double x[ANG_MAX_PARAMS];
+        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
+        double sd = ang_calibration_sd(c, angle, x);
         gsl_vector_set(s->y, g, y[g]);
-        gsl_vector_set(s->weights, g, c->number[angle][g] / (c->sd[angle][g] * c->sd[angle][g]));
+        gsl_vector_set(s->weights, g, c->number[angle][g] / (sd * sd));
     }
     return RP_OK;
 }
@@ -330,6 +384,9 @@ static void take_errors(problem *s)
     r->aicc = r->chi2 + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0);
     r->p_value = gsl_cdf_chisq_Q(r->chi2, dof);
     r->inflation = fmax(1.0, r->chi2 / dof);
+    double sum = 0.0;
+    for (size_t g = 0; g < r->n_points; g++) sum += gsl_vector_get(s->weights, g);
+    r->discrepancy = (r->inflation - 1.0) * n / sum;
     for (size_t i = 0; i < s->n; i++)
         for (size_t j = 0; j < s->n; j++)
             r->covariance[i * ANG_MAX_TERMS + j] = r->inflation * gsl_matrix_get(s->covariance, i, j);
@@ -382,13 +439,8 @@ static void consider(const ang_response *r, ang_response *best, ang_response *be
 static rp_status choose_form(ang_calibration *c, size_t angle)
 {
     ang_response blank = {.n_params = c->n_params, .aicc = HUGE_VAL};
-    for (size_t p = 0; p < c->n_params; p++) {
-        blank.lo[p] = blank.hi[p] = c->x[p][0];
-        for (size_t g = 1; g < c->n_points; g++) {
-            blank.lo[p] = fmin(blank.lo[p], c->x[p][g]);
-            blank.hi[p] = fmax(blank.hi[p], c->x[p][g]);
-        }
-    }
+    memcpy(blank.lo, c->lo, sizeof blank.lo);
+    memcpy(blank.hi, c->hi, sizeof blank.hi);
     ang_response best = blank, best_monotone = blank;
     for (int shape = ANG_POWERS; shape <= ANG_TANH; shape++)
         for (size_t i = 1; i <= (shape == ANG_POWERS ? 4 : 2); i++)
@@ -416,6 +468,10 @@ rp_status ang_calibration_fit(const ang_piles *piles, ang_calibration *c)
                          c->n_points, 4 * c->n_params);
     if (!status) status = check_spread(c);
     if (!status) status = check_rectangle(c);
-    for (size_t a = 0; !status && a < c->n_angles; a++) status = choose_form(c, a);
+    if (!status) set_range(c);
+    for (size_t a = 0; !status && a < c->n_angles; a++) {
+        status = fit_scatter(c, a);
+        if (!status) status = choose_form(c, a);
+    }
     return status;
 }

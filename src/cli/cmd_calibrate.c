@@ -237,14 +237,18 @@ static void note_responses(const ang_calibration *c, unsigned mask)
     for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
         if (!(mask & 1u << angle)) continue;
         const ang_response *r = &c->response[a++];
-        rp_table_note(
-            stdout, "response",
-            "%s: %s of degree %zu%s%.0zu, %zu coefficients, %zu points from %g to %g, chi2 = %.3g, p = %.2g, "
-            "variance x %.3g%s",
-            angle_names[angle], ang_shape_word(r->shape), r->degree[0], r->n_params == 2 ? " and " : "",
-            r->degree[1], r->n_terms, r->n_points, r->lo[0], r->hi[0], r->chi2, r->p_value, r->inflation,
-            r->monotone ? "" : ", not monotone");
+        rp_table_note(stdout, "response",
+                      "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
+                      "discrepancy %.2g deg%s",
+                      angle_names[angle], ang_shape_word(r->shape), r->degree[0],
+                      r->degree[1] == 1   ? " and 1"
+                      : r->degree[1] == 2 ? " and 2"
+                                          : "",
+                      r->n_terms, r->n_points, r->chi2, r->p_value, sqrt(r->discrepancy),
+                      r->monotone ? "" : ", not monotone");
     }
+    for (size_t p = 0; p < c->n_params; p++) rp_table_note(stdout, "range", "%g to %g", c->lo[p], c->hi[p]);
+    if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
 }
 
 /* Name of parameter p of --fit. */
