@@ -183,7 +183,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 /* ---- help ---- */
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
-static const char *const without_default[] = {"--help ", "--set ", "--box ", "--reduce ", "-o ", NULL};
+static const char *const without_default[] = {"--help ", "--set ", "--box ", "--reduce ", "-o ", "--runs ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
