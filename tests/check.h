@@ -20,7 +20,8 @@
     X(suite_sweep)                                                                                           \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_impact)
+    X(suite_impact)                                                                                          \
+    X(suite_rotation)
 
 #define X(suite) void suite(void);
 CHECK_SUITES(X)

@@ -3,6 +3,18 @@
  * spring; their phase lag of dt/2 is of first order, as is everything at a contact that damps on touch. */
 #include "dem/sim.h"
 
+/* Spins and angles by the same leapfrog. */
+static void integrate_spins(dem_sim *sim)
+{
+    const double dt = sim->def.dt;
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_spin *p = &sim->spin[i];
+        p->omega += dt * p->inverse_inertia * p->torque;
+        p->angle += dt * p->omega;
+        p->torque = 0.0;
+    }
+}
+
 bool dem_integrate(dem_sim *sim)
 {
     const double dt = sim->def.dt, x_max = sim->def.x_max, y_min = sim->def.y_min;
@@ -20,6 +32,7 @@ bool dem_integrate(dem_sim *sim)
         /* written so that NaN counts as moved */
         stale |= !(dem_dot(moved, moved) <= reach) | (x[0] > x_max) | (x[1] < y_min);
     }
+    if (sim->spin) integrate_spins(sim);
     sim->grain_steps += (double)sim->n;
     return stale;
 }

@@ -1,6 +1,6 @@
 /* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
  * large for them); each pair of grains closer than touching + skin has a slot, and each grain near a wall.
- * A rebuilding carries the shear springs of touching contacts over. It is a function of the state alone. */
+ * A rebuilding carries the springs of touching contacts over. It is a function of the state alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,10 +17,11 @@ struct dem_scratch {
     dem_vec *force;
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
+    dem_spin *spin;
     /* springs of touching pairs, by the lower new index of the two grains */
     uint32_t *held_start; /* n + 1 */
     uint32_t *held_partner;
-    double *held_spring;
+    double *held_spring, *held_roll;
     size_t held_room;
     uint32_t *wall_held; /* old wall slot of each grain, UINT32_MAX for none */
     dem_wall_slot *wall_slot;
@@ -70,7 +71,9 @@ static rp_status pair_room(dem_sim *sim, size_t more)
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
         grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
-        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) && grow(&sim->spring, sizeof *sim->spring, room))
+        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
+        grow(&sim->spring, sizeof *sim->spring, room) &&
+        (!sim->rolling || grow(&sim->roll, sizeof *sim->roll, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
@@ -89,6 +92,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
+    if (sim->rolling) memcpy(sim->roll, like->roll, sim->n_pairs * sizeof *sim->roll);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
     return RP_OK;
@@ -114,10 +118,11 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->mass = calloc(n, sizeof *w->mass);
     w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
     w->id = calloc(n, sizeof *w->id);
+    if (sim->def.rotation) w->spin = calloc(n, sizeof *w->spin);
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
-        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held)
+        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->def.rotation && !w->spin))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
     return like ? copy_lists(sim, like) : RP_OK;
@@ -129,7 +134,7 @@ void dem_neighbours_free(dem_sim *sim)
     if (!w) return;
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
-    free(w->held_spring), free(w->wall_held), free(w->wall_slot), free(w);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin), free(w);
     sim->scratch = NULL;
 }
 
@@ -192,6 +197,7 @@ static void sort_grains(dem_sim *sim)
         w->mass[to] = sim->mass[i];
         w->inverse_mass[to] = sim->inverse_mass[i];
         w->id[to] = sim->id[i];
+        if (sim->spin) w->spin[to] = sim->spin[i];
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
@@ -208,6 +214,7 @@ static void sort_grains(dem_sim *sim)
     SWAP(double, mass);
     SWAP(double, inverse_mass);
     SWAP(uint32_t, id);
+    SWAP(dem_spin, spin);
 #undef SWAP
     for (size_t i = 0; i < sim->n; i++) sim->ref[i] = sim->grain[i].x;
 }
@@ -219,7 +226,8 @@ static rp_status hold_springs(dem_sim *sim)
     if (sim->n_touching > w->held_room) {
         w->held_room = sim->n_touching + sim->n_touching / 2;
         if (!grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
-            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room))
+            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
+            (sim->rolling && !grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
     memset(w->held_start, 0, (sim->n_start + 1) * sizeof *w->held_start);
@@ -227,7 +235,7 @@ static rp_status hold_springs(dem_sim *sim)
         for (size_t t = 0; t < sim->n_touching; t++) {
             const uint32_t k = sim->touching[t];
             uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
-            if (a == NOWHERE || b == NOWHERE || sim->spring[k] == 0.0) continue;
+            if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
             uint32_t low = a < b ? a : b;
             if (pass == 0) {
                 w->held_start[low + 1]++;
@@ -235,6 +243,7 @@ static rp_status hold_springs(dem_sim *sim)
                 uint32_t at = w->held_start[low]++;
                 w->held_partner[at] = a < b ? b : a;
                 w->held_spring[at] = sim->spring[k];
+                if (sim->rolling) w->held_roll[at] = a < b ? sim->roll[k] : -sim->roll[k];
             }
         }
         if (pass == 0)
@@ -245,12 +254,18 @@ static rp_status hold_springs(dem_sim *sim)
     return RP_OK;
 }
 
-static double held_spring(const struct dem_scratch *w, uint32_t a, uint32_t b)
+/* Give pair k of grains a and b the springs it held before. */
+static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
+    const struct dem_scratch *w = sim->scratch;
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     for (uint32_t at = w->held_start[low]; at < w->held_start[low + 1]; at++)
-        if (w->held_partner[at] == high) return w->held_spring[at];
-    return 0.0;
+        if (w->held_partner[at] == high) {
+            sim->spring[k] = w->held_spring[at];
+            /* it is i's turn against j, where the shear displacement does not ask who is i */
+            if (sim->rolling) sim->roll[k] = a < b ? w->held_roll[at] : -w->held_roll[at];
+            return;
+        }
 }
 
 /* Slots of grain i with grains from..to. */
@@ -268,8 +283,9 @@ static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
         sim->pair_radii[k] = radii;
         sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
         sim->spring[k] = 0.0;
+        if (sim->rolling) sim->roll[k] = 0.0;
         if (dem_dot(d, d) < radii * radii) {
-            sim->spring[k] = held_spring(sim->scratch, (uint32_t)i, (uint32_t)j);
+            restore_springs(sim, k, (uint32_t)i, (uint32_t)j);
             sim->touching[sim->n_touching++] = (uint32_t)k;
         }
     }
@@ -324,9 +340,10 @@ static rp_status find_wall_slots(dem_sim *sim)
                 !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
             dem_wall_slot *slot = &sim->wall_slot[sim->n_wall_slots++];
-            *slot = (dem_wall_slot){k, i, 0.0, distance < 0.0 ? -1.0 : 1.0};
+            *slot = (dem_wall_slot){k, i, 0.0, 0.0, distance < 0.0 ? -1.0 : 1.0};
             if (held != NOWHERE) {
                 slot->spring = w->wall_slot[held].spring;
+                slot->roll = w->wall_slot[held].roll;
                 slot->side = w->wall_slot[held].side;
             }
         }

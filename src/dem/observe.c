@@ -18,6 +18,17 @@ static dem_vec velocity(const dem_sim *sim, size_t i)
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
 }
 
+static double omega(const dem_sim *sim, size_t i)
+{
+    const dem_spin *p = &sim->spin[i];
+    return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
+}
+
+static double rotational_energy(const dem_sim *sim, size_t i)
+{
+    return sim->spin ? 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia : 0.0;
+}
+
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
                          dem_vec *wall_velocity)
 {
@@ -55,8 +66,20 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
-        *states++ = (dem_state){(uint32_t)id, x[0], x[1], sim->radius[i], sim->mass[i],
-                                v[0],         v[1], f[0], f[1],           contacts[i]};
+        const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
+        *states++ = (dem_state){(uint32_t)id,
+                                x[0],
+                                x[1],
+                                sim->radius[i],
+                                sim->mass[i],
+                                v[0],
+                                v[1],
+                                f[0],
+                                f[1],
+                                spin.angle,
+                                sim->spin ? omega(sim, i) : 0.0,
+                                spin.torque,
+                                contacts[i]};
     }
     free(contacts);
     free(place);
@@ -68,21 +91,33 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
     const dem_material *c = &sim->def.material;
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
-    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, spring = sim->spring[k], f_s = 0.0;
+    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, f_s = 0.0, couple = 0.0;
+    double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
     dem_vec n = d * (1.0 / r);
+    double v_s = dem_dot(v, dem_clockwise(n));
+    if (sim->spin)
+        v_s += (sim->radius[i] - 0.5 * overlap) * sim->spin[i].omega +
+               (sim->radius[j] - 0.5 * overlap) * sim->spin[j].omega;
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
                                 overlap, dem_dot(v, n));
     if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
-                            dem_dot(v, dem_clockwise(n)), f_n, 0.0, &spring);
-    return (dem_contact){sim->id[i], sim->id[j], -1, a[0], a[1], b[0], b[1], overlap, f_n, f_s, spring};
+        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
+                            v_s, f_n, 0.0, &spring);
+    if (sim->rolling) {
+        const double r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
+        couple = r_eff * dem_law_rolling(c, sim->pair_mass[k],
+                                         r_eff * (sim->spin[i].omega - sim->spin[j].omega), f_n, 0.0, &roll);
+    }
+    return (dem_contact){sim->id[i], sim->id[j], -1,  a[0],   a[1],   b[0], b[1],
+                         overlap,    f_n,        f_s, spring, couple, roll};
 }
 
 /* The contact of a wall slot; false if they do not touch. */
 static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
 {
     dem_vec normal, wall_velocity;
-    double overlap, f_s = 0.0, spring = sim->wall_slot[k].spring;
+    double overlap, f_s = 0.0, couple = 0.0;
+    double spring = sim->wall_slot[k].spring, roll = sim->wall_slot[k].roll;
     if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) return false;
     const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
     const dem_material *c = &sim->def.walls[w].material;
@@ -90,10 +125,16 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
     dem_vec at = x - (sim->radius[i] - overlap) * normal;
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
                                 dem_dot(v, normal));
+    double v_s = dem_dot(v, dem_clockwise(normal));
+    if (sim->spin) v_s += (sim->radius[i] - overlap) * sim->spin[i].omega;
     if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[w], sim->mass[i],
-                            dem_dot(v, dem_clockwise(normal)), f_n, 0.0, &spring);
-    *contact = (dem_contact){sim->id[i], 0, (int)w, x[0], x[1], at[0], at[1], overlap, f_n, f_s, spring};
+        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->wall_mu[w],
+                            sim->mass[i], v_s, f_n, 0.0, &spring);
+    if (sim->rolling)
+        couple = sim->radius[i] *
+                 dem_law_rolling(c, sim->mass[i], sim->radius[i] * sim->spin[i].omega, f_n, 0.0, &roll);
+    *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
+                             overlap,    f_n, f_s,    spring, couple, roll};
     return true;
 }
 
@@ -115,8 +156,10 @@ static double spring_energy(const dem_sim *sim, const dem_material *c, double mu
     double energy = sim->def.normal == DEM_HERTZ ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
                                                  : 0.5 * c->k_n * overlap * overlap;
     if (sim->def.tangential != DEM_SPRING) return energy;
-    double pull = fmin(c->k_s * ds, mu * fmax(contact->normal_force, 0.0));
-    return energy + pull * ds - 0.5 * pull * pull / c->k_s;
+    double pull = c->k_s * ds;
+    if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
+    energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    return energy + 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring;
 }
 
 void dem_energies(const dem_sim *sim, dem_energy *energy)
@@ -126,6 +169,7 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
         dem_vec v = velocity(sim, i);
         energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
+        energy->rotational += rotational_energy(sim, i);
     }
     for (size_t t = 0; t < sim->n_touching; t++) {
         dem_contact contact = pair_contact(sim, sim->touching[t]);
@@ -158,7 +202,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         if (!(x > lo && x < hi)) continue;
         dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
-        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v);
+        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i);
         rest->contact_number += contacts[i];
         if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
     }

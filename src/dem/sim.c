@@ -17,7 +17,13 @@ dem_definition dem_definition_default(void)
         .tangential = DEM_SPRING,
         .slip = DEM_TRUNCATED,
         .tension = true,
-        .material = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 5.0, .mu = 0.2},
+        .material = {.k_n = 1e6,
+                     .gamma_n = 500.0,
+                     .k_s = 1e4,
+                     .gamma_s = 5.0,
+                     .mu = 0.2,
+                     .k_roll = 1e4,
+                     .gamma_roll = 5.0},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
@@ -38,6 +44,11 @@ void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
 double dem_mass(int shape, double density, double r)
 {
     return density * M_PI * r * r * (shape == DEM_SPHERE ? 4.0 / 3.0 * r : 1.0);
+}
+
+double dem_inertia(int shape, double m, double r)
+{
+    return (shape == DEM_SPHERE ? 0.4 : 0.5) * m * r * r;
 }
 
 const char *dem_fault_text(dem_fault fault)
@@ -61,13 +72,21 @@ static double impact_overlap(const dem_definition *def, const dem_material *c, d
 
 /* Largest time step of a contact of mass m_eff at this overlap. In a packing the stiffness and damping of a
  * grain's contacts add up to some three times a pair's, and Verlet with velocities of the half step needs
- * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.85 are allowed: without damping about 1/omega. */
+ * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.85 are allowed: without damping about 1/omega.
+ * The shear force moves masses and spins, 1 + m r^2/I times as easily as masses alone; rolling resistance
+ * turns the same spins, at R_eff <= r. */
 static double contact_step_limit(const dem_definition *def, const dem_material *c, double m_eff,
                                  double overlap)
 {
     double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
-    double k = fmax(k_normal, def->tangential == DEM_SPRING ? c->k_s : 0.0);
-    double gamma = fmax(c->gamma_n, def->tangential == DEM_SPRING ? c->gamma_s : 0.0);
+    double k_tangential = 0.0, gamma_tangential = 0.0;
+    if (def->tangential == DEM_SPRING) {
+        const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
+        const double rolls = c->mu_roll > 0.0 ? turns : 0.0;
+        k_tangential = (1.0 + turns) * c->k_s + rolls * c->k_roll;
+        gamma_tangential = (1.0 + turns) * c->gamma_s + rolls * c->gamma_roll;
+    }
+    double k = fmax(k_normal, k_tangential), gamma = fmax(c->gamma_n, gamma_tangential);
     double rate = 3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * k / m_eff);
     return rate > 0.0 ? 0.85 * 4.0 / rate : INFINITY;
 }
@@ -127,6 +146,13 @@ static rp_status check_number(const char *name, double value, double lo, const c
                : rp_fail(RP_BAD_INPUT, "%s = %g: out of range, allowed: %s", name, value, allowed);
 }
 
+static bool has_rolling(const dem_definition *def)
+{
+    bool rolling = def->material.mu_roll > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) rolling |= def->walls[w].material.mu_roll > 0.0;
+    return rolling;
+}
+
 static rp_status check_material(const dem_definition *def, const dem_material *c, const char *of)
 {
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
@@ -138,13 +164,18 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
     if (!status && def->tangential == DEM_NONE && c->mu > 0.0)
         status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
+    if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
+        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
+    if (!status && c->mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
+        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
+                         def->rotation ? "a tangential law, but the scene declares none" : "rotation");
+    if (!status && has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
+    if (!status && has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
     return status ? rp_prefix(status, "%s: ", of) : RP_OK;
 }
 
 static rp_status check_walls(const dem_definition *def)
 {
-    if (def->n_walls > DEM_MAX_WALLS)
-        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     for (size_t k = 0; k < def->n_walls; k++) {
         const dem_wall *w = &def->walls[k];
         char of[32];
@@ -183,6 +214,9 @@ static rp_status check_grain_values(const dem_definition *def)
                            p->m);
         if (!isfinite(p->x + p->y + p->vx + p->vy))
             return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
+        if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
+            return rp_fail(RP_BAD_INPUT, "particle %zu: angle = %g, omega = %g: %s", i + 1, p->angle,
+                           p->omega, def->rotation ? "must be finite" : "needs rotation");
         if (p->x > def->x_max || p->y < def->y_min)
             return rp_fail(RP_BAD_INPUT,
                            "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
@@ -193,6 +227,8 @@ static rp_status check_grain_values(const dem_definition *def)
 
 static rp_status check_definition(const dem_definition *def)
 {
+    if (def->n_walls > DEM_MAX_WALLS)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     rp_status status = check_grain_values(def);
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
@@ -285,8 +321,9 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->mass = calloc(room, sizeof *sim->mass);
     sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
     sim->id = calloc(room, sizeof *sim->id);
-    if (!sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->id)
+    if (sim->def.rotation) sim->spin = calloc(room, sizeof *sim->spin);
+    if ((sim->def.rotation && !sim->spin) || !sim->grain || !sim->force || !sim->ref || !sim->radius ||
+        !sim->mass || !sim->inverse_mass || !sim->id)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return RP_OK;
 }
@@ -328,6 +365,8 @@ static rp_status start_forces(dem_sim *sim)
     if (status) return status;
     for (size_t i = 0; i < sim->n; i++)
         sim->grain[i].v -= 0.5 * sim->def.dt * (sim->force[i] * sim->inverse_mass[i] + sim->gravity);
+    for (size_t i = 0; i < sim->n && sim->spin; i++)
+        sim->spin[i].omega -= 0.5 * sim->def.dt * sim->spin[i].inverse_inertia * sim->spin[i].torque;
     return RP_OK;
 }
 
@@ -342,6 +381,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     /* 1e300 times no force is none, where infinity would give NaN */
     sim->mu = fmin(def->material.mu, 1e300);
     for (size_t w = 0; w < def->n_walls; w++) sim->wall_mu[w] = fmin(def->walls[w].material.mu, 1e300);
+    sim->rolling = has_rolling(def);
     dem_kernel_choose(sim);
     rp_status status = alloc_arrays(sim, sim->n);
     if (status) return status;
@@ -354,6 +394,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
         sim->mass[i] = p->m;
         sim->inverse_mass[i] = 1.0 / p->m;
         sim->id[i] = (uint32_t)i + 1;
+        if (sim->spin)
+            sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0, 1.0 / dem_inertia(def->shape, p->m, p->r)};
         sim->r_min = fmin(sim->r_min, p->r);
         sim->r_max = fmax(sim->r_max, p->r);
         sim->radius_mean += p->r / (double)sim->n;
@@ -389,8 +431,8 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = NULL;
-    c->wall_slot = NULL, c->scratch = NULL;
+    c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
+    c->wall_slot = NULL, c->scratch = NULL, c->spin = NULL;
     rp_status status = alloc_arrays(c, sim->n_start);
     if (!status) status = dem_neighbours_alloc(c, sim);
     if (status) {
@@ -404,6 +446,7 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
+    if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
     *copy = c;
     return RP_OK;
 }
@@ -414,7 +457,8 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
-    free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot), free(sim);
+    free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
+    free(sim->spin), free(sim->roll), free(sim);
 }
 
 rp_status dem_run(dem_sim *sim, long steps)

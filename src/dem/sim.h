@@ -13,11 +13,16 @@ typedef struct {
     dem_vec x, v;
 } dem_record;
 
+/* What rotates, where anything does. The spin is of half a step before, as the velocity is. */
+typedef struct {
+    double angle, omega, torque, inverse_inertia;
+} dem_spin;
+
 /* Grains near a wall: one slot each, from one rebuilding of the list to the next. `side` is +1 where the
  * grain is on the side of the wall's direction; -1 only behind a wall that it came round the end of. */
 typedef struct {
     uint32_t wall, grain;
-    double spring, side;
+    double spring, roll, side;
 } dem_wall_slot;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
@@ -35,7 +40,8 @@ struct dem_sim {
     double r_min, r_max, skin;
     double radius_mean, mass_mean, start_speed, dt_limit; /* for the header's notes */
     const char *dt_limit_of;
-    bool alarm; /* an overlap beyond the smallest radius was seen */
+    bool rolling; /* some contact resists rolling */
+    bool alarm;   /* an overlap beyond the smallest radius was seen */
 
     /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
     size_t n, n_start;
@@ -44,11 +50,13 @@ struct dem_sim {
     dem_vec *ref;
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
+    dem_spin *spin; /* NULL without rotation */
 
-    /* pairs closer than touching + skin; `spring` is 0 while they do not touch */
+    /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch */
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
+    double *roll; /* rolling displacements; NULL without rolling resistance */
 
     size_t n_wall_slots, wall_room;
     dem_wall_slot *wall_slot;

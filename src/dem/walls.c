@@ -43,7 +43,7 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec n, wall_velocity;
         double overlap;
         if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
-            slot->spring = 0.0;
+            slot->spring = slot->roll = 0.0;
             continue;
         }
         const size_t i = slot->grain;
@@ -55,8 +55,16 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec f = f_n * n;
         if (sim->def.tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(n);
-            f += s * dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[slot->wall], sim->mass[i],
-                                   dem_dot(v, s), f_n, h, &slot->spring);
+            double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
+            if (sim->spin) v_s += arm * sim->spin[i].omega;
+            double f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s,
+                                       sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+            f += s * f_s;
+            if (sim->spin) sim->spin[i].torque += arm * f_s;
+            if (sim->rolling)
+                sim->spin[i].torque +=
+                    sim->radius[i] * dem_law_rolling(c, sim->mass[i], sim->radius[i] * sim->spin[i].omega,
+                                                     f_n, h, &slot->roll);
         }
         sim->force[i] += f;
         sim->wall_force[slot->wall] -= f;
