@@ -1,4 +1,5 @@
 /* Calibration against closed forms, and on piles drawn from responses that are known. */
+#include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <stdlib.h>
@@ -106,6 +107,91 @@ static void test_line(void)
     ang_calibration_free(&c);
 }
 
+/* Points that zigzag about a line by more than their errors: the errors of the line grow, and what the form
+ * cannot follow is added. */
+static void test_lack_of_fit(void)
+{
+    const double e = 0.1;
+    double x[8], y[8], se[8], v, at = 0.4385;
+    ang_calibration c;
+    ang_calibrated r[ANG_MAX_PARAMS];
+    start(1, 1);
+    for (int g = 0; g < 8; g++) {
+        x[g] = 0.1 * g;
+        y[g] = 10.0 + 40.0 * x[g] + (g % 2 ? 1.5 : -1.5);
+        add_four(x[g], 0.0, y[g], 1.0);
+    }
+    CHECK_OK(ang_calibration_fit(&piles, &c));
+    for (int g = 0; g < 8; g++) se[g] = ang_calibration_sd(&c, 0, &x[g]) / 2.0;
+    ang_line line;
+    CHECK_OK(ang_line_fit(8, x, y, se, false, &line));
+    CU_ASSERT(c.response[0].degree[0] == 1 && line.chi2 > 12.0);
+    double factor = line.chi2 / 6.0;
+    ang_response_value(&c.response[0], &at, &v);
+    double fitted = pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2);
+    CHECK_NEAR(v, factor * fitted + (factor - 1.0) * se[0] * se[0], 1e-10);
+    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{10.0 + 40.0 * at}, {e}}, r));
+    ang_response_value(&c.response[0], &r[0].value, &v);
+    CHECK_NEAR(r[0].se, sqrt(e * e + v) / line.slope, 1e-7);
+    ang_calibration_free(&c);
+}
+
+/* Two angles of the same piles that agree in their noise weigh less than two that do not: for equal lines
+ * and errors the variance is (1 + r)/2 of one angle's. */
+static void test_correlated(void)
+{
+    const double e = 5.0; /* far above the response's error */
+    double se[2];
+    for (int opposed = 0; opposed <= 1; opposed++) {
+        ang_calibration c;
+        ang_calibrated r[ANG_MAX_PARAMS];
+        start(1, 2);
+        for (int g = 0; g < 6; g++)
+            for (int k = 0; k < 4; k++) {
+                double x = 0.1 * g, noise = k % 2 ? 0.1 : -0.1, other = k / 2 ? 0.1 : -0.1;
+                /* correlation 0.6 or -0.6 */
+                add(x, 0.0, 100.0 * x + noise, 100.0 * x + (opposed ? -0.6 : 0.6) * noise + 0.8 * other);
+            }
+        CHECK_OK(ang_calibration_fit(&piles, &c));
+        CHECK_NEAR(c.correlation, opposed ? -0.6 : 0.6, 1e-9);
+        CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{25.0, 25.0}, {e, e}}, r));
+        se[opposed] = r[0].se;
+        ang_calibration_free(&c);
+    }
+    CHECK_NEAR(se[0], sqrt(0.8) * e / 100.0, 1e-4);
+    CHECK_NEAR(se[1], sqrt(0.2) * e / 100.0, 1e-4);
+}
+
+/* Variance at `at` of the fit of a + b f(x/scale), from the slopes of that by a, b and scale. */
+static double saturating_variance(const ang_calibration *c, double b, double scale, double at)
+{
+    const bool is_tanh = c->response[0].shape == ANG_TANH;
+    gsl_matrix *design = gsl_matrix_alloc(c->n_points, 3), *covariance = gsl_matrix_alloc(3, 3);
+    gsl_vector *y = gsl_vector_calloc(c->n_points), *w = gsl_vector_alloc(c->n_points),
+               *solution = gsl_vector_alloc(3);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(c->n_points, 3);
+    double slopes[3], chi2, variance = 0.0;
+    for (size_t g = 0; g <= c->n_points; g++) {
+        double x = g < c->n_points ? c->x[0][g] : at, f = is_tanh ? tanh(x / scale) : exp(-x / scale);
+        slopes[0] = 1.0;
+        slopes[1] = f;
+        slopes[2] = is_tanh ? -b * (1.0 - f * f) * x / (scale * scale) : b * f * x / (scale * scale);
+        for (size_t i = 0; g < c->n_points && i < 3; i++) gsl_matrix_set(design, g, i, slopes[i]);
+        double sd = ang_calibration_sd(c, 0, &x);
+        if (g < c->n_points) gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
+    }
+    CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 3; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
+    gsl_matrix_free(design);
+    gsl_matrix_free(covariance);
+    gsl_vector_free(y);
+    gsl_vector_free(w);
+    gsl_vector_free(solution);
+    gsl_multifit_linear_free(work);
+    return variance;
+}
+
 /* Saturating responses, inverted by logarithm and area tangent. */
 static void test_saturating(void)
 {
@@ -123,7 +209,10 @@ static void test_saturating(void)
         CHECK_NEAR(c.response[0].scale, scale, 1e-6);
         CU_ASSERT(c.response[0].n_terms == 3 && c.response[0].dof == 7);
         CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{z}, {0.1}}, r));
-        double s = (z - 1.5) / 33.0;
+        double s = (z - 1.5) / 33.0, at = 0.385, v;
+        ang_response_value(&c.response[0], &at, &v);
+        /* the scale is known to 1e-6 of it */
+        CHECK_NEAR(v / saturating_variance(&c, 33.0, scale, at), 1.0, 1e-4);
         CHECK_NEAR(r[0].value, scale * (shape == ANG_TANH ? atanh(s) : -log(1.0 - s)), 1e-6);
         ang_calibration_free(&c);
     }
@@ -350,6 +439,8 @@ static void test_errors(void)
 void suite_calibrate(void)
 {
     static const check_case cases[] = {{"a straight line: Fieller's interval", test_line},
+                                       {"lack of fit", test_lack_of_fit},
+                                       {"correlated angles", test_correlated},
                                        {"saturating responses", test_saturating},
                                        {"two parameters, two angles", test_two_parameters},
                                        {"what piles do not say", test_unidentified},
