@@ -10,7 +10,9 @@
 typedef struct {
     const sweep_protocol *protocol;
     unsigned long seed;
+    bool shared_piles;
     size_t replicas, n_points, n_runs, n_axes;
+    size_t block;          /* replicas as the file says */
     const rp_param **axes; /* the parameters under `grid`, in the order of the file */
     char *points;          /* n_points structures of protocol->params_size bytes */
     char (*keys)[33];      /* of the runs */
@@ -31,8 +33,15 @@ typedef struct sweep_store sweep_store;
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan);
 void sweep_plan_free(sweep_plan *plan);
 
+/* Another number of replicas than the file's. Those that both numbers have keep their piles and keys.
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas);
+
 /* Parameters of a grid point. */
 const void *sweep_plan_point(const sweep_plan *plan, size_t point);
+
+/* Number of the random streams of a run. */
+unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run);
 
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);
@@ -51,6 +60,9 @@ rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, con
 
 /* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
 rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
+
+/* Replicas of the stored plan. */
+rp_status sweep_store_replicas(sweep_store *store, size_t *replicas);
 
 /* The sweep file's name as it was given. */
 rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size);

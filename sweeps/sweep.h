@@ -4,9 +4,12 @@
  * finished run). A row's key is a hash of parameters, seed, run number and model version: what is stored
  * under a key of the plan is never computed again, and a row of another plan or other physics never used.
  *
- * Sweep file (libconfig): protocol, replicas, seed, zip, fixed = { key = value; }, grid = { key = [ ... ]; }.
- * The grid is the product of its lists, the last one fastest (with zip = true, lists of equal length go
- * together); replicas are innermost. Runs are numbered from 0; the number is that of the random stream.
+ * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
+ * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
+ * length go together); or it is a list of groups, ( { ... }, { ... } ): the product of the groups, the lists
+ * of one group going together. Replicas are innermost. Runs are numbered from 0. The number is that of the
+ * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
+ * and their differences can be taken pile by pile.
  *
  * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
  * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */
@@ -46,9 +49,10 @@ typedef struct {
 } sweep_options;
 
 /* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
- * Nothing is made unless the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
-rp_status sweep_prepare(const char *file, const char *dir, const sweep_protocol *const *protocols,
-                        sweep_counts *counts);
+ * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
+ * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and

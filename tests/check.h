@@ -15,8 +15,12 @@
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
+    X(suite_forensics)                                                                                       \
+    X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
+    X(suite_motion)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \

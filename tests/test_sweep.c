@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,6 +42,10 @@ static const rp_param toy_schema[] = {
 static const sweep_output toy_outputs[] = {
     {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
 
+/* Slow runs from number 20 on wait while this is set, shared with the workers: a sweep that is to be
+ * interrupted then cannot end first, however busy the machine. */
+static volatile int *hold;
+
 static rp_status toy_check(const void *params)
 {
     const toy *p = params;
@@ -54,7 +59,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
     gsl_rng_free(r);
     snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
-    if (p->mode == SLOW) usleep(20000);
+    if (p->mode == SLOW) usleep(5000);
+    while (p->mode == SLOW && hold && *hold && run >= 20) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
@@ -103,7 +109,7 @@ static void fresh(const char *text)
 static rp_status prepare(sweep_counts *counts)
 {
     sweep_counts ignored;
-    return sweep_prepare(file, dir, toys, counts ? counts : &ignored);
+    return sweep_prepare(file, dir, 0, toys, counts ? counts : &ignored);
 }
 
 static rp_status run(int workers, sweep_counts *counts)
@@ -185,9 +191,10 @@ static void test_order(void)
     char path[128];
     export_table(false, &t, path, sizeof path);
     CU_ASSERT_FATAL(t.n_rows == 12);
-    static const char *const names[] = {"run", "status", "x", "k", "replica", "y_deg", "never", "seconds"};
-    CU_ASSERT(t.n_columns == 8);
-    for (int i = 0; i < 8; i++) CU_ASSERT(rp_table_column(&t, names[i]) == i);
+    static const char *const names[] = {"run",  "status", "x",     "k",      "replica",
+                                        "pile", "y_deg",  "never", "seconds"};
+    CU_ASSERT(t.n_columns == 9);
+    for (int i = 0; i < 9; i++) CU_ASSERT(rp_table_column(&t, names[i]) == i);
     for (size_t r = 0; r < 12; r++) { /* the last list fastest, replicas innermost */
         double x = r < 6 ? 0.125 : 2.385;
         bool five = r % 6 < 3;
@@ -195,6 +202,7 @@ static void test_order(void)
         CU_ASSERT(strtod(cell(&t, r, "x"), NULL) == x);
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "k"), five ? "5" : "auto");
         CU_ASSERT(strtoul(cell(&t, r, "replica"), NULL, 10) == r % 3);
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == r);
         CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(x, five ? 5 : -1, 77, r));
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
     }
@@ -202,6 +210,20 @@ static void test_order(void)
     /* the store says the same to one who opens it */
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE x = 2.385 AND k = 'auto' AND picks = 'green'"
                          " AND odd = 'true' AND mass = 'infinite' AND never IS NULL AND seed = 77") == 3);
+    clean();
+}
+
+static void test_bundles(void)
+{
+    fresh("protocol = \"toy\"; replicas = 1;\n"
+          "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
+    sweep_counts c;
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6);
+    CHECK_OK(run(1, NULL));
+    /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
+    CU_ASSERT(sql_number("SELECT 2 * sum(x * k * mass) FROM runs") == 68 * 4);
+    CU_ASSERT(sql_number("SELECT 2 * x * mass FROM runs WHERE run = 3") == 9);
     clean();
 }
 
@@ -213,6 +235,67 @@ static void test_zip(void)
     CU_ASSERT(c.planned == 3);
     CHECK_OK(run(1, NULL));
     CU_ASSERT(sql_number("SELECT 2 * sum(x * k) FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
+    clean();
+}
+
+/* Replica k of every grid point has the same streams. The first grid point is the same runs as with piles of
+ * their own, and stored once. */
+static void test_shared_piles(void)
+{
+    fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *own = digest(6);
+    write_text(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
+                     "grid = { x = [0.125, 2.385]; };");
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6 && c.stored == 3);
+    CHECK_OK(run(2, NULL));
+    CU_ASSERT_STRING_NOT_EQUAL(digest(6), own);
+    rp_table t;
+    char path[128];
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 6);
+    for (size_t r = 0; r < 6; r++) {
+        CU_ASSERT(strtoul(cell(&t, r, "run"), NULL, 10) == r);
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == r % 3);
+        CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(r < 3 ? 0.125 : 2.385, 3, 77, r % 3));
+    }
+    rp_table_free(&t);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run % 3") == 6);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run") == 6);
+    clean();
+}
+
+/* More replicas than the file asks for come as further blocks of runs; those that were stored stay. */
+static void test_more_replicas(void)
+{
+    fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *three = digest(6);
+    CHECK_OK(sweep_prepare(file, dir, 8, toys, &c));
+    CU_ASSERT(c.planned == 16 && c.stored == 6 && c.replicas == 8);
+    CHECK_OK(run(2, &c));
+    CU_ASSERT(c.stored == 16);
+    rp_table t;
+    char path[128];
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 16);
+    static const unsigned long piles[16] = {0, 1, 2, 6, 7, 8, 12, 13, 3, 4, 5, 9, 10, 11, 15, 16};
+    for (size_t r = 0; r < 16; r++) {
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == piles[r]);
+        CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(r < 8 ? 0.125 : 2.385, 3, 77, piles[r]));
+    }
+    rp_table_free(&t);
+    CHECK_OK(sweep_prepare(file, dir, 2, toys, &c));
+    CU_ASSERT(c.planned == 4 && c.stored == 4);
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6 && c.stored == 6);
+    CU_ASSERT_STRING_EQUAL(digest(6), three);
+    CHECK_FAILS(sweep_prepare(file, dir, 5000001, toys, &c), RP_BAD_INPUT, "allowed: [1, 5000000]");
     clean();
 }
 
@@ -271,6 +354,9 @@ static int interrupted(int signal, size_t rows)
 {
     sweep_counts c = {0};
     int end = 0;
+    hold = mmap(NULL, sizeof *hold, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(hold != MAP_FAILED);
+    *hold = 1;
     pid_t child = fork();
     if (child == 0) _exit((int)run(2, NULL));
     while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
@@ -278,6 +364,7 @@ static int interrupted(int signal, size_t rows)
         usleep(2000);
     }
     kill(child, signal);
+    *hold = 0;
     waitpid(child, &end, 0);
     return end;
 }
@@ -408,7 +495,7 @@ static void test_plan_again(void)
     sweep_protocol changed = toy_protocol;
     changed.fingerprint = toy_fingerprint;
     write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
-    CHECK_OK(sweep_prepare(file, dir, (const sweep_protocol *const[]){&changed, NULL}, &c));
+    CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 8);
@@ -422,12 +509,12 @@ static void test_plan_again(void)
     write_text(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "plan again");
-    CHECK_OK(sweep_prepare(copy, dir, toys, &c)); /* the folder's own file can be planned */
+    CHECK_OK(sweep_prepare(copy, dir, 0, toys, &c)); /* the folder's own file can be planned */
     CU_ASSERT(c.planned == 2);
     /* an output that the store has no column for yet */
     sql("DELETE FROM runs; ALTER TABLE runs DROP COLUMN never");
     CHECK_FAILS(run(1, NULL), RP_IO, "never");
-    CHECK_OK(sweep_prepare(copy, dir, toys, &c));
+    CHECK_OK(sweep_prepare(copy, dir, 0, toys, &c));
     CHECK_OK(run(1, NULL));
     clean();
 }
@@ -445,6 +532,11 @@ static void test_bad_files(void)
         {"protocol = \"toy\";\nseed = -1;", "s.cfg:2: seed = -1: out of range"},
         {"protocol = \"toy\";\nseed = 4294967296;", "s.cfg:2: 4294967296: whole numbers go up to"},
         {"protocol = \"toy\";\nzip = 1;", "s.cfg:2: zip = 1: true or false expected"},
+        {"protocol = \"toy\";\npiles = \"mine\";",
+         "s.cfg:2: piles = \"mine\": unknown word, allowed: own | shared"},
+        {"protocol = \"toy\";\npiles = true;", "s.cfg:2: piles = true: a word expected"},
+        {"protocol = \"toy\"; piles = \"shared\"; grid = { k = [1, 2]; x = [0.5, 1.5, 0.50]; };",
+         ", x = 0.5: stands twice in the grid"},
         {"protocol = \"toy\";\nspeed = 1;", "s.cfg:2: speed: unknown key"},
         {"protocol = \"toy\";\nprotocol = \"toy\";", "s.cfg:2: duplicate"},
         {"protocol = \"toy\"\n\nfixed = {", "s.cfg:3: syntax error"},
@@ -466,8 +558,11 @@ static void test_bad_files(void)
         {"protocol = \"toy\";\ngrid = { picks = [\"red\"]; };", "s.cfg:2: picks: cannot vary"},
         {"protocol = \"toy\";\nfixed = { x = 1; };\ngrid = { x = [1]; };",
          "s.cfg:3: x: stands under fixed and"},
+        {"protocol = \"toy\";\ngrid = ( { x = [1, 2]; },\n { x = [1]; } );", "s.cfg:3: x: stands twice"},
+        {"protocol = \"toy\";\ngrid = ( 3 );", "s.cfg:2: grid: groups"},
+        {"protocol = \"toy\";\nzip = true;\ngrid = ( { x = [1]; } );", "s.cfg:3: grid: zip = true is for"},
         {"protocol = \"toy\";\nzip = true;\ngrid = { x = [1, 2];\n k = [1]; };",
-         "s.cfg:4: k: 1 values; with zip"},
+         "s.cfg:4: k: 1 values; lists that go together"},
         {"protocol = \"toy\";\nreplicas = 1000000;\ngrid = { k = [1,2,3,4,5,6,7,8,9,10,11]; };",
          "too many runs"},
         {"protocol = \"toy\";\ngrid = { k = [1, 2]; x = [0.5, 9.5]; };",
@@ -487,7 +582,7 @@ static void test_bad_files(void)
     fresh("");
     unlink(file);
     CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
-    CHECK_FAILS(sweep_prepare(base, dir, toys, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
+    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
     clean();
 }
 
@@ -504,7 +599,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_export(dir, toys, true, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
-    CHECK_FAILS(sweep_prepare(file, below, toys, &c), RP_IO, "cannot make the directory");
+    CHECK_FAILS(sweep_prepare(file, below, 0, toys, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
     const sweep_protocol *protocol;
@@ -526,7 +621,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_IO, "file is not a database");
     CHECK_FAILS(prepare(NULL), RP_IO, "file is not a database");
     write_text(store, "");
-    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: plan");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: sweep");
     unlink(store);
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
@@ -593,8 +688,8 @@ static void test_full_disk(void)
 /* Names become columns of one table, in which SQLite ignores case. */
 static void test_columns(void)
 {
-    static const char *const taken[] = {"run",  "status", "message", "seconds",
-                                        "seed", "model",  "key",     "replica"};
+    static const char *const taken[] = {"run",   "status", "message", "seconds", "seed",
+                                        "model", "key",    "replica", "pile",    "program"};
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         const char *names[256];
         size_t n = 0;
@@ -612,6 +707,9 @@ void suite_sweep(void)
 {
     static const check_case cases[] = {{"grid order and values", test_order},
                                        {"zip", test_zip},
+                                       {"bundles of lists", test_bundles},
+                                       {"shared piles", test_shared_piles},
+                                       {"more replicas", test_more_replicas},
                                        {"reduce", test_reduce},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
                                        {"progress and stop", test_stop},

@@ -8,7 +8,8 @@
  * along -s; so both add to v_s, and F_s turns both the same way. */
 static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
                                                             int tangential, int slip, bool tension,
-                                                            int damping, bool rotation, bool rolling)
+                                                            int damping, bool rotation, bool rolling,
+                                                            bool gear)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
@@ -50,6 +51,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
                 arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
                 v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
             }
+            if (gear) spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
             double f_s =
                 dem_law_shear(slip, damping, c.k_s, c.gamma_s, mu, mass[k], v_s, f_n, h, &spring[k]);
             f += f_s * s;

@@ -1,7 +1,7 @@
 /* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
- * gravity may turn. Angles and spins are counter-clockwise.
+ * gravity or the box may turn. Angles and spins are counter-clockwise.
  * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
@@ -18,6 +18,7 @@ enum { DEM_NONE, DEM_SPRING };     /* tangential law */
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
+enum { DEM_VERLET, DEM_GEAR5 }; /* time integration */
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 enum { DEM_SPHERE, DEM_DISK };
 enum { DEM_MAX_WALLS = 8 };
@@ -48,24 +49,27 @@ typedef struct {
     double open_speed;
 } dem_wall;
 
+/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not meet. */
 typedef struct {
     double x, y, r, m, vx, vy;
     double angle, omega; /* 0 without rotation */
+    bool fixed;
 } dem_grain;
 
 typedef struct {
     double gravity[2];
     double dt;
     double skin; /* of the neighbour list; 0 chooses one */
-    int normal, tangential, slip, damping;
+    int integrator, normal, tangential, slip, damping;
     bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
-    bool rotation; /* else the grains only translate, and no mu_roll may be above 0 */
+    bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     int shape;     /* gives the moments of inertia */
     dem_material material;
-    double x_max, y_min;  /* a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
-    long turn_from_step;
-    bool reference_kernel; /* use the loop that decides at run time, for tests */
+    double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
+    long turn_from_step;      /* of both */
+    bool reference_kernel;    /* use the loop that decides at run time, for tests */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -98,9 +102,10 @@ const char *dem_fault_text(dem_fault fault);
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
  * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
  * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move.
- * `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come.
- * dem_create also looks at overlaps of the start. */
+ * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move. With
+ * Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
+ * start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact that sets it.
+ * INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -113,14 +118,26 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
 /* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
- * RP_NO_MEMORY. After an error the simulation can only be read and freed. */
+ * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains). After an error the simulation can only be
+ * read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
- * a step (0 stops it). */
+ * a step (0 stops it), |angle| < 1; let gravity be g, which a turn then goes on from. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);
 void dem_gravity_turn(dem_sim *sim, double radians_per_step);
+void dem_gravity_set(dem_sim *sim, const double g[2]);
+
+/* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| < 1; positive
+ * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
+ * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
+void dem_box_turn(dem_sim *sim, double radians_per_step);
+double dem_box_angle(const dem_sim *sim); /* turned so far, radians */
+
+/* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
+ * which the walls are where the definition has them. */
+void dem_box_frame(const dem_sim *sim, double *x, double *y);
 
 /* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
 rp_status dem_neighbours_rebuild(dem_sim *sim);
@@ -142,9 +159,11 @@ void dem_count_work(const dem_sim *sim, dem_counts *counts);
 typedef struct {
     uint32_t id;
     double x, y, r, m, vx, vy;
-    double fx, fy; /* net force, gravity included */
+    double fx,
+        fy; /* net force, gravity included; on a fixed grain the contacts' force, that its hold carries */
     double angle, omega, torque;
     int contacts;
+    bool fixed;
 } dem_state;
 
 /* States of the grains in the order of their ids; `states` holds dem_count() entries.
@@ -163,16 +182,18 @@ typedef struct {
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
 /* Energies: kinetic of the translation, elastic (normal, shear and rolling springs), gravity (from the
- * origin), kinetic of the rotation. */
+ * origin; of what can move), kinetic of the rotation. */
 typedef struct {
     double kinetic, elastic, gravity, rotational;
 } dem_energy;
 void dem_energies(const dem_sim *sim, dem_energy *energy);
 
-/* Force on each wall, in the order of the definition: forces[2 * wall], forces[2 * wall + 1]. */
+/* Force on each wall, laboratory frame, in the order of the definition: forces[2 * wall],
+ * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
-/* How far from rest the grains with lo < x < hi are. */
+/* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that
+ * turns. */
 typedef struct {
     size_t n;              /* grains in the region */
     double kinetic_energy; /* mean over them, of translation and rotation */

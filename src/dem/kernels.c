@@ -42,7 +42,7 @@
 #define X(name, ...)                                                                                         \
     static void kernel_##name(dem_sim *sim, double h)                                                        \
     {                                                                                                        \
-        pair_loop(sim, h, __VA_ARGS__);                                                                      \
+        pair_loop(sim, h, __VA_ARGS__, false);                                                               \
     }
 KERNELS(X)
 #undef X
@@ -51,7 +51,7 @@ static void kernel_reference(dem_sim *sim, double h)
 {
     const dem_definition *def = &sim->def;
     pair_loop(sim, h, def->normal, def->tangential, def->slip, def->tension, def->damping, def->rotation,
-              sim->rolling);
+              sim->rolling, sim->gear != NULL);
 }
 
 void dem_kernel_choose(dem_sim *sim)
@@ -71,6 +71,7 @@ void dem_kernel_choose(dem_sim *sim)
     };
     sim->kernel = kernel_reference;
     sim->kernel_name = "reference";
+    if (def->integrator == DEM_GEAR5 && def->tangential == DEM_SPRING) return; /* it has no instances */
     for (size_t i = 0; i < sizeof list / sizeof *list && !def->reference_kernel; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             list[i].slip == def->slip && list[i].tension == def->tension && list[i].damping == def->damping &&

@@ -15,6 +15,7 @@ struct dem_scratch {
     uint32_t *moved_to;      /* new place of each grain; UINT32_MAX where it is gone */
     dem_record *grain;
     dem_vec *force;
+    dem_gear *gear;
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
     dem_spin *spin;
@@ -114,6 +115,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->moved_to = calloc(n, sizeof *w->moved_to);
     w->grain = aligned_alloc(64, (n * sizeof *w->grain + 63) / 64 * 64);
     w->force = aligned_alloc(64, (n * sizeof *w->force + 63) / 64 * 64);
+    if (sim->gear) w->gear = aligned_alloc(64, (n * sizeof *w->gear + 63) / 64 * 64);
     w->radius = calloc(n, sizeof *w->radius);
     w->mass = calloc(n, sizeof *w->mass);
     w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
@@ -122,7 +124,8 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
-        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->def.rotation && !w->spin))
+        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->gear && !w->gear) ||
+        (sim->def.rotation && !w->spin))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
     return like ? copy_lists(sim, like) : RP_OK;
@@ -134,7 +137,8 @@ void dem_neighbours_free(dem_sim *sim)
     if (!w) return;
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
-    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin), free(w);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin);
+    free(w->gear), free(w);
     sim->scratch = NULL;
 }
 
@@ -152,12 +156,11 @@ static rp_status check_grains(dem_sim *sim)
                             sim->radius[i]);
         if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
             return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
-        for (size_t k = 0; k < sim->def.n_walls; k++) {
+        for (size_t k = 0; k < sim->def.n_walls && sim->inverse_mass[i] > 0.0; k++) {
             const dem_wall *wall = &sim->def.walls[k];
             bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
             bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
-            dem_vec d = x - (dem_vec){wall->point[0], wall->point[1]};
-            if (line && !open && dem_dot(d, (dem_vec){wall->direction[0], wall->direction[1]}) < 0.0)
+            if (line && !open && dem_dot(x - sim->wall[k].point, sim->wall[k].direction) < 0.0)
                 return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0],
                                 x[1]);
         }
@@ -174,7 +177,7 @@ static void sort_grains(dem_sim *sim)
     memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
     for (size_t i = 0; i < sim->n; i++) {
         dem_vec x = sim->grain[i].x;
-        if (x[0] > sim->def.x_max || x[1] < sim->def.y_min) {
+        if (dem_beyond(sim, x)) {
             w->cell[i] = NOWHERE;
             continue;
         }
@@ -193,6 +196,7 @@ static void sort_grains(dem_sim *sim)
         size_t to = w->moved_to[i] = w->cell_start[w->cell[i]]++;
         w->grain[to] = sim->grain[i];
         w->force[to] = sim->force[i];
+        if (sim->gear) w->gear[to] = sim->gear[i];
         w->radius[to] = sim->radius[i];
         w->mass[to] = sim->mass[i];
         w->inverse_mass[to] = sim->inverse_mass[i];
@@ -210,13 +214,27 @@ static void sort_grains(dem_sim *sim)
     } while (0)
     SWAP(dem_record, grain);
     SWAP(dem_vec, force);
+    SWAP(dem_gear, gear);
     SWAP(double, radius);
     SWAP(double, mass);
     SWAP(double, inverse_mass);
     SWAP(uint32_t, id);
     SWAP(dem_spin, spin);
 #undef SWAP
-    for (size_t i = 0; i < sim->n; i++) sim->ref[i] = sim->grain[i].x;
+    sim->n_fixed = 0;
+    for (size_t i = 0; i < sim->n; i++) {
+        sim->ref[i] = sim->grain[i].x;
+        if (sim->inverse_mass[i] == 0.0) sim->fixed[sim->n_fixed++] = (uint32_t)i;
+    }
+}
+
+/* A wall that turns may come nearer to the farthest grain by half the skin; the grain has the other half. */
+static void measure_room(dem_sim *sim)
+{
+    double far2 = 0.0;
+    for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
+    sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
+    sim->box_swept = 0.0;
 }
 
 /* Keep the springs of touching pairs, sorted by the lower new index. */
@@ -273,15 +291,17 @@ static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
     const double r = sim->radius[i], m = sim->mass[i];
+    const bool fixed = sim->inverse_mass[i] == 0.0;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grain[j].x;
         double radii = r + sim->radius[j], reach = radii + sim->skin;
-        if (!(dem_dot(d, d) < reach * reach)) continue;
+        const bool other_fixed = sim->inverse_mass[j] == 0.0;
+        if (!(dem_dot(d, d) < reach * reach) || (fixed && other_fixed)) continue;
         size_t k = sim->n_pairs++;
         sim->pair_i[k] = (uint32_t)i;
         sim->pair_j[k] = (uint32_t)j;
         sim->pair_radii[k] = radii;
-        sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
+        sim->pair_mass[k] = fixed ? sim->mass[j] : other_fixed ? m : m * sim->mass[j] / (m + sim->mass[j]);
         sim->spring[k] = 0.0;
         if (sim->rolling) sim->roll[k] = 0.0;
         if (dem_dot(d, d) < radii * radii) {
@@ -326,8 +346,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
         const dem_wall *wall = &sim->def.walls[k];
         if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
-        const dem_vec direction = {wall->direction[0], wall->direction[1]};
-        const dem_vec point = {wall->point[0], wall->point[1]};
+        const dem_vec direction = sim->wall[k].direction, point = sim->wall[k].point;
         for (uint32_t s = 0; s < n_old; s++)
             if (w->wall_slot[s].wall == k && w->moved_to[w->wall_slot[s].grain] != NOWHERE)
                 w->wall_held[w->moved_to[w->wall_slot[s].grain]] = s;
@@ -335,7 +354,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             double distance = dem_dot(sim->grain[i].x - point, direction);
             uint32_t held = w->wall_held[i];
             w->wall_held[i] = NOWHERE;
-            if (!(fabs(distance) < sim->radius[i] + sim->skin)) continue;
+            if (!(fabs(distance) < sim->radius[i] + sim->skin) || sim->inverse_mass[i] == 0.0) continue;
             if (sim->n_wall_slots == sim->wall_room &&
                 !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
@@ -357,6 +376,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (status) return status;
     sim->rebuilds++;
     sort_grains(sim);
+    measure_room(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
     if (!status) status = find_wall_slots(sim);

@@ -1,5 +1,5 @@
 /* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
- * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out. */
+ * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out where the integrator is Verlet. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,11 @@
 #include "dem/law_shear.h"
 #include "dem/sim.h"
 
+static bool is_fixed(const dem_sim *sim, size_t i)
+{
+    return sim->inverse_mass[i] == 0.0;
+}
+
 static dem_vec acceleration(const dem_sim *sim, size_t i)
 {
     return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
@@ -15,6 +20,7 @@ static dem_vec acceleration(const dem_sim *sim, size_t i)
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
+    if (sim->gear || is_fixed(sim, i)) return sim->grain[i].v;
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
 }
 
@@ -24,9 +30,12 @@ static double omega(const dem_sim *sim, size_t i)
     return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
 }
 
-static double rotational_energy(const dem_sim *sim, size_t i)
+/* In a frame that spins itself. */
+static double rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
-    return sim->spin ? 0.5 * omega(sim, i) * omega(sim, i) / sim->spin[i].inverse_inertia : 0.0;
+    if (!sim->spin || is_fixed(sim, i)) return 0.0;
+    const double spin = omega(sim, i) - frame;
+    return 0.5 * dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]) * spin * spin;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -65,21 +74,23 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
     for (size_t id = 1; id <= sim->n_start; id++) {
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
-        dem_vec x = sim->grain[i].x, v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        dem_vec x = sim->grain[i].x, v = velocity(sim, i);
+        dem_vec f = is_fixed(sim, i) ? sim->force[i] : sim->mass[i] * acceleration(sim, i);
         const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
-        *states++ = (dem_state){(uint32_t)id,
-                                x[0],
-                                x[1],
-                                sim->radius[i],
-                                sim->mass[i],
-                                v[0],
-                                v[1],
-                                f[0],
-                                f[1],
-                                spin.angle,
-                                sim->spin ? omega(sim, i) : 0.0,
-                                spin.torque,
-                                contacts[i]};
+        *states++ = (dem_state){.id = (uint32_t)id,
+                                .x = x[0],
+                                .y = x[1],
+                                .r = sim->radius[i],
+                                .m = sim->mass[i],
+                                .vx = v[0],
+                                .vy = v[1],
+                                .fx = f[0],
+                                .fy = f[1],
+                                .angle = spin.angle,
+                                .omega = sim->spin ? omega(sim, i) : 0.0,
+                                .torque = spin.torque,
+                                .contacts = contacts[i],
+                                .fixed = is_fixed(sim, i)};
     }
     free(contacts);
     free(place);
@@ -91,8 +102,10 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
     const dem_material *c = &sim->def.material;
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
-    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, f_s = 0.0, couple = 0.0;
+    double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
     double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
+    /* Gear corrects places after it has found who touches: it can be below 0 by a little */
+    double overlap = fmax(sim->pair_radii[k] - r, 0.0);
     dem_vec n = d * (1.0 / r);
     double v_s = dem_dot(v, dem_clockwise(n));
     if (sim->spin)
@@ -131,8 +144,9 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
         f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->wall_mu[w],
                             sim->mass[i], v_s, f_n, 0.0, &spring);
     if (sim->rolling)
-        couple = sim->radius[i] *
-                 dem_law_rolling(c, sim->mass[i], sim->radius[i] * sim->spin[i].omega, f_n, 0.0, &roll);
+        couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
+                                                  sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
+                                                  f_n, 0.0, &roll);
     *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
                              overlap,    f_n, f_s,    spring, couple, roll};
     return true;
@@ -166,10 +180,11 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
 {
     *energy = (dem_energy){0};
     for (size_t i = 0; i < sim->n; i++) {
+        if (is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i);
         energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
-        energy->rotational += rotational_energy(sim, i);
+        energy->rotational += rotational_energy(sim, i, 0.0);
     }
     for (size_t t = 0; t < sim->n_touching; t++) {
         dem_contact contact = pair_contact(sim, sim->touching[t]);
@@ -198,11 +213,13 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
     double force2 = 0.0;
     for (size_t i = 0; i < sim->n; i++) {
-        double x = sim->grain[i].x[0];
-        if (!(x > lo && x < hi)) continue;
-        dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        double x = dem_to_box(sim, sim->grain[i].x)[0];
+        if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
+        dem_vec v = velocity(sim, i) - dem_box_velocity(sim, sim->grain[i].x);
+        dem_vec f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
-        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i);
+        rest->kinetic_energy +=
+            0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i, -sim->box_swing[1]);
         rest->contact_number += contacts[i];
         if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
     }

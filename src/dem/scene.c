@@ -13,7 +13,7 @@
 typedef struct {
     bool rotation;
     int shape, integrator, kernel;
-    double density, dt, skin, x_max, y_min, turn_deg;
+    double density, dt, skin, x_max, y_min, turn_deg, box_turn_deg;
     long steps, turn_from_step;
     const char *particles_file;
 } scene_values;
@@ -32,6 +32,7 @@ typedef struct {
 
 typedef struct {
     double x, y, r, m, vx, vy, angle, omega;
+    bool fixed;
 } particle_values;
 
 #define AT(type, field) offsetof(type, field)
@@ -42,22 +43,25 @@ static const rp_param top_schema[] = {
      "gives mass (from the density) and moment of inertia"},
     {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
      "of the grains (disk: g/cm^2)"},
-    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet", "time integration"},
+    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet | gear5",
+     "velocity Verlet, or Gear's predictor-corrector of fifth order"},
     {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
     {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
     {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
     {"x_max", "cm", RP_REAL, AT(scene_values, x_max), "none", "(-inf, inf) | none",
-     "a grain whose centre passes it is taken out"},
+     "a grain whose centre passes it, in the box's frame, is taken out"},
     {"y_min", "cm", RP_REAL, AT(scene_values, y_min), "none", "(-inf, inf) | none",
-     "a grain whose centre sinks below it is taken out"},
+     "a grain whose centre sinks below it, in the box's frame, is taken out"},
     {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, turn_deg), "0.0", "[-10, 10]",
      "gravity's turn a step; positive lowers the side at +x"},
+    {"box_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, box_turn_deg), "0.0", "[-10, 10]",
+     "the walls' turn a step, about the origin; positive lowers the side at +x"},
     {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
-     "first step at which gravity turns"},
+     "first step at which gravity or the box turns"},
     {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference",
      "the instance for the scene's laws, or the general loop; the same bits"},
     {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy angle omega; instead of `particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
 
 static const rp_param normal_schema[] = {
@@ -122,6 +126,7 @@ static const rp_param particle_schema[] = {
     {"angle", "rad", RP_REAL, AT(particle_values, angle), "0.0", "(-inf, inf)", "0 where nothing rotates"},
     {"omega", "rad/s", RP_REAL, AT(particle_values, omega), "0.0", "(-inf, inf)",
      "spin, counter-clockwise; 0 where nothing rotates"},
+    {"fixed", "", RP_BOOL, AT(particle_values, fixed), "false", "", "whether it never moves"},
     {0}};
 
 static const rp_param fill_schema[] = {
@@ -258,7 +263,7 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
             rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
         if (status) return status;
         double m = or_else(v.m, dem_mass(top->shape, top->density, v.r));
-        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy, v.angle, v.omega};
+        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy, v.angle, v.omega, v.fixed};
     }
     scene->def.n_grains = n;
     return RP_OK;
@@ -266,8 +271,8 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
 
 static rp_status read_particles_table(const rp_table *table, const scene_values *top, dem_scene *scene)
 {
-    enum { N = 8 };
-    static const char *const names[N] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega"};
+    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega", "fixed"};
+    enum { N = sizeof names / sizeof *names };
     int columns[N];
     bool named = table->n_columns > 0 && table->names[0];
     for (int c = 0; c < N; c++) {
@@ -286,7 +291,7 @@ static rp_status read_particles_table(const rp_table *table, const scene_values 
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
         if (columns[3] < 0) v[3] = dem_mass(top->shape, top->density, v[2]);
-        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
+        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
     scene->def.n_grains = table->n_rows;
     return RP_OK;
@@ -406,7 +411,9 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->x_max = top.x_max;
     def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
     def->turn_per_step = top.turn_deg * (M_PI / 180.0);
+    def->box_turn_per_step = top.box_turn_deg * (M_PI / 180.0);
     def->turn_from_step = top.turn_from_step;
+    def->integrator = top.integrator;
     def->reference_kernel = top.kernel == 1;
     scene->steps = top.steps;
     status = read_laws(root, def);
@@ -472,7 +479,9 @@ static void write_top(FILE *out, const dem_scene *scene)
     top.x_max = def->x_max;
     top.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
     top.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    top.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
     top.turn_from_step = def->turn_from_step;
+    top.integrator = def->integrator;
     top.steps = scene->steps;
     top.kernel = def->reference_kernel;
     if (scene->has_fill) {
@@ -507,7 +516,7 @@ static void write_particles(FILE *out, const dem_scene *scene)
     fputs("particles = (", out);
     for (size_t i = 0; i < scene->def.n_grains; i++) {
         const dem_grain *p = &scene->grains[i];
-        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, p->angle, p->omega};
+        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, p->angle, p->omega, p->fixed};
         fputs(i ? ",\n  { " : "\n  { ", out);
         rp_config_write(out, particle_schema, &values);
         fputs("}", out);
