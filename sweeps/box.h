@@ -31,9 +31,8 @@ typedef struct {
 
 #define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
     R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
-    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto",                                            \
-      "of the walls, and of the floor unless mu_floor is given; auto: mu")                                   \
-    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu_wall")            \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the side walls; auto: mu")             \
+    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu")                 \
     R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
     R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
     R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
