@@ -415,7 +415,7 @@ rp_status ang_calibration_bootstrap(const ang_piles *piles, const ang_calibratio
         n++;
     }
     for (size_t p = 0; !status && n > 1 && p < c->n_params; p++)
-        take_bootstrap(n, values + p * n_resamples, &result[p]);
+        if (isfinite(result[p].value)) take_bootstrap(n, values + p * n_resamples, &result[p]);
     resampler_free(&s);
     free(values);
     return status;

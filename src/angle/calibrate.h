@@ -114,8 +114,9 @@ double ang_calibration_sd(const ang_calibration *c, size_t angle, const double x
 rp_status ang_calibration_invert(const ang_calibration *c, const ang_measured *measured,
                                  ang_calibrated result[]);
 
-/* Fill in boot_*: piles of each point are drawn anew, the response, of the same form, is fitted anew, and the
- * measurement is drawn from its error. n_resamples >= 2. Errors: RP_BAD_INPUT, RP_NO_MEMORY, RP_BROKEN. */
+/* Fill in boot_* of the parameters that have a value: piles of each point are drawn anew, the response, of
+ * the same form, is fitted anew, and the measurement is drawn from its error. n_resamples >= 2. Errors:
+ * RP_BAD_INPUT, RP_NO_MEMORY, RP_BROKEN. */
 rp_status ang_calibration_bootstrap(const ang_piles *piles, const ang_calibration *c,
                                     const ang_measured *measured, size_t n_resamples, gsl_rng *rng,
                                     ang_calibrated result[]);

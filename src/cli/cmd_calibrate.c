@@ -335,8 +335,7 @@ static rp_status calibrate(const source *s, const options *o)
     if (!status) status = ang_calibration_invert(&c, &m, found);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    if (!status && isfinite(found[0].value))
-        status = ang_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
+    if (!status) status = ang_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
     if (!status) {
         cli_table(stdout, params, o);
         note_piles("piles", s);
