@@ -39,7 +39,8 @@ typedef struct {
     R(gamma_n, "1/s", RP_REAL, "500.0", "[0, inf)", "normal damping")                                        \
     R(gamma_s, "1/s", RP_REAL, "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100")                \
     R(density, "g/cm^3", RP_REAL, "1.0", "(0, inf)", "of the grains (disk: g/cm^2)")                         \
-    R(shape, "", RP_CHOICE, "sphere", "sphere | disk", "gives the mass from the density")                    \
+    R(shape, "", RP_CHOICE, "sphere", "sphere | disk",                                                       \
+      "gives mass (from the density) and moment of inertia")                                                 \
     R(radius_mean, "cm", RP_REAL, "0.1", "(0, inf)", "of the Gaussian; d is twice this")                     \
     R(radius_width, "cm", RP_REAL, "0.02", "[0, inf)", "standard deviation before the cut")                  \
     R(radius_min, "cm", RP_REAL, "0.07", "(0, inf)", "drawn again below")                                    \
