@@ -14,6 +14,7 @@
     X(suite_core)                                                                                            \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
+    X(suite_calibrate)                                                                                       \
     X(suite_forensics)                                                                                       \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \

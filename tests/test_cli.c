@@ -184,7 +184,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
 static const char *const without_default[] = {"--help ", "--set ",        "--box ", "--reduce ", "--base ",
-                                              "--pair ", "--successive ", "-o ",    NULL};
+                                              "--pair ", "--successive ", "-o ",    "--runs ",   NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -770,6 +770,112 @@ static void test_report(void)
     leave();
 }
 
+/* ---- calibrate ---- */
+
+/* Piles on straight lines, theta_r = 5 + 50 mu and theta_t = 2 + 10 mu, with a scatter of about one degree.
+ */
+static void write_piles(const char *name, int n, double first, double step, double shift)
+{
+    static const double scatter_r[] = {-1.1, 1.2, -0.9, 0.8}, scatter_t[] = {-1.2, -0.8, 1.1, 0.9};
+    char path[256];
+    path_of(name, path);
+    FILE *file = fopen(path, "w");
+    fputs("# W: 3 cm\n# sweep: planted here\n# status\tmu\ttheta_r3_deg\ttheta_t_displacement_deg\n", file);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 4; k++) {
+            double mu = first + step * i;
+            fprintf(file, "ok\t%g\t%.17g\t%.17g\n", mu, shift + 5.0 + 50.0 * mu + scatter_r[k],
+                    2.0 + 10.0 * mu + scatter_t[k]);
+        }
+    fputs("no_pile\t0.35\tnan\tnan\n", file);
+    fclose(file);
+}
+
+static void test_calibrate(void)
+{
+    static const failure list[] = {
+        {64, "--theta-r-deg or --theta-t-deg is required", "calibrate"},
+        {64, "--theta-r-deg needs --error-deg", "calibrate --theta-r-deg 20"},
+        {64, "--theta-t-error-deg needs --theta-t-deg", "calibrate --theta-t-error-deg 1"},
+        {64, "not both", "calibrate --theta-r-deg 20 --error-deg 1 --verify 2"},
+        {65, "--error-deg = -1: out of range", "calibrate --theta-r-deg 20 --error-deg -1"},
+        {65, "none.cfg: cannot read", "calibrate --theta-r-deg 20 --error-deg 1 --sweep none.cfg -o d"},
+        {65, "no column \"mu_roll\": the piles must vary it",
+         "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,mu_roll"},
+        {65, "at most two", "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,status,mu"},
+        {65, "the same parameter twice",
+         "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,mu"},
+        {65, "floors.tsv:3: floor varies too", "calibrate --theta-r-deg 20 --error-deg 1 --runs floors.tsv"},
+        {65, "no values of \"theta_t_displacement_deg\"",
+         "calibrate --theta-t-deg 2 --theta-t-error-deg 1 --runs floors.tsv --fit floor"},
+    };
+    enter();
+    write_piles("piles.tsv", 6, 0.1, 0.1, 0.0);
+    write_text("floors.tsv", "# status\tmu\tfloor\ttheta_r3_deg\nok\t0.1\t1\t3\nok\t0.1\t2\t5\n");
+    CHECK_FAILURES(list);
+
+    GOOD("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5");
+    CU_ASSERT(strstr(out, "\n# W: 3 cm\n") && strstr(out, "\n# holds for: two-dimensional") &&
+              strstr(out, "\n# not for: other models") &&
+              strstr(out, "24 piles used, 1 rows without result"));
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 1);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "parameter"), "mu");
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
+    CHECK_NEAR(cell(&t, 0, "value"), 0.3, 1e-6);
+    double se = cell(&t, 0, "se");
+    CU_ASSERT(se > 0.5 / 50.0 && se < 0.7 / 50.0); /* the measurement's, and a little of the response */
+    CHECK_NEAR(cell(&t, 0, "upper") - cell(&t, 0, "lower"), 3.92 * se, 0.02 * se);
+    CHECK_NEAR(cell(&t, 0, "boot_se"), se, 0.2 * se);
+    rp_table_free(&t);
+    GOOD("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5 --theta-t-error-deg "
+         "0.5");
+    t = read_table("out");
+    CU_ASSERT(cell(&t, 0, "se") < se);
+    rp_table_free(&t);
+    FAILS(1, "mu: above_range: no value of the range agrees; the angle lies beyond the upper end; mu >= 0.6",
+          "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
+    CU_ASSERT(strstr(out, "\nmu\tnan\tnan\t0.59999999999999998\tnan\t") != NULL);
+    FAILS(1, "mu: at_least", "calibrate --runs piles.tsv --theta-r-deg 34.5 --error-deg 0.5");
+
+    write_piles("planted.tsv", 5, 0.15, 0.1, 0.0);
+    write_piles("shifted.tsv", 5, 0.15, 0.1, 9.0);
+    GOOD("calibrate --runs piles.tsv --verify 4 --planted planted.tsv");
+    CU_ASSERT(strstr(out, "\n# covered_theta_r_mu: 4 of 4\n") &&
+              strstr(out, "\n# covered_both_mu: 4 of 4\n"));
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 12);
+    CHECK_NEAR(cell(&t, 2, "truth"), 0.35, 1e-12);
+    CHECK_NEAR(cell(&t, 2, "value"), 0.35, 1e-6);
+    rp_table_free(&t);
+    FAILS(1, "fewer than 90 %", "calibrate --runs piles.tsv --verify 4 --planted shifted.tsv");
+    CU_ASSERT(strstr(out, "\n# covered_theta_r_mu: 0 of 4\n") != NULL);
+    GOOD("calibrate --runs piles.tsv --verify 5 --planted hold-out");
+    leave();
+}
+
+/* From a sweep file to an answer; the second call makes no run. */
+static void test_calibrate_sweep(void)
+{
+    enter();
+    write_text("s.cfg",
+               "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
+               "fixed = { W = 2.0; H = 2.0; %s };\ngrid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n",
+               check_fast() ? "stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;" : "");
+    static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
+    int status = run("%s", line);
+    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may say nothing */
+    char *first = strdup(out);
+    CU_ASSERT(strstr(first, "12 piles used") && strstr(first, "\n# W: 2 cm\n") && strstr(first, "\nmu\t"));
+    GOOD("sweep export d -o before.tsv"); /* with the seconds of each run in its header */
+    CU_ASSERT(run("%s", line) == status);
+    CU_ASSERT_STRING_EQUAL(out, first);
+    free(first);
+    CU_ASSERT(equal_tables("d/runs.tsv", "before.tsv"));
+    CU_ASSERT(shell("grep run_time before.tsv >out 2>err; grep run_time d/runs.tsv | cmp - out") == 0);
+    leave();
+}
+
 /* ---- run ---- */
 
 /* Free fall under a slanting gravity, for which Verlet is exact. */
@@ -1031,6 +1137,8 @@ void suite_cli(void)
                                        {"angle stress, critical", test_stress_tables},
                                        {"report", test_report},
                                        {"angle trend, size, fit --successive", test_angle_trends},
+                                       {"calibrate", test_calibrate},
+                                       {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},
                                        {"run: tables in a folder", test_output_folder},
                                        {"run: broken, 70", test_broken_run},

@@ -51,6 +51,7 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
+    X("calibrate", cmd_calibrate, "friction that gives a measured angle of repose, with its interval")       \
     X("forensics", cmd_forensics, "which unsaid choices agree with published numbers")                       \
     X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
     X("bench", cmd_bench, "particle-steps a second on this machine")                                         \

@@ -1,11 +1,9 @@
 /* repose sweep plan|run|status|export|digest */
-#include "cli/cli.h"
+#include "cli/progress.h"
 
-#include <math.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "sweeps/sweep.h"
+#include "cli/cli.h"
 
 static void print_counts(const sweep_counts *counts)
 {
@@ -66,33 +64,6 @@ static rp_status plan(int argc, char **argv)
     return status;
 }
 
-/* "1:02:03" or "2:03"; "-" for NaN. */
-static const char *clock_text(double seconds, char *buffer, size_t size)
-{
-    long s = isfinite(seconds) ? lround(seconds) : -1;
-    if (s < 0)
-        snprintf(buffer, size, "-");
-    else if (s < 3600)
-        snprintf(buffer, size, "%ld:%02ld", s / 60, s % 60);
-    else
-        snprintf(buffer, size, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
-    return buffer;
-}
-
-/* One line, drawn over and over; plain text, so that there is no colour to leave out. */
-static void draw(const sweep_progress *p, void *context)
-{
-    *(bool *)context = true;
-    static const char bar[] = "##############################";
-    char elapsed[32], left[32], line[160];
-    int width = (int)sizeof bar - 1, full = (int)(p->stored * (size_t)width / p->planned);
-    snprintf(line, sizeof line, "[%.*s%*s] %zu/%zu  %zu failed  %s  left %s", full, bar, width - full, "",
-             p->stored, p->planned, p->failed, clock_text(p->elapsed, elapsed, sizeof elapsed),
-             clock_text(p->left, left, sizeof left));
-    fprintf(stderr, "\r%-79s", line);
-    fflush(stderr);
-}
-
 static rp_status run(int argc, char **argv)
 {
     static const rp_param schema[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
@@ -113,13 +84,8 @@ static rp_status run(int argc, char **argv)
     bool done;
     rp_status status = parse(&command, argc, argv, &o, &done);
     if (status || done) return status;
-    if (o.j < 1) o.j = sysconf(_SC_NPROCESSORS_ONLN);
-    bool drawn = false;
     sweep_counts counts;
-    sweep_options run_options = {
-        .workers = (int)o.j, .watch = isatty(STDERR_FILENO) ? draw : NULL, .context = &drawn};
-    status = sweep_run(o.argument, sweep_protocols, &run_options, &counts);
-    if (drawn) fputc('\n', stderr);
+    status = cli_sweep_run(o.argument, o.j, &counts);
     if (!status) print_counts(&counts);
     return status;
 }

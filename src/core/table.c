@@ -221,6 +221,18 @@ int rp_table_column(const rp_table *table, const char *name)
     return -1;
 }
 
+/* Reading has ended every line with NUL, and a row stops the search. */
+const char *rp_table_find_note(const rp_table *table, const char *key)
+{
+    const size_t n = strlen(key);
+    if (table->n_rows == 0) return NULL;
+    for (const char *line = table->text; *line == '#'; line += strlen(line) + 1)
+        if (strncmp(line, "# ", 2) == 0 && strncmp(line + 2, key, n) == 0 &&
+            strncmp(line + 2 + n, ": ", 2) == 0)
+            return line + n + 4;
+    return NULL;
+}
+
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = table->cells[row * table->n_columns + (size_t)column];

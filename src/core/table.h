@@ -53,6 +53,9 @@ void rp_table_free(rp_table *table);
 /* Index of a column, or -1. */
 int rp_table_column(const rp_table *table, const char *name);
 
+/* The text of the header line "# key: text", or NULL; of a table with rows only. */
+const char *rp_table_find_note(const rp_table *table, const char *key);
+
 /* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
  * line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);

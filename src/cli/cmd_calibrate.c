@@ -1,0 +1,547 @@
+/* repose calibrate: from a measured angle of repose, and a tilting angle, to the friction that gives it. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/calibrate.h"
+#include "cli/cli.h"
+#include "cli/progress.h"
+#include "core/random.h"
+
+typedef struct {
+    double theta_r_deg, error_deg, theta_t_deg, theta_t_error_deg;
+    const char *fit, *sweep, *o, *runs, *planted;
+    long j, bootstrap, seed, verify;
+} options;
+
+static const rp_param params[] = {
+    {"theta-r-deg", "deg", RP_REAL, offsetof(options, theta_r_deg), "none", "(-90, 90) | none",
+     "measured angle of repose, by method 3"},
+    {"error-deg", "deg", RP_REAL, offsetof(options, error_deg), "none", "[0, 90) | none",
+     "its standard error"},
+    {"theta-t-deg", "deg", RP_REAL, offsetof(options, theta_t_deg), "none", "[0, 90) | none",
+     "measured tilt at which the pile moves"},
+    {"theta-t-error-deg", "deg", RP_REAL, offsetof(options, theta_t_error_deg), "none", "[0, 90) | none",
+     "its standard error"},
+    {"fit", "", RP_TEXT, offsetof(options, fit), "mu", "",
+     "parameter sought, or two (mu,mu_roll); the piles must vary these and no others"},
+    {"sweep", "", RP_TEXT, offsetof(options, sweep), "sweeps/calibrate.cfg", "",
+     "sweep file of the piles that give the response"},
+    {"o", "", RP_TEXT, offsetof(options, o), "build/sweeps/calibrate", "",
+     "folder of that sweep; runs that it holds are not made again"},
+    {"runs", "", RP_TEXT, offsetof(options, runs), "", "",
+     "table of piles in place of a sweep, as repose sweep export writes"},
+    {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
+     "worker processes; auto: one a processor"},
+    {"bootstrap", "", RP_INT, offsetof(options, bootstrap), "500", "[2, 100000]",
+     "resamples of the piles, to check error and interval"},
+    {"verify", "", RP_INT, offsetof(options, verify), "0", "[0, 100000]",
+     "in place of a measurement, so many cases whose truth is known"},
+    {"planted", "", RP_TEXT, offsetof(options, planted), "sweeps/calibrate_planted.cfg", "",
+     "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "
+     "half of the response's own"},
+    {"seed", "", RP_INT, offsetof(options, seed), "1993", "[0, 2147483647]",
+     "seed of the resamples and of hold-out"},
+    {0}};
+
+static const cli_command command = {
+    "calibrate",
+    "--theta-r-deg ANGLE --error-deg SE [options]",
+    "Friction that gives a measured angle. Piles are simulated over a range of friction (some minutes the "
+    "first\n"
+    "time, stored in -o); their mean angles, weighted with their errors, are fitted by powers or a "
+    "saturating form\n"
+    "of least AICc; the fit is inverted. lower, upper: 95 % interval, from the errors of measurement and "
+    "response\n"
+    "and the response's lack of fit. se: delta method. boot_*: the same by bootstrap over piles, as a "
+    "check.\n"
+    "status: ok; at_least, at_most: the interval is cut off by the range; not_identified: the range says "
+    "nothing;\n"
+    "several: one row an interval; above_range, below_range, no_match: nothing in the range agrees;\n"
+    "underdetermined: two parameters and one angle. Exit status 1 unless ok.\n"
+    "The answer holds for the model and protocol that the header names: two-dimensional piles in a box "
+    "opened on\n"
+    "one side. It does not carry over to another model, protocol or size.\n"
+    "--verify: one row a case; exit status 1 if fewer than 90 % of the intervals hold the truth.",
+    "repose calibrate --theta-r-deg 25 --error-deg 1",
+    params,
+    0,
+    0};
+
+enum { N_ANGLES = 2 };
+static const char *const angle_names[N_ANGLES] = {"theta_r", "theta_t"};
+static const char *const angle_columns[N_ANGLES] = {"theta_r3_deg", "theta_t_displacement_deg"};
+
+/* ---- piles ---- */
+
+typedef struct {
+    rp_table table;
+    char path[4096];
+    double *block;
+    size_t n_angles, angle[N_ANGLES]; /* angles that there are */
+    ang_ensemble piles;               /* all of them, with result */
+} source;
+
+static void source_free(source *s)
+{
+    rp_table_free(&s->table);
+    free(s->block);
+}
+
+/* Run what is missing of a sweep and leave its rows as a table in its folder. */
+static rp_status run_sweep(const char *file, const char *folder, long workers, char path[4096])
+{
+    sweep_counts counts;
+    FILE *out;
+    rp_status status = sweep_prepare(file, folder, 0, sweep_protocols, &counts);
+    if (!status && counts.stored < counts.planned) status = cli_sweep_run(folder, workers, &counts);
+    snprintf(path, 4096, "%s/runs.tsv", folder);
+    if (!status) status = rp_file_open(path, &out);
+    if (status) return status;
+    return rp_file_close(path, out, sweep_export(folder, sweep_protocols, false, cli_command_line(), out));
+}
+
+/* The names under --fit, one or two, as column numbers. */
+static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int columns[ANG_MAX_PARAMS])
+{
+    char name[64];
+    *n = 0;
+    for (const char *p = fit; *p; p += strcspn(p, ","), p += *p == ',') {
+        if (*n == ANG_MAX_PARAMS) return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": at most two parameters", fit);
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(p, ","), p);
+        columns[*n] = rp_table_column(t, name);
+        if (columns[*n] < 0)
+            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\": the piles must vary it", t->path, name);
+        if (*n > 0 && columns[0] == columns[1])
+            return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
+        ++*n;
+    }
+    return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "--fit = \"\": a parameter expected");
+}
+
+/* The response is a function of the parameters sought: nothing else may vary. */
+static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
+{
+    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++) {
+        int c = rp_table_column(t, p->name);
+        if (c < 0 || c == columns[0] || (n > 1 && c == columns[1])) continue;
+        for (size_t i = 1; i < t->n_rows; i++)
+            if (strcmp(t->cells[i * t->n_columns + (size_t)c], t->cells[c]) != 0)
+                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit", t->path,
+                               t->lines[i], p->name);
+    }
+    return RP_OK;
+}
+
+/* Columns of the rows with result as arrays: parameters first, then the angles that there are. */
+static rp_status read_piles(source *s, const char *fit)
+{
+    const rp_table *t = &s->table;
+    int columns[ANG_MAX_PARAMS + N_ANGLES], status_column = rp_table_column(t, "status");
+    size_t n_params, n_columns;
+    if (status_column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"status\"", t->path);
+    rp_status status = find_fit(t, fit, &n_params, columns);
+    if (!status) status = refuse_others(t, n_params, columns);
+    if (status) return status;
+    n_columns = n_params;
+    for (size_t a = 0; a < N_ANGLES; a++) {
+        columns[n_columns] = rp_table_column(t, angle_columns[a]);
+        if (columns[n_columns] < 0) continue;
+        s->angle[s->n_angles++] = a;
+        n_columns++;
+    }
+    s->block = malloc((n_columns * t->n_rows + 1) * sizeof *s->block);
+    if (!s->block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    for (size_t i = 0; i < t->n_rows; i++) {
+        if (strncmp(t->cells[i * t->n_columns + (size_t)status_column], "ok", 2) != 0) continue;
+        for (size_t c = 0; c < n_columns; c++) {
+            status = rp_table_number(t, i, columns[c], c >= n_params, s->block + c * t->n_rows + s->piles.n);
+            if (status) return status;
+        }
+        s->piles.n++;
+    }
+    s->piles.n_params = n_params;
+    s->piles.n_angles = s->n_angles;
+    for (size_t p = 0; p < n_params; p++) s->piles.x[p] = s->block + p * t->n_rows;
+    for (size_t a = 0; a < s->n_angles; a++) s->piles.angle[a] = s->block + (n_params + a) * t->n_rows;
+    if (s->piles.n == 0) return rp_fail(RP_NO_RESULT, "%s: no pile with a result", t->path);
+    return RP_OK;
+}
+
+/* Is an angle in the table for any pile? A protocol that did not measure it leaves nan. */
+static bool has_values(const ang_ensemble *piles, size_t a)
+{
+    for (size_t i = 0; i < piles->n; i++)
+        if (!isnan(piles->angle[a][i])) return true;
+    return false;
+}
+
+/* The piles with the angles of `mask` (bit a for angle a); false if one of them is missing. */
+static bool choose_angles(const source *s, unsigned mask, ang_ensemble *piles)
+{
+    *piles = s->piles;
+    piles->n_angles = 0;
+    for (size_t k = 0; k < s->n_angles; k++) {
+        if (!(mask & 1u << s->angle[k]) || !has_values(&s->piles, k)) continue;
+        piles->angle[piles->n_angles++] = s->piles.angle[k];
+        mask &= ~(1u << s->angle[k]);
+    }
+    return mask == 0 && piles->n_angles > 0;
+}
+
+static rp_status open_source(const char *sweep, const char *folder, const char *table, const options *o,
+                             source *s)
+{
+    rp_status status = RP_OK;
+    if (table)
+        snprintf(s->path, sizeof s->path, "%s", table);
+    else
+        status = run_sweep(sweep, folder, o->j, s->path);
+    if (!status) status = rp_table_read(s->path, &s->table);
+    return status ? status : read_piles(s, o->fit);
+}
+
+/* ---- what the answer holds for ---- */
+
+static void note_piles(const char *key, const source *s)
+{
+    const char *sweep = rp_table_find_note(&s->table, "sweep");
+    rp_table_note(stdout, key, "%s; %zu piles used, %zu rows without result", sweep ? sweep : s->path,
+                  s->piles.n, s->table.n_rows - s->piles.n);
+}
+
+/* Model and protocol from the header of the piles' table. */
+static void note_scope(const source *s)
+{
+    const char *rotation = rp_table_find_note(&s->table, "rotation"), *text;
+    size_t known = 0;
+    rp_table_note(
+        stdout, "holds for",
+        "two-dimensional piles in a box whose right wall is removed; grains %s; theta_r by method 3, "
+        "theta_t by displacement; the parameters that follow",
+        rp_table_column(&s->table, "rotation") >= 0 || (rotation && strcmp(rotation, "true") == 0)
+            ? "rotate"
+            : "do not rotate");
+    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++)
+        if ((text = rp_table_find_note(&s->table, p->name))) {
+            rp_table_note(stdout, p->name, "%s", text);
+            known++;
+        }
+    if (!known) rp_table_note(stdout, "parameters", "unknown: the table of piles does not name them");
+    rp_table_note(stdout, "not for",
+                  "other models, protocols or sizes: the answer does not carry over to them");
+}
+
+static void note_responses(const ang_calibration *c, unsigned mask)
+{
+    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
+        if (!(mask & 1u << angle)) continue;
+        const ang_response_fit *r = &c->response[a++];
+        rp_table_note(stdout, "response",
+                      "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
+                      "discrepancy %.2g deg%s",
+                      angle_names[angle], ang_shape_word(r->shape), r->degree[0],
+                      r->degree[1] == 1   ? " and 1"
+                      : r->degree[1] == 2 ? " and 2"
+                                          : "",
+                      r->n_terms, r->n_points, r->chi2, r->p_value, sqrt(r->discrepancy),
+                      r->monotone ? "" : ", not monotone");
+    }
+    for (size_t p = 0; p < c->n_params; p++) rp_table_note(stdout, "range", "%g to %g", c->lo[p], c->hi[p]);
+    if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
+}
+
+/* Name of parameter p of --fit. */
+static const char *fit_name(const char *fit, size_t p, char name[64])
+{
+    if (p > 0) fit = strchr(fit, ',') + 1;
+    snprintf(name, 64, "%.*s", (int)strcspn(fit, ","), fit);
+    return name;
+}
+
+/* ---- a measurement ---- */
+
+static void print_found(const options *o, size_t n_params, const ang_calibrated found[])
+{
+    static const char *const columns[][2] = {{"parameter", ""},  {"value", ""},      {"se", ""},
+                                             {"lower", ""},      {"upper", ""},      {"boot_se", ""},
+                                             {"boot_lower", ""}, {"boot_upper", ""}, {"status", ""}};
+    char name[64];
+    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    for (size_t p = 0; p < n_params; p++)
+        for (size_t k = 0; k < (found[p].n_solutions ? found[p].n_solutions : 1); k++) {
+            const ang_calibrated *f = &found[p];
+            bool none = f->n_solutions == 0;
+            printf("%s\t", fit_name(o->fit, p, name));
+            rp_table_row_word(
+                stdout, 7,
+                (double[]){none ? NAN : f->solutions[k].value, f->se, none ? NAN : f->solutions[k].lower,
+                           none ? NAN : f->solutions[k].upper, f->boot_se, f->boot_lower, f->boot_upper},
+                ang_calibrated_word(f->status));
+        }
+}
+
+/* Exit status 1 and what is known, for the first parameter that is not found. */
+static rp_status conclude(const options *o, size_t n_params, const ang_calibrated found[])
+{
+    char name[64], text[128] = "";
+    for (size_t p = 0; p < n_params; p++) {
+        const ang_calibrated *f = &found[p];
+        if (f->status == ANG_CALIBRATED_OK) continue;
+        double lower = f->n_solutions ? f->solutions[0].lower : NAN;
+        double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+        fit_name(o->fit, p, name);
+        if (!isnan(lower) && !isnan(upper))
+            snprintf(text, sizeof text, "; %g <= %s <= %g", lower, name, upper);
+        else if (!isnan(lower))
+            snprintf(text, sizeof text, "; %s >= %g", name, lower);
+        else if (!isnan(upper))
+            snprintf(text, sizeof text, "; %s <= %g", name, upper);
+        return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, ang_calibrated_word(f->status),
+                       ang_calibrated_meaning(f->status), text);
+    }
+    return RP_OK;
+}
+
+static rp_status fail_angle(const source *s, unsigned mask)
+{
+    for (size_t a = 0; a < N_ANGLES; a++) {
+        ang_ensemble unused;
+        if (mask & 1u << a && !choose_angles(s, 1u << a, &unused))
+            return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[a]);
+    }
+    return RP_OK;
+}
+
+static rp_status calibrate(const source *s, const options *o)
+{
+    const double angles[N_ANGLES] = {o->theta_r_deg, o->theta_t_deg};
+    const double errors[N_ANGLES] = {o->error_deg, o->theta_t_error_deg};
+    unsigned mask = 0;
+    ang_measured m;
+    size_t n = 0;
+    for (size_t a = 0; a < N_ANGLES; a++)
+        if (!isinf(angles[a])) {
+            mask |= 1u << a;
+            m.angle[n] = angles[a];
+            m.error[n++] = errors[a];
+        }
+    ang_ensemble piles;
+    if (!choose_angles(s, mask, &piles)) return fail_angle(s, mask);
+    ang_calibration c;
+    ang_calibrated found[ANG_MAX_PARAMS];
+    rp_status status = ang_calibration_fit(&piles, &c);
+    if (status) rp_prefix(status, "%s: ", s->path);
+    if (!status) status = ang_calibration_invert(&c, &m, found);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    if (!status) status = ang_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
+    if (!status) {
+        cli_table(stdout, params, o);
+        note_piles("piles", s);
+        note_responses(&c, mask);
+        note_scope(s);
+        print_found(o, piles.n_params, found);
+        status = conclude(o, piles.n_params, found);
+    }
+    gsl_rng_free(rng);
+    ang_calibration_free(&c);
+    return status;
+}
+
+/* ---- cases whose truth is known ---- */
+
+typedef struct {
+    size_t n, n_params;
+    unsigned mask;
+    ang_case *cases;
+} trial;
+
+static const char *mask_word(unsigned mask)
+{
+    return mask == 3 ? "both" : angle_names[mask == 2];
+}
+
+static rp_status make_trial(const source *response, const source *planted, const options *o, unsigned mask,
+                            trial *t)
+{
+    ang_ensemble fit, piles;
+    ang_calibration c = {0};
+    *t = (trial){.mask = mask, .n_params = response->piles.n_params};
+    bool whole = choose_angles(response, mask, &fit) && (!planted || choose_angles(planted, mask, &piles));
+    if (!whole || t->n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
+    t->cases = calloc((size_t)o->verify, sizeof *t->cases);
+    if (!t->cases) return rp_fail(RP_NO_MEMORY, "verify: out of memory");
+    rp_status status;
+    if (planted) {
+        status = ang_calibration_fit(&fit, &c);
+        if (!status) note_responses(&c, mask);
+        if (!status) status = ang_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
+    } else {
+        gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, mask, RP_PURPOSE_BOOTSTRAP);
+        status = rng ? ang_calibration_holdout(&fit, (size_t)o->verify, rng, t->cases)
+                     : rp_fail(RP_NO_MEMORY, "verify: out of memory");
+        t->n = (size_t)o->verify;
+        gsl_rng_free(rng);
+    }
+    ang_calibration_free(&c);
+    return status;
+}
+
+static double width(const ang_calibrated *f)
+{
+    return f->status == ANG_CALIBRATED_OK ? f->solutions[0].upper - f->solutions[0].lower : NAN;
+}
+
+/* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
+static bool note_coverage(const trial *t, const options *o)
+{
+    bool good = true;
+    char name[64], key[128];
+    for (size_t p = 0; p < t->n_params && t->n > 0; p++) {
+        size_t covered = 0, ok = 0, ok_covered = 0, counts[ANG_CALIBRATED_NO_MATCH + 1] = {0};
+        double sum = 0.0;
+        for (size_t k = 0; k < t->n; k++) {
+            const ang_calibrated *f = &t->cases[k].found[p];
+            covered += t->cases[k].covered[p];
+            counts[f->status]++;
+            if (f->status != ANG_CALIBRATED_OK) continue;
+            ok++;
+            ok_covered += t->cases[k].covered[p];
+            sum += width(f);
+        }
+        snprintf(key, sizeof key, "covered_%s_%s", mask_word(t->mask), fit_name(o->fit, p, name));
+        rp_table_note(stdout, key, "%zu of %zu", covered, t->n);
+        snprintf(key, sizeof key, "found_%s_%s", mask_word(t->mask), name);
+        rp_table_note(stdout, key, "%zu of %zu with two limits, %zu of them cover; mean width %.3g", ok, t->n,
+                      ok_covered, sum / (double)ok);
+        for (int i = 1; i <= ANG_CALIBRATED_NO_MATCH; i++)
+            if (counts[i] > 0) {
+                snprintf(key, sizeof key, "%s_%s_%s", ang_calibrated_word((ang_calibrated_status)i),
+                         mask_word(t->mask), name);
+                rp_table_note(stdout, key, "%zu of %zu", counts[i], t->n);
+            }
+        good = good && 10 * covered >= 9 * t->n;
+    }
+    return good;
+}
+
+static void print_cases(const trial *t, const options *o)
+{
+    char name[64];
+    for (size_t k = 0; k < t->n; k++)
+        for (size_t p = 0; p < t->n_params; p++) {
+            const ang_case *c = &t->cases[k];
+            const ang_calibrated *f = &c->found[p];
+            double lower = f->n_solutions ? f->solutions[0].lower : NAN;
+            double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+            const double *m = c->measured.angle, *e = c->measured.error;
+            bool r = t->mask & 1, both = t->mask == 3;
+            printf("%s\t%s\t", mask_word(t->mask), fit_name(o->fit, p, name));
+            rp_table_row_word(stdout, 10,
+                              (double[]){c->truth[p], r ? m[0] : NAN, r ? e[0] : NAN,
+                                         both ? m[1]
+                                         : r  ? NAN
+                                              : m[0],
+                                         both ? e[1]
+                                         : r  ? NAN
+                                              : e[0],
+                                         f->value, f->se, lower, upper, c->covered[p]},
+                              ang_calibrated_word(f->status));
+        }
+}
+
+static rp_status verify(const source *response, const source *planted, const options *o)
+{
+    static const char *const columns[][2] = {{"angles", ""},
+                                             {"parameter", ""},
+                                             {"truth", ""},
+                                             {"theta_r_deg", "deg"},
+                                             {"error_deg", "deg"},
+                                             {"theta_t_deg", "deg"},
+                                             {"theta_t_error_deg", "deg"},
+                                             {"value", ""},
+                                             {"se", ""},
+                                             {"lower", ""},
+                                             {"upper", ""},
+                                             {"covered", ""},
+                                             {"status", ""}};
+    trial trials[3] = {{0}};
+    bool good = true;
+    size_t n = 0;
+    rp_status status = RP_OK;
+    cli_table(stdout, params, o);
+    note_piles("piles", response);
+    if (planted) note_piles("planted piles", planted);
+    note_scope(response);
+    for (unsigned mask = 1; !status && mask <= 3; mask++) {
+        status = make_trial(response, planted, o, mask, &trials[mask - 1]);
+        if (status) break;
+        good = note_coverage(&trials[mask - 1], o) && good;
+        n += trials[mask - 1].n;
+    }
+    if (!status) {
+        rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+        for (int i = 0; i < 3; i++) print_cases(&trials[i], o);
+        if (n == 0)
+            status = rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
+        else if (!good)
+            status = rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
+    }
+    for (int i = 0; i < 3; i++) free(trials[i].cases);
+    return status;
+}
+
+/* ---- command ---- */
+
+static rp_status check_options(const options *o)
+{
+    const struct {
+        const char *angle, *error;
+        double angle_value, error_value;
+    } pairs[] = {{"theta-r-deg", "error-deg", o->theta_r_deg, o->error_deg},
+                 {"theta-t-deg", "theta-t-error-deg", o->theta_t_deg, o->theta_t_error_deg}};
+    bool any = false;
+    for (int i = 0; i < 2; i++) {
+        bool angle = !isinf(pairs[i].angle_value), error = !isinf(pairs[i].error_value);
+        any = any || angle;
+        if (angle != error)
+            return rp_fail(RP_USAGE, "--%s needs --%s", angle ? pairs[i].angle : pairs[i].error,
+                           angle ? pairs[i].error : pairs[i].angle);
+    }
+    if (any == (o->verify > 0))
+        return rp_fail(RP_USAGE, "%s; see repose calibrate --help",
+                       any ? "a measured angle or --verify, not both"
+                           : "--theta-r-deg or --theta-t-deg is required");
+    return RP_OK;
+}
+
+static rp_status verify_sources(const source *response, const options *o)
+{
+    source planted = {0};
+    char folder[4096];
+    if (strcmp(o->planted, "hold-out") == 0) return verify(response, NULL, o);
+    size_t n = strlen(o->planted);
+    bool is_sweep = n > 4 && strcmp(o->planted + n - 4, ".cfg") == 0;
+    snprintf(folder, sizeof folder, "%s_planted", o->o);
+    rp_status status = open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted);
+    if (!status) status = verify(response, &planted, o);
+    source_free(&planted);
+    return status;
+}
+
+rp_status cmd_calibrate(int argc, char **argv)
+{
+    options o;
+    const char *arguments[1];
+    int n;
+    bool done;
+    source response = {0};
+    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n, &done);
+    if (status || done) return status;
+    status = check_options(&o);
+    if (!status) status = open_source(o.sweep, o.o, *o.runs ? o.runs : NULL, &o, &response);
+    if (!status) status = o.verify > 0 ? verify_sources(&response, &o) : calibrate(&response, &o);
+    source_free(&response);
+    return status;
+}
