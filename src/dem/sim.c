@@ -168,25 +168,28 @@ static rp_status check_walls(const dem_definition *def)
     return RP_OK;
 }
 
+static rp_status check_grain(const dem_definition *def, const dem_grain *p)
+{
+    if (!(p->r > 0.0) || !isfinite(p->r))
+        return rp_fail(RP_BAD_INPUT, "r = %g: out of range, allowed: (0, inf)", p->r);
+    if (!(p->m > 0.0) || !isfinite(p->m))
+        return rp_fail(RP_BAD_INPUT, "m = %g: out of range, allowed: (0, inf)", p->m);
+    if (!isfinite(p->x + p->y + p->vx + p->vy))
+        return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
+    if (p->x > def->x_max || p->y < def->y_min)
+        return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond x_max = %g or y_min = %g", p->x, p->y,
+                       def->x_max, def->y_min);
+    return RP_OK;
+}
+
 static rp_status check_grain_values(const dem_definition *def)
 {
     if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
     if (def->n_grains > 100000000)
         return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
     for (size_t i = 0; i < def->n_grains; i++) {
-        const dem_grain *p = &def->grains[i];
-        if (!(p->r > 0.0) || !isfinite(p->r))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: r = %g: out of range, allowed: (0, inf)", i + 1,
-                           p->r);
-        if (!(p->m > 0.0) || !isfinite(p->m))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1,
-                           p->m);
-        if (!isfinite(p->x + p->y + p->vx + p->vy))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
-        if (p->x > def->x_max || p->y < def->y_min)
-            return rp_fail(RP_BAD_INPUT,
-                           "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
-                           p->x, p->y, def->x_max, def->y_min);
+        rp_status status = check_grain(def, &def->grains[i]);
+        if (status) return rp_prefix(status, "particle %zu: ", i + 1);
     }
     return RP_OK;
 }
@@ -335,7 +338,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 {
     sim->def = *def;
     sim->def.grains = NULL;
-    sim->n = sim->n_start = def->n_grains;
+    sim->n = sim->room = def->n_grains;
+    sim->last_id = (uint32_t)def->n_grains;
     sim->gravity = (dem_vec){def->gravity[0], def->gravity[1]};
     sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
     sine_cosine(def->turn_per_step, &sim->turn_sin, &sim->turn_cos);
@@ -382,16 +386,18 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
     return RP_OK;
 }
 
-rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
+/* A copy whose arrays hold `room` grains. */
+static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
 {
     *copy = NULL;
     dem_sim *c = malloc(sizeof *c);
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
+    c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = NULL;
     c->wall_slot = NULL, c->scratch = NULL;
-    rp_status status = alloc_arrays(c, sim->n_start);
+    rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
     if (status) {
         dem_free(c);
@@ -406,6 +412,78 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     *copy = c;
     return RP_OK;
+}
+
+rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
+{
+    return copy_with_room(sim, sim->room, copy);
+}
+
+static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
+{
+    rp_status status = check_grain(&sim->def, p);
+    if (status) return status;
+    dem_definition def = sim->def;
+    def.grains = (dem_grain[]){*p, *p};
+    def.n_grains = 2;
+    const char *what;
+    double limit = dem_time_step_limit(&def, &what);
+    if (def.dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def.dt, what, limit);
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_vec d = sim->grain[i].x - (dem_vec){p->x, p->y};
+        double radii = sim->radius[i] + p->r;
+        if (dem_dot(d, d) < radii * radii)
+            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches grain %u", p->x, p->y, sim->id[i]);
+    }
+    return RP_OK;
+}
+
+/* Does the grain at `place` touch a wall, or lie behind a whole line? */
+static rp_status check_new_walls(const dem_sim *sim, size_t place)
+{
+    const dem_vec x = sim->grain[place].x;
+    for (uint32_t k = 0; k < sim->def.n_walls; k++) {
+        const dem_wall *w = &sim->def.walls[k];
+        const bool line = isinf(w->extent[0]) && isinf(w->extent[1]);
+        const double distance =
+            (x[0] - w->point[0]) * w->direction[0] + (x[1] - w->point[1]) * w->direction[1];
+        dem_wall_slot slot = {k, (uint32_t)place, 0.0, distance < 0.0 && !line ? -1.0 : 1.0};
+        dem_vec normal, velocity;
+        double overlap;
+        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
+            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches wall %u", x[0], x[1], k + 1);
+    }
+    return RP_OK;
+}
+
+rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
+{
+    rp_status status = check_new_grain(sim, grain);
+    if (status) return rp_prefix(status, "new particle: ");
+    if (sim->n == sim->room) {
+        dem_sim *larger, old = *sim;
+        status = copy_with_room(sim, 2 * sim->room, &larger);
+        if (status) return status;
+        *sim = *larger;
+        *larger = old;
+        dem_free(larger);
+    }
+    const size_t i = sim->n;
+    sim->grain[i].x = (dem_vec){grain->x, grain->y};
+    sim->grain[i].v = (dem_vec){grain->vx, grain->vy} - 0.5 * sim->def.dt * sim->gravity;
+    sim->force[i] = (dem_vec){0.0, 0.0};
+    sim->radius[i] = grain->r;
+    sim->mass[i] = grain->m;
+    sim->inverse_mass[i] = 1.0 / grain->m;
+    status = check_new_walls(sim, i);
+    if (status) return rp_prefix(status, "new particle: ");
+    sim->id[i] = ++sim->last_id;
+    sim->n++;
+    sim->r_min = fmin(sim->r_min, grain->r);
+    sim->r_max = fmax(sim->r_max, grain->r);
+    if (id) *id = sim->last_id;
+    return dem_neighbours_rebuild(sim);
 }
 
 void dem_free(dem_sim *sim)

@@ -38,7 +38,8 @@ struct dem_sim {
     bool alarm; /* an overlap beyond the smallest radius was seen */
 
     /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
-    size_t n, n_start;
+    size_t n, room;   /* present; that the arrays hold */
+    uint32_t last_id; /* of the grain that came last */
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
