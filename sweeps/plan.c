@@ -9,11 +9,13 @@
 #include "core/version.h"
 
 enum { MAX_RUNS = 10000000 };
+enum { PILES_OWN, PILES_SHARED };
 
 typedef struct {
     int protocol;
     long replicas, seed;
     bool zip;
+    int piles;
 } head;
 
 /* The file's settings apart from `fixed` and `grid`. */
@@ -29,6 +31,8 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"replicas", "", RP_INT, offsetof(head, replicas), "20", "[1, 1000000]", "runs of each grid point"},
         {"seed", "", RP_INT, offsetof(head, seed), "1993", "[0, 2147483647]", "seed of the random streams"},
         {"zip", "", RP_BOOL, offsetof(head, zip), "false", "", "take the lists of the grid together"},
+        {"piles", "", RP_CHOICE, offsetof(head, piles), "own", "own | shared",
+         "random streams: every run its own, or replica k of every grid point the same"},
         {0}};
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
@@ -162,6 +166,32 @@ static rp_status expand(const char *file, sweep_plan *plan, const head *h, const
     return RP_OK;
 }
 
+static int compare_keys(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* On shared piles, two grid points of the same parameters would be the same runs. */
+static rp_status refuse_twins(const char *file, const sweep_plan *plan)
+{
+    const char **first = malloc(plan->n_points * sizeof *first);
+    if (!first) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    for (size_t i = 0; i < plan->n_points; i++) first[i] = plan->keys[i * plan->replicas];
+    qsort(first, plan->n_points, sizeof *first, compare_keys);
+    rp_status status = RP_OK;
+    char where[256];
+    for (size_t i = 1; !status && i < plan->n_points; i++)
+        if (strcmp(first[i - 1], first[i]) == 0)
+            status =
+                rp_fail(RP_BAD_INPUT,
+                        "%s: grid point %s: stands twice in the grid, which needs piles = \"own\"", file,
+                        sweep_plan_describe(
+                            plan, (size_t)(first[i] - plan->keys[0]) / (plan->replicas * sizeof *plan->keys),
+                            where, sizeof where));
+    free(first);
+    return status;
+}
+
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan)
 {
     *plan = (sweep_plan){0};
@@ -178,6 +208,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     plan->protocol = protocols[h.protocol];
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
+    plan->shared_piles = h.piles == PILES_SHARED;
     status = read_axes(plan, &h, fixed, grid);
     if (status) return status;
     plan->n_runs = plan->n_points * plan->replicas;
@@ -192,9 +223,9 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     if (!status && plan->protocol->fingerprint) status = plan->protocol->fingerprint(fingerprint);
     snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);
     for (size_t r = 0; !status && r < plan->n_runs; r++)
-        rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed, r,
-                       model, plan->keys[r]);
-    return status;
+        rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed,
+                       sweep_plan_pile(plan, r), model, plan->keys[r]);
+    return status || !plan->shared_piles ? status : refuse_twins(file, plan);
 }
 
 void sweep_plan_free(sweep_plan *plan)
@@ -208,6 +239,11 @@ void sweep_plan_free(sweep_plan *plan)
 const void *sweep_plan_point(const sweep_plan *plan, size_t point)
 {
     return plan->points + point * plan->protocol->params_size;
+}
+
+unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run)
+{
+    return plan->shared_piles ? run % plan->replicas : run;
 }
 
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size)

@@ -1,6 +1,6 @@
 /* The pool: worker processes, forked once, each with a socket on which the parent sends the number of a run
  * and the worker sends back one record. The parent is the only one that writes. Determinism: a run depends
- * on its parameters, the seed and its number only, never on the worker or the order. */
+ * on its parameters, the seed and its pile only, never on the worker or the order. */
 #include "core/clock.h"
 #include "sweeps/private.h"
 
@@ -43,8 +43,8 @@ static void work(const sweep_plan *plan, int socket)
         sweep_row row = {.run = run};
         for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) row.result.values[i] = NAN;
         double start = rp_clock();
-        row.status =
-            plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed, run, &row.result);
+        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
+                                         sweep_plan_pile(plan, run), &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;

@@ -10,6 +10,7 @@
 typedef struct {
     const sweep_protocol *protocol;
     unsigned long seed;
+    bool shared_piles;
     size_t replicas, n_points, n_runs, n_axes;
     const rp_param **axes; /* the parameters under `grid`, in the order of the file */
     char *points;          /* n_points structures of protocol->params_size bytes */
@@ -33,6 +34,9 @@ void sweep_plan_free(sweep_plan *plan);
 
 /* Parameters of a grid point. */
 const void *sweep_plan_point(const sweep_plan *plan, size_t point);
+
+/* Number of the random streams of a run. */
+unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run);
 
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);

@@ -4,6 +4,7 @@
 #define SWEEP_PROTOCOL_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "core/params.h"
 
@@ -24,6 +25,13 @@ typedef struct {
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 
+/* Where a traced run leaves tables of its states. */
+typedef struct {
+    const char *directory;
+    long every;             /* steps from one row of energies to the next; 0: none */
+    void (*header)(FILE *); /* writes the first lines of each table */
+} sweep_tables;
+
 typedef struct {
     const char *name;
     const char *about;           /* one line */
@@ -42,6 +50,10 @@ typedef struct {
     /* One run with the random streams (seed, run, purpose). Physics without a result (a leak, a pile that
      * never rests) is RP_OK with its status word; an error is for what stops the whole sweep. */
     rp_status (*run)(const void *params, unsigned long seed, unsigned long run, sweep_result *result);
+
+    /* The same run, to the same bits, which leaves tables in a folder. May be NULL. Errors: also RP_IO. */
+    rp_status (*trace)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *result);
 } sweep_protocol;
 
 /* One list: every protocol. */

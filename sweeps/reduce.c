@@ -71,8 +71,9 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     if (status) return status;
     hash_text(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
     rp_table_provenance(out, command);
-    rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas", text,
-                  plan->protocol->name, plan->seed, plan->n_points, plan->replicas);
+    rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
+                  plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
+                  plan->shared_piles ? ", shared piles" : "");
     status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", hash);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
@@ -101,14 +102,14 @@ static void add_column(columns *c, const char *name, const char *suffix, const c
 static rp_status write_columns(const table *t, bool reduce)
 {
     const sweep_output *o = t->plan->protocol->outputs;
-    size_t n_max = t->plan->n_axes + 4 + t->n_outputs * N_STATISTICS;
+    size_t n_max = t->plan->n_axes + 5 + t->n_outputs * N_STATISTICS;
     columns c = {0, calloc(n_max, sizeof *c.pairs), calloc(n_max, sizeof *c.names)};
     rp_status status = c.pairs && c.names ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
     if (!status) {
         if (!reduce) add_column(&c, "run", "", ""), add_column(&c, "status", "", "");
         for (size_t a = 0; a < t->plan->n_axes; a++)
             add_column(&c, t->plan->axes[a]->name, "", t->plan->axes[a]->unit);
-        if (!reduce) add_column(&c, "replica", "", "");
+        if (!reduce) add_column(&c, "replica", "", ""), add_column(&c, "pile", "", "");
         for (size_t i = 0; i < t->n_outputs; i++)
             for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
                 add_column(&c, o[i].name, reduce ? statistics_names[k] : "",
@@ -138,7 +139,7 @@ static rp_status write_run(const sweep_row *row, void *context)
     double values[SWEEP_MAX_OUTPUTS + 1];
     fprintf(t->out, "%zu\t%s\t", row->run, row->result.status);
     write_axes(t, row->run / t->plan->replicas);
-    fprintf(t->out, "%zu\t", row->run % t->plan->replicas);
+    fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_pile(t->plan, row->run));
     memcpy(values, row->result.values, t->n_outputs * sizeof *values);
     values[t->n_outputs] = row->seconds;
     rp_table_row(t->out, t->n_outputs + 1, values);

@@ -1,7 +1,8 @@
 /* The store of a sweep: one SQLite file, one writer. Tables:
  *   sweep  name, value: protocol, sweep file, seed, replicas, model
  *   plan   one row a planned run: run, key, point, replica
- *   runs   one row a finished run: run, status, message, seconds, seed, model, key, then a column for each
+ *   runs   one row a finished run: run, status, message, seconds, seed, model, key, program,
+ *          pile (number of its random streams), then a column for each
  *          parameter and output of the protocol; an output without a value is NULL
  * Planning again replaces `plan` only. An open store is the parent's alone: no worker touches it. */
 #include "sweeps/private.h"
@@ -118,6 +119,7 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
                 "CREATE TABLE IF NOT EXISTS runs (run INTEGER, status TEXT NOT NULL, message TEXT,"
                 " seconds REAL, seed INTEGER, model INTEGER, key TEXT NOT NULL PRIMARY KEY)");
     if (!status) status = add_column(s, "program", "TEXT");
+    if (!status) status = add_column(s, "pile", "INTEGER");
     for (const rp_param *p = protocol->schema; !status && p->name; p++)
         status = add_column(s, p->name, p->type == RP_REAL ? "REAL" : p->type == RP_INT ? "INTEGER" : "TEXT");
     for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
@@ -220,8 +222,9 @@ rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **m
 static rp_status prepare_insert(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    size_t n = 8;
-    sqlite3_str_appendall(sql, "INSERT INTO runs (run, status, message, seconds, seed, model, program, key");
+    size_t n = 9;
+    sqlite3_str_appendall(sql,
+                          "INSERT INTO runs (run, status, message, seconds, seed, model, program, pile, key");
     for (const rp_param *p = protocol->schema; p->name; p++, n++)
         sqlite3_str_appendf(sql, ", \"%w\"", p->name);
     for (const sweep_output *o = protocol->outputs; o->name; o++, n++)
@@ -248,6 +251,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     snprintf(text, sizeof text, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit(),
              rp_build_compiler());
     sqlite3_bind_text(q, ++column, text, -1, SQLITE_TRANSIENT);
+    sqlite3_bind_int64(q, ++column, (sqlite3_int64)sweep_plan_pile(plan, row->run));
     sqlite3_bind_text(q, ++column, plan->keys[row->run], -1, SQLITE_STATIC);
     /* as texts: the column's type makes numbers of those that are numbers */
     for (const rp_param *p = plan->protocol->schema; p->name; p++)

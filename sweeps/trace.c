@@ -1,6 +1,5 @@
 /* One run of a sweep again, with its tables; see sweep.h. */
 #include "sweeps/private.h"
-#include "sweeps/protocol_repose.h"
 
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row, const char *dir,
                       long every, void (*header)(FILE *), const sweep_protocol **protocol,
@@ -12,11 +11,12 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     if (!status && row >= plan.n_runs)
         status = rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                          plan.n_runs - 1, file);
-    if (!status && plan.protocol != &sweep_protocol_repose)
+    if (!status && !plan.protocol->trace)
         status = rp_fail(RP_BAD_INPUT, "%s: protocol \"%s\" writes no tables", file, plan.protocol->name);
+    const sweep_tables tables = {dir, every, header};
     if (!status)
-        status = sweep_repose_trace(sweep_plan_point(&plan, row / plan.replicas), plan.seed, row, dir, every,
-                                    header, result);
+        status = plan.protocol->trace(sweep_plan_point(&plan, row / plan.replicas), plan.seed,
+                                      sweep_plan_pile(&plan, row), &tables, result);
     sweep_plan_free(&plan);
     return status;
 }

@@ -185,9 +185,10 @@ static void test_order(void)
     char path[128];
     export_table(false, &t, path, sizeof path);
     CU_ASSERT_FATAL(t.n_rows == 12);
-    static const char *const names[] = {"run", "status", "x", "k", "replica", "y_deg", "never", "seconds"};
-    CU_ASSERT(t.n_columns == 8);
-    for (int i = 0; i < 8; i++) CU_ASSERT(rp_table_column(&t, names[i]) == i);
+    static const char *const names[] = {"run",  "status", "x",     "k",      "replica",
+                                        "pile", "y_deg",  "never", "seconds"};
+    CU_ASSERT(t.n_columns == 9);
+    for (int i = 0; i < 9; i++) CU_ASSERT(rp_table_column(&t, names[i]) == i);
     for (size_t r = 0; r < 12; r++) { /* the last list fastest, replicas innermost */
         double x = r < 6 ? 0.125 : 2.385;
         bool five = r % 6 < 3;
@@ -195,6 +196,7 @@ static void test_order(void)
         CU_ASSERT(strtod(cell(&t, r, "x"), NULL) == x);
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "k"), five ? "5" : "auto");
         CU_ASSERT(strtoul(cell(&t, r, "replica"), NULL, 10) == r % 3);
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == r);
         CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(x, five ? 5 : -1, 77, r));
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
     }
@@ -213,6 +215,36 @@ static void test_zip(void)
     CU_ASSERT(c.planned == 3);
     CHECK_OK(run(1, NULL));
     CU_ASSERT(sql_number("SELECT 2 * sum(x * k) FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
+    clean();
+}
+
+/* Replica k of every grid point has the same streams. The first grid point is the same runs as with piles of
+ * their own, and stored once. */
+static void test_shared_piles(void)
+{
+    fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *own = digest(6);
+    write_text(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
+                     "grid = { x = [0.125, 2.385]; };");
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6 && c.stored == 3);
+    CHECK_OK(run(2, NULL));
+    CU_ASSERT_STRING_NOT_EQUAL(digest(6), own);
+    rp_table t;
+    char path[128];
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 6);
+    for (size_t r = 0; r < 6; r++) {
+        CU_ASSERT(strtoul(cell(&t, r, "run"), NULL, 10) == r);
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == r % 3);
+        CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(r < 3 ? 0.125 : 2.385, 3, 77, r % 3));
+    }
+    rp_table_free(&t);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run % 3") == 6);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run") == 6);
     clean();
 }
 
@@ -445,6 +477,11 @@ static void test_bad_files(void)
         {"protocol = \"toy\";\nseed = -1;", "s.cfg:2: seed = -1: out of range"},
         {"protocol = \"toy\";\nseed = 4294967296;", "s.cfg:2: 4294967296: whole numbers go up to"},
         {"protocol = \"toy\";\nzip = 1;", "s.cfg:2: zip = 1: true or false expected"},
+        {"protocol = \"toy\";\npiles = \"mine\";",
+         "s.cfg:2: piles = \"mine\": unknown word, allowed: own | shared"},
+        {"protocol = \"toy\";\npiles = true;", "s.cfg:2: piles = true: a word expected"},
+        {"protocol = \"toy\"; piles = \"shared\"; grid = { k = [1, 2]; x = [0.5, 1.5, 0.50]; };",
+         ", x = 0.5: stands twice in the grid"},
         {"protocol = \"toy\";\nspeed = 1;", "s.cfg:2: speed: unknown key"},
         {"protocol = \"toy\";\nprotocol = \"toy\";", "s.cfg:2: duplicate"},
         {"protocol = \"toy\"\n\nfixed = {", "s.cfg:3: syntax error"},
@@ -593,8 +630,8 @@ static void test_full_disk(void)
 /* Names become columns of one table, in which SQLite ignores case. */
 static void test_columns(void)
 {
-    static const char *const taken[] = {"run",  "status", "message", "seconds",
-                                        "seed", "model",  "key",     "replica"};
+    static const char *const taken[] = {"run",   "status", "message", "seconds", "seed",
+                                        "model", "key",    "replica", "pile",    "program"};
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         const char *names[256];
         size_t n = 0;
@@ -612,6 +649,7 @@ void suite_sweep(void)
 {
     static const check_case cases[] = {{"grid order and values", test_order},
                                        {"zip", test_zip},
+                                       {"shared piles", test_shared_piles},
                                        {"reduce", test_reduce},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
                                        {"progress and stop", test_stop},

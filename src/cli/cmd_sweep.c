@@ -44,7 +44,8 @@ static rp_status plan(int argc, char **argv)
         "after a change keeps what is stored and reuses what fits. The file (libconfig syntax):\n\n"
         "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs of a grid point; 0 to 2147483647\n"
         "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
-        "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs",
+        "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
+        "  piles = \"own\";                                      # shared: every grid point the same piles",
         "repose sweep plan sweeps/lh3.cfg -o build/sweeps/lh3",
         schema,
         1,

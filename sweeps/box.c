@@ -1,0 +1,193 @@
+/* The box that protocols share; see box.h. */
+#include "sweeps/box.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/table.h"
+
+double sweep_degrees(double radians)
+{
+    return radians * (180.0 / M_PI);
+}
+
+void sweep_box_scene(const sweep_box *b, dem_scene *scene)
+{
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -b->g;
+    def.dt = b->dt;
+    def.slip = b->slip;
+    def.tension = b->tension;
+    def.material =
+        (dem_material){b->k_n, b->gamma_n, b->k_s, b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s, b->mu};
+    dem_material wall = def.material;
+    wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
+    wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
+    dem_box_walls(&def, b->W, &wall);
+    def.walls[DEM_BOX_RIGHT].open_speed = b->open;
+    if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
+    def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;
+    if (b->floor == SWEEP_FLOOR_ENDS) {
+        def.walls[DEM_BOX_FLOOR].extent[1] = b->W;
+        def.y_min = -4.0 * b->radius_mean;
+    }
+    *scene = (dem_scene){.def = def};
+}
+
+rp_status sweep_box_check(const sweep_box *b, double drop)
+{
+    if (!(b->radius_min <= b->radius_mean && b->radius_mean <= b->radius_max))
+        return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                       b->radius_mean, b->radius_min, b->radius_max);
+    if (b->W < 10.0 * b->radius_mean)
+        return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
+                       10.0 * b->radius_mean);
+    /* the lightest grain that can be drawn, falling from the top */
+    dem_scene scene;
+    sweep_box_scene(b, &scene);
+    double m = dem_mass(b->shape, b->density, b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
+    dem_grain two[2] = {{0.0, 0.0, b->radius_min, m, 0.0, 0.0}, {0.0, drop, b->radius_min, m, 0.0, 0.0}};
+    scene.def.grains = two;
+    scene.def.n_grains = 2;
+    const char *what;
+    double limit = dem_time_step_limit(&scene.def, &what);
+    if (b->dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", b->dt, what, limit);
+    return RP_OK;
+}
+
+rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
+                          sweep_result *result)
+{
+    *result = (sweep_result){.status = ""};
+    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+    *run = (sweep_box_run){
+        .box = box, .tables = tables, .result = result, .d = 2.0 * box->radius_mean, .cells = NAN};
+    sweep_box_scene(box, &run->scene);
+    run->mg = dem_mass(box->shape, box->density, box->radius_mean) * box->g;
+    run->states = malloc(most * sizeof *run->states);
+    run->work = malloc(3 * most * sizeof *run->work);
+    if (!run->states || !run->work) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    if (!tables) return RP_OK;
+    rp_status status = rp_make_directory(tables->directory);
+    if (!status)
+        status =
+            sweep_box_table(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
+    if (!status) dem_write_energy_columns(run->energy);
+    return status;
+}
+
+rp_status sweep_box_end(sweep_box_run *run, rp_status status)
+{
+    dem_free(run->sim);
+    free(run->states);
+    free(run->work);
+    /* a status word was given: physics without a result, which is an answer */
+    if (status == RP_NO_RESULT) status = RP_OK;
+    return run->energy ? rp_file_close(run->energy_path, run->energy, status) : status;
+}
+
+void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message)
+{
+    sweep_result *r = run->result;
+    snprintf(r->status, sizeof r->status, "%s", status);
+    if (message != r->message) snprintf(r->message, sizeof r->message, "%s", message);
+}
+
+rp_status sweep_box_advance(sweep_box_run *run, long steps)
+{
+    const long every = run->tables ? run->tables->every : 0;
+    while (steps > 0) {
+        long part = steps;
+        long to_next = every > 0 ? every - dem_step(run->sim) % every : steps;
+        if (to_next < part) part = to_next;
+        rp_status status = dem_run(run->sim, part);
+        if (status == RP_BROKEN) {
+            sweep_box_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), rp_message());
+            return RP_NO_RESULT;
+        }
+        if (status) return status;
+        steps -= part;
+        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy);
+    }
+    return RP_OK;
+}
+
+rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
+{
+    rp_status status = dem_rest_state(run->sim, 0.0, run->box->W, rest);
+    *quiet = !status && rest->kinetic_energy < run->box->rest_energy * run->mg * run->d &&
+             rest->net_force < run->box->rest_force * run->mg;
+    return status;
+}
+
+rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase)
+{
+    const long every = 500;
+    const int in_a_row = 10;
+    for (long steps = 0, passed = 0; passed < in_a_row; steps += every) {
+        if (steps >= run->max_steps) {
+            char text[96];
+            snprintf(text, sizeof text, "%s: not at rest after %ld further steps", phase, steps);
+            sweep_box_conclude(run, "not_at_rest", text);
+            return RP_NO_RESULT;
+        }
+        dem_rest rest;
+        bool quiet = false;
+        rp_status status = sweep_box_advance(run, every);
+        if (!status) status = sweep_box_rest(run, &rest, &quiet);
+        if (!status && opened) status = sweep_box_slopes(run, NULL);
+        if (status) return status;
+        passed = quiet ? passed + 1 : 0;
+    }
+    return RP_OK;
+}
+
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+{
+    const size_t n = dem_count(run->sim);
+    double *x = run->work, *y = x + n, *r = y + n;
+    rp_status status = dem_states(run->sim, run->states);
+    if (status) return status;
+    for (size_t i = 0; i < n; i++) {
+        x[i] = run->states[i].x;
+        y[i] = run->states[i].y;
+        r[i] = run->states[i].r;
+    }
+    const sweep_box *b = run->box;
+    const ang_options options = {run->d, (ang_height)b->height, (ang_empty)b->empty,
+                                 (ang_parabola)b->parabola};
+    ang_surface surface = {0};
+    status = ang_surface_make(n, x, y, r, b->W, &options, &surface);
+    run->cells = (double)surface.n_occupied;
+    if (!status && slopes)
+        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
+    ang_surface_free(&surface);
+    if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_pile", rp_message());
+    return status;
+}
+
+rp_status sweep_box_table(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+{
+    snprintf(path, size, "%s/%s", t->directory, name);
+    rp_status status = rp_file_open(path, out);
+    if (!status) t->header(*out);
+    return status;
+}
+
+rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage)
+{
+    char name[64], path[4096];
+    FILE *out;
+    if (!run->tables) return RP_OK;
+    snprintf(name, sizeof name, "%s_grains.tsv", stage);
+    rp_status status = sweep_box_table(run->tables, name, path, sizeof path, &out);
+    if (status) return status;
+    dem_write_state_columns(out);
+    status = rp_file_close(path, out, dem_write_states(run->sim, out));
+    snprintf(name, sizeof name, "%s_contacts.tsv", stage);
+    if (!status) status = sweep_box_table(run->tables, name, path, sizeof path, &out);
+    if (status) return status;
+    return rp_file_close(path, out, dem_write_contacts(run->sim, out));
+}

@@ -1,0 +1,124 @@
+/* The box of Lee & Herrmann 1993 as protocols share it: parameters of materials, grains, walls and surface,
+ * the scene that they make, and a run in it: advance, test for rest, measure the surface, write tables. */
+#ifndef SWEEP_BOX_H
+#define SWEEP_BOX_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "angle/angle.h"
+#include "dem/scene.h"
+#include "sweeps/protocol.h"
+
+enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
+
+/* cgs; a negative value stands for "auto". */
+typedef struct {
+    double W, mu, mu_wall, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
+    double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
+    double rest_energy, rest_force;
+    int shape, integrator, slip, floor, height, empty, parabola;
+    bool tension;
+} sweep_box;
+
+/* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
+ * hold a sweep_box `box` takes those it offers with R = SWEEP_BOX_ROW(its structure, ...), and sets the
+ * fields of the others itself. */
+#define SWEEP_BOX_ROW(T, field, unit, type, fallback, range, meaning)                                        \
+    {#field, unit, type, offsetof(T, box.field), fallback, range, meaning},
+
+#define SWEEP_BOX_WIDTH_ROW(R) R(W, "cm", RP_REAL, "4.0", "(0, 1000]", "width of the box")
+
+#define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
+    R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of floor and walls; auto: mu")            \
+    R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
+    R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
+    R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
+    R(gamma_n, "1/s", RP_REAL, "500.0", "[0, inf)", "normal damping")                                        \
+    R(gamma_s, "1/s", RP_REAL, "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100")                \
+    R(density, "g/cm^3", RP_REAL, "1.0", "(0, inf)", "of the grains (disk: g/cm^2)")                         \
+    R(shape, "", RP_CHOICE, "sphere", "sphere | disk", "gives the mass from the density")                    \
+    R(radius_mean, "cm", RP_REAL, "0.1", "(0, inf)", "of the Gaussian; d is twice this")                     \
+    R(radius_width, "cm", RP_REAL, "0.02", "[0, inf)", "standard deviation before the cut")                  \
+    R(radius_min, "cm", RP_REAL, "0.07", "(0, inf)", "drawn again below")                                    \
+    R(radius_max, "cm", RP_REAL, "0.13", "(0, inf)", "drawn again above")                                    \
+    R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")                                                  \
+    R(dt, "s", RP_REAL, "5e-5", "(0, inf)", "time step")                                                     \
+    R(integrator, "", RP_CHOICE, "verlet", "verlet", "time integration")                                     \
+    R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
+      "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
+    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")
+
+#define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
+    R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
+      "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")           \
+    R(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant", "speed at which the right wall is lifted")
+
+#define SWEEP_BOX_REST_ROWS(R)                                                                               \
+    R(rest_energy, "m g d", RP_REAL, "1e-7", "(0, inf)", "at rest: mean kinetic energy below")               \
+    R(rest_force, "m g", RP_REAL, "1e-2", "(0, inf)", "at rest: largest net force below")
+
+#define SWEEP_BOX_SURFACE_ROWS(R)                                                                            \
+    R(height, "", RP_CHOICE, "centre", ANG_HEIGHT_WORDS,                                                     \
+      "h of a cell: highest centre less d/2, highest centre, highest point")                                 \
+    R(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")                   \
+    R(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
+
+/* The scene of the box, closed, empty and without a fill. */
+void sweep_box_scene(const sweep_box *box, dem_scene *scene);
+
+/* Refuse a box that cannot work. `drop`: greatest height that a grain falls from.
+ * Errors: RP_BAD_INPUT. */
+rp_status sweep_box_check(const sweep_box *box, double drop);
+
+/* One run in the making. */
+typedef struct {
+    const sweep_box *box;
+    const sweep_tables *tables; /* NULL: none */
+    sweep_result *result;
+    dem_scene scene;   /* from sweep_box_scene; the protocol adds its fill */
+    dem_sim *sim;      /* NULL until the protocol starts it */
+    double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
+    long max_steps;    /* most steps that sweep_box_settle waits */
+    double cells;      /* occupied when the surface was looked at last; NaN before */
+    dem_state *states; /* room for the most grains */
+    double *work;      /* and for 3 numbers each */
+    FILE *energy;
+    char energy_path[4096];
+} sweep_box_run;
+
+/* Clear the result, make the scene and room for `most` grains at a time. Afterwards sweep_box_end with what
+ * came of the run, also after an error; it returns RP_OK for RP_NO_RESULT, whose word is in the result.
+ * Errors: RP_NO_MEMORY, RP_IO. */
+rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
+                          sweep_result *result);
+rp_status sweep_box_end(sweep_box_run *run, rp_status status);
+
+/* Give the result its status word and message. */
+void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message);
+
+/* Advance. Errors: RP_NO_RESULT, with its word, for a fault of the simulation. */
+rp_status sweep_box_advance(sweep_box_run *run, long steps);
+
+/* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
+rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
+
+/* Test for rest every 500 steps until 10 tests in a row pass. `opened`: the run ends as soon as too few
+ * cells are left for a slope. Errors: RP_NO_RESULT with the word not_at_rest or no_pile. */
+rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase);
+
+/* Look at the surface of the present state and, unless NULL, give its slopes, both by the options of the
+ * box. Errors: RP_NO_RESULT with the word no_pile. */
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
+
+/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
+ * Errors: RP_IO. */
+rp_status sweep_box_table(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+
+/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state, if the run leaves tables. */
+rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage);
+
+double sweep_degrees(double radians);
+
+#endif
