@@ -57,7 +57,9 @@ typedef struct {
 } sweep_protocol;
 
 /* One list: every protocol. */
-#define SWEEP_PROTOCOLS(X) X(repose)
+#define SWEEP_PROTOCOLS(X)                                                                                   \
+    X(repose)                                                                                                \
+    X(flux)
 
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)

@@ -17,6 +17,7 @@
     X(suite_dem)                                                                                             \
     X(suite_scene)                                                                                           \
     X(suite_sweep)                                                                                           \
+    X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_impact)
