@@ -299,7 +299,7 @@ static rp_status write_series(const flux *f)
     if (!f->box.tables) return RP_OK;
     rp_status status = sweep_box_table(f->box.tables, "series.tsv", path, sizeof path, &out);
     if (status) return status;
-    rp_table_note(out, "v_cut", "%.17g cm/s", f->p.v_cut);
+    rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
     rp_table_columns(out, 6, columns);
     for (size_t k = 0; k < f->n; k++)
         rp_table_row(out, 6,
