@@ -9,7 +9,8 @@ CC      := gcc
 WERROR  :=
 SAN     :=
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
-           -Wmissing-prototypes -Wconversion -Wno-sign-conversion $(WERROR) $(SAN)
+           -Wmissing-prototypes -Wconversion -Wno-sign-conversion \
+           -Wno-missing-field-initializers $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
 
 # Debian packages that the project needs, for `setup`.

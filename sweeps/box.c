@@ -19,12 +19,23 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
     def.dt = b->dt;
     def.slip = b->slip;
     def.tension = b->tension;
-    def.material =
-        (dem_material){b->k_n, b->gamma_n, b->k_s, b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s, b->mu};
+    def.damping = b->damping;
+    def.rotation = b->rotation;
+    def.shape = b->shape;
+    const double gamma_s = b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s;
+    def.material = (dem_material){.k_n = b->k_n,
+                                  .gamma_n = b->gamma_n,
+                                  .k_s = b->k_s,
+                                  .gamma_s = gamma_s,
+                                  .mu = b->mu,
+                                  .mu_roll = b->mu_roll,
+                                  .k_roll = b->k_s,
+                                  .gamma_roll = gamma_s};
     dem_material wall = def.material;
     wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
     wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
     dem_box_walls(&def, b->W, &wall);
+    if (b->mu_floor >= 0.0) def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor;
     def.walls[DEM_BOX_RIGHT].open_speed = b->open;
     if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
     def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;
@@ -43,11 +54,13 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);
+    if (b->mu_roll > 0.0 && !b->rotation)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", b->mu_roll);
     /* the lightest grain that can be drawn, falling from the top */
     dem_scene scene;
     sweep_box_scene(b, &scene);
     double m = dem_mass(b->shape, b->density, b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
-    dem_grain two[2] = {{0.0, 0.0, b->radius_min, m, 0.0, 0.0}, {0.0, drop, b->radius_min, m, 0.0, 0.0}};
+    dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
     scene.def.grains = two;
     scene.def.n_grains = 2;
     const char *what;
@@ -122,7 +135,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase)
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context)
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -137,17 +150,24 @@ rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase)
         bool quiet = false;
         rp_status status = sweep_box_advance(run, every);
         if (!status) status = sweep_box_rest(run, &rest, &quiet);
-        if (!status && opened) status = sweep_box_slopes(run, NULL);
+        if (!status && watch) status = watch(run, &rest, context);
         if (status) return status;
         passed = quiet ? passed + 1 : 0;
     }
     return RP_OK;
 }
 
-rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+ang_options sweep_box_options(const sweep_box *b)
+{
+    return (ang_options){2.0 * b->radius_mean, (ang_height)b->height, (ang_empty)b->empty,
+                         (ang_parabola)b->parabola};
+}
+
+rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface)
 {
     const size_t n = dem_count(run->sim);
     double *x = run->work, *y = x + n, *r = y + n;
+    *surface = (ang_surface){0};
     rp_status status = dem_states(run->sim, run->states);
     if (status) return status;
     for (size_t i = 0; i < n; i++) {
@@ -155,16 +175,19 @@ rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
         y[i] = run->states[i].y;
         r[i] = run->states[i].r;
     }
-    const sweep_box *b = run->box;
-    const ang_options options = {run->d, (ang_height)b->height, (ang_empty)b->empty,
-                                 (ang_parabola)b->parabola};
-    ang_surface surface = {0};
-    status = ang_surface_make(n, x, y, r, b->W, &options, &surface);
-    run->cells = (double)surface.n_occupied;
-    if (!status && slopes)
-        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-    ang_surface_free(&surface);
+    status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
+    run->cells = (double)surface->n_occupied;
     if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_pile", rp_message());
+    return status;
+}
+
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+{
+    const ang_options options = sweep_box_options(run->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(run, &options, &s);
+    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes);
+    ang_surface_free(&s);
     return status;
 }
 

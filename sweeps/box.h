@@ -14,11 +14,11 @@ enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */
 typedef struct {
-    double W, mu, mu_wall, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
+    double W, mu, mu_wall, mu_floor, mu_roll, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
     double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
     double rest_energy, rest_force;
-    int shape, integrator, slip, floor, height, empty, parabola;
-    bool tension;
+    int shape, integrator, slip, damping, floor, height, empty, parabola;
+    bool tension, rotation;
 } sweep_box;
 
 /* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
@@ -31,7 +31,9 @@ typedef struct {
 
 #define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
     R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
-    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of floor and walls; auto: mu")            \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto",                                            \
+      "of the walls, and of the floor unless mu_floor is given; auto: mu")                                   \
+    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu_wall")            \
     R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
     R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
     R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
@@ -48,7 +50,12 @@ typedef struct {
     R(integrator, "", RP_CHOICE, "verlet", "verlet", "time integration")                                     \
     R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
       "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
-    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")
+    R(damping, "", RP_CHOICE, "outside", "outside | inside",                                                 \
+      "whether the Coulomb limit leaves the shear dashpot out, as printed, or holds it with the spring")     \
+    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")              \
+    R(rotation, "", RP_BOOL, "false", "", "whether grains rotate; in the paper they do not")                 \
+    R(mu_roll, "", RP_REAL, "0.0", "[0, inf)",                                                               \
+      "rolling resistance, grains and walls; its stiffness is k_s, its damping gamma_s")
 
 #define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
     R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
@@ -104,12 +111,19 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps);
 /* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
 
-/* Test for rest every 500 steps until 10 tests in a row pass. `opened`: the run ends as soon as too few
- * cells are left for a slope. Errors: RP_NO_RESULT with the word not_at_rest or no_pile. */
-rp_status sweep_box_settle(sweep_box_run *run, bool opened, const char *phase);
+/* Test for rest every 500 steps until 10 tests in a row pass; `watch` (may be NULL) is called at each test.
+ * `phase` is for the message. Errors: RP_NO_RESULT with the word not_at_rest; what `watch` returns. */
+typedef rp_status sweep_box_watch(sweep_box_run *run, const dem_rest *rest, void *context);
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context);
 
-/* Look at the surface of the present state and, unless NULL, give its slopes, both by the options of the
- * box. Errors: RP_NO_RESULT with the word no_pile. */
+/* How the box's parameters say that a surface is measured. */
+ang_options sweep_box_options(const sweep_box *box);
+
+/* The surface of the present state. Afterwards ang_surface_free, also after an error.
+ * Errors: RP_NO_RESULT with the word no_pile. */
+rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface);
+
+/* The slopes of the present state, by the box's options. Errors: as sweep_box_surface. */
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
 /* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).

@@ -98,19 +98,51 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     return RP_OK;
 }
 
-/* Find the axes of the grid and how many points they span. */
-static rp_status read_axes(sweep_plan *plan, const head *h, const config_setting_t *fixed,
-                           const config_setting_t *grid)
+/* One list of the grid. Lists of one bundle go together; the bundles make the product. */
+typedef struct {
+    const config_setting_t *list;
+    size_t bundle;
+} axis_list;
+
+enum { MAX_AXES = 64 };
+
+/* The lists of the grid: a group of lists, each its own bundle or with zip = true one for all, or a list of
+ * groups, a bundle each. */
+static rp_status find_lists(const head *h, const config_setting_t *grid, axis_list lists[MAX_AXES], size_t *n)
 {
-    plan->n_axes = (size_t)length(grid);
+    const bool bundles = grid && config_setting_is_list(grid);
+    *n = 0;
+    if (bundles && h->zip)
+        return rp_config_fail(grid, "grid: zip = true is for one group of lists, not for a list of groups");
+    for (int g = 0; g < (bundles ? length(grid) : 1); g++) {
+        const config_setting_t *group = bundles ? element(grid, (size_t)g) : grid;
+        if (group && !config_setting_is_group(group))
+            return rp_config_fail(group, "grid: groups { key = [ ... ]; } expected");
+        for (int i = 0; i < length(group); i++) {
+            if (*n == MAX_AXES) return rp_config_fail(group, "grid: more than %d lists", MAX_AXES);
+            size_t bundle = bundles ? (size_t)g : h->zip ? 0 : *n;
+            lists[(*n)++] = (axis_list){element(group, (size_t)i), bundle};
+        }
+    }
+    return RP_OK;
+}
+
+/* Find the axes of the grid and how many points they span. */
+static rp_status read_axes(sweep_plan *plan, const axis_list lists[], size_t n_lists,
+                           const config_setting_t *fixed)
+{
+    plan->n_axes = n_lists;
     plan->n_points = 1;
     plan->axes = calloc(plan->n_axes + 1, sizeof *plan->axes);
     if (!plan->axes) return rp_fail(RP_NO_MEMORY, "grid: out of memory");
     for (size_t a = 0; a < plan->n_axes; a++) {
-        const config_setting_t *list = element(grid, a);
+        const config_setting_t *list = lists[a].list;
         const char *name = config_setting_name(list);
         rp_status status = find_param(plan->protocol, list, &plan->axes[a]);
         if (status) return status;
+        for (size_t other = 0; other < a; other++)
+            if (plan->axes[other] == plan->axes[a])
+                return rp_config_fail(list, "%s: stands twice in the grid; keep one", name);
         rp_type type = plan->axes[a]->type;
         if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
             return rp_config_fail(list, "%s: cannot vary over a grid; set it under fixed", name);
@@ -119,41 +151,42 @@ static rp_status read_axes(sweep_plan *plan, const head *h, const config_setting
         if ((!config_setting_is_array(list) && !config_setting_is_list(list)) || length(list) == 0)
             return rp_config_fail(list, "%s: a list [ ... ] of one value or more expected", name);
         size_t n = (size_t)length(list);
-        if (h->zip && a > 0 && n != plan->n_points)
-            return rp_config_fail(
-                list, "%s: %zu values; with zip = true all lists have the same number, %zu as in %s", name, n,
-                plan->n_points, plan->axes[0]->name);
-        plan->n_points = h->zip ? n : plan->n_points * n;
+        bool first = a == 0 || lists[a - 1].bundle != lists[a].bundle;
+        if (!first && n != (size_t)length(lists[a - 1].list))
+            return rp_config_fail(list,
+                                  "%s: %zu values; lists that go together have the same number, %d as in %s",
+                                  name, n, length(lists[a - 1].list), plan->axes[a - 1]->name);
+        if (first) plan->n_points *= n;
         if (plan->n_points > MAX_RUNS / plan->replicas)
             return rp_config_fail(list, "%s: the grid has too many runs, allowed: %d", name, MAX_RUNS);
     }
     return RP_OK;
 }
 
-static rp_status check_required(const char *file, const sweep_plan *plan, const config_setting_t *fixed,
-                                const config_setting_t *grid)
+static rp_status check_required(const char *file, const sweep_plan *plan, const config_setting_t *fixed)
 {
-    for (const rp_param *p = plan->protocol->schema; p->name; p++)
-        if (!p->fallback && !(fixed && config_setting_get_member(fixed, p->name)) &&
-            !(grid && config_setting_get_member(grid, p->name)))
+    for (const rp_param *p = plan->protocol->schema; p->name; p++) {
+        bool given = p->fallback || (fixed && config_setting_get_member(fixed, p->name));
+        for (size_t a = 0; a < plan->n_axes && !given; a++) given = plan->axes[a] == p;
+        if (!given)
             return rp_fail(RP_BAD_INPUT, "%s: %s: missing (%s), allowed: %s", file, p->name, p->meaning,
                            p->range);
+    }
     return RP_OK;
 }
 
 /* Fill in the parameters of every point, the first one holding those that are fixed. */
-static rp_status expand(const char *file, sweep_plan *plan, const head *h, const config_setting_t *grid)
+static rp_status expand(const char *file, sweep_plan *plan, const axis_list lists[])
 {
     size_t size = plan->protocol->params_size;
     for (size_t i = plan->n_points; i-- > 0;) {
         char *values = plan->points + i * size;
         if (i > 0) memcpy(values, plan->points, size);
         for (size_t a = plan->n_axes, rest = i; a-- > 0;) {
-            const config_setting_t *list = element(grid, a);
-            size_t n = (size_t)length(list);
-            rp_status status = rp_config_value(element(list, rest % n), plan->axes[a], values);
+            size_t n = (size_t)length(lists[a].list);
+            rp_status status = rp_config_value(element(lists[a].list, rest % n), plan->axes[a], values);
             if (status) return status;
-            if (!h->zip) rest /= n;
+            if (a == 0 || lists[a - 1].bundle != lists[a].bundle) rest /= n;
         }
     }
     for (size_t i = 0; i < plan->n_points; i++) {
@@ -203,13 +236,17 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     root = config_root_setting(&plan->config);
     status = read_head(file, root, protocols, &h);
     if (!status) status = find_group(root, "fixed", &fixed);
-    if (!status) status = find_group(root, "grid", &grid);
+    grid = config_setting_get_member(root, "grid");
+    if (!status && grid && !config_setting_is_list(grid)) status = find_group(root, "grid", &grid);
     if (status) return status;
     plan->protocol = protocols[h.protocol];
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;
-    status = read_axes(plan, &h, fixed, grid);
+    axis_list lists[MAX_AXES];
+    size_t n_lists;
+    status = find_lists(&h, grid, lists, &n_lists);
+    if (!status) status = read_axes(plan, lists, n_lists, fixed);
     if (status) return status;
     plan->n_runs = plan->n_points * plan->replicas;
     plan->points = calloc(plan->n_points, plan->protocol->params_size);
@@ -217,8 +254,8 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     if (!plan->points || !plan->keys)
         return rp_fail(RP_NO_MEMORY, "%s: %zu runs: out of memory", file, plan->n_runs);
     status = read_fixed(plan, fixed, plan->points);
-    if (!status) status = check_required(file, plan, fixed, grid);
-    if (!status) status = expand(file, plan, &h, grid);
+    if (!status) status = check_required(file, plan, fixed);
+    if (!status) status = expand(file, plan, lists);
     char model[64], fingerprint[33] = "";
     if (!status && plan->protocol->fingerprint) status = plan->protocol->fingerprint(fingerprint);
     snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);

@@ -8,7 +8,7 @@
 
 #include "core/params.h"
 
-enum { SWEEP_MAX_OUTPUTS = 48 };
+enum { SWEEP_MAX_OUTPUTS = 64 };
 
 /* One number that a run yields, a column of the store. */
 typedef struct {

@@ -110,10 +110,10 @@ static rp_status check(const void *params)
     fix_box(&p);
     /* a pile may grow higher, but then the run says so */
     rp_status status = sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean));
-    if (!status && p.box.mu_wall == 0.0)
-        status = rp_fail(RP_BAD_INPUT, "mu_wall = 0: nothing holds the first layer on the floor");
-    if (!status && p.box.mu == 0.0 && p.box.mu_wall < 0.0)
-        status = rp_fail(RP_BAD_INPUT, "mu = 0: nothing holds the first layer on the floor; set mu_wall");
+    dem_scene scene;
+    sweep_box_scene(&p.box, &scene);
+    if (!status && scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
+        status = rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
     return status;
 }
 
@@ -135,7 +135,7 @@ static double draw_radius(flux *f)
 
 static dem_grain grain_at(const flux *f, double x, double y, double r)
 {
-    return (dem_grain){x, y, r, dem_mass(f->p.box.shape, f->p.box.density, r), 0.0, 0.0};
+    return (dem_grain){.x = x, .y = y, .r = r, .m = dem_mass(f->p.box.shape, f->p.box.density, r)};
 }
 
 /* Grains from left to right, each on the floor and touching the last, while they end before W. */
@@ -153,7 +153,7 @@ static rp_status first_layer(flux *f, dem_grain *layer)
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
     def->grains = NULL;
-    return status ? status : sweep_box_settle(&f->box, false, "first layer");
+    return status ? status : sweep_box_settle(&f->box, "first layer", NULL, NULL);
 }
 
 static rp_status insert(flux *f, uint32_t *id)

@@ -1,6 +1,7 @@
 /* Protocol `repose`: fill a box, open its right wall, wait for rest, measure the slope; then, if asked,
  * tilt until the pile moves (Lee & Herrmann 1993, sections 3 and 4). What the paper leaves unsaid is a
  * parameter here, with its meaning in the schema. */
+#include <assert.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -59,6 +60,11 @@ enum {
     OUT_THETA_T_ENERGY,
     OUT_THETA_T_STATIC,
     OUT_THETA_RT,
+    OUT_THETA_UPPER,
+    OUT_THETA_LOWER,
+    OUT_THETA_LOWER_LESS_UPPER,
+    OUT_THETA_R3_LOOSE,
+    OUT_THETA_R3_FIXED,
     OUT_GRAINS,
     OUT_CELLS,
     OUT_FILL_STEPS,
@@ -67,8 +73,27 @@ enum {
     OUT_CONTACT_NUMBER,
     OUT_ENERGY,
     OUT_FORCE,
-    N_OUTPUTS
+    OUT_FILL_CONTACT_NUMBER,
+    OUT_SURFACES, /* the variants of the surface, N_SLOPES each */
 };
+
+/* The variants of the surface, in the order of ang_height and, fastest, ang_empty; four slopes each. */
+#define SURFACES(X)                                                                                          \
+    X(centre, zero) X(centre, skip) X(raw_centre, zero) X(raw_centre, skip) X(top, zero) X(top, skip)
+#define ONE(height, empty) +1
+enum { N_SURFACES = 0 SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
+enum { N_OUTPUTS = OUT_SURFACES + N_SURFACES * N_SLOPES };
+
+#define SURFACE_OUTPUT(name, height, empty, what)                                                            \
+    {                                                                                                        \
+        "theta_" name "_deg", "degree", what " for height = " #height ", empty = " #empty                    \
+    }
+#define SURFACE_OUTPUTS(height, empty)                                                                       \
+    SURFACE_OUTPUT("r1_" #height "_" #empty, height, empty, "method 1"),                                     \
+        SURFACE_OUTPUT("r2_" #height "_" #empty, height, empty, "method 2"),                                 \
+        SURFACE_OUTPUT("r3_" #height "_" #empty, height, empty, "method 3, parabola = free,"),               \
+        SURFACE_OUTPUT("r3_" #height "_" #empty "_origin", height, empty, "method 3, parabola = origin,"),
+
 static const sweep_output outputs[] = {
     {"theta_r1_deg", "degree", "slope by method 1, first to last cell"},
     {"theta_r2_deg", "degree", "slope by method 2, straight line"},
@@ -80,6 +105,13 @@ static const sweep_output outputs[] = {
     {"theta_t_energy_deg", "degree", "tilt at which the kinetic energy exceeds 1e-5 m g d and the sway"},
     {"theta_t_static_deg", "degree", "last quasi-static tilt before a grain moves 0.5 d"},
     {"theta_rt_deg", "degree", "theta_r3 + theta_t by displacement"},
+    {"theta_upper_deg", "degree", "straight line through the cells left of W/2"},
+    {"theta_lower_deg", "degree", "straight line through the cells right of W/2, to the opening"},
+    {"theta_lower_less_upper_deg", "degree", "their difference, of the same pile"},
+    {"theta_r3_loose_deg", "degree",
+     "method 3 at the first test for rest with a mean kinetic energy below 1e-5 m g d"},
+    {"theta_r3_fixed_deg", "degree",
+     "method 3 at 50000 steps after the opening, or at rest if that came first"},
     {"grains", "", "grains with 0 < x < W in the pile"},
     {"cells", "", "occupied cells of the surface"},
     {"fill_steps_used", "", "steps until the filled box was at rest"},
@@ -88,13 +120,16 @@ static const sweep_output outputs[] = {
     {"contact_number", "", "contacts a grain in the pile"},
     {"residual_energy", "m g d", "mean kinetic energy of the pile"},
     {"residual_force", "m g", "largest net force on a grain with a contact"},
-    {NULL, NULL, NULL}};
+    {"fill_contact_number", "", "contacts a grain in the full box"},
+    SURFACES(SURFACE_OUTPUTS){NULL, NULL, NULL}};
+static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 /* One run in the making. */
 typedef struct {
     const repose_params *p;
     sweep_box_run box;
     double *values;    /* of the result */
+    long opened_at;    /* step */
     long steps_before; /* of a simulation that was tilted before this one */
 } experiment;
 
@@ -127,19 +162,39 @@ static rp_status fill_box(experiment *e)
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
     if (status) return status;
     status = sweep_box_advance(&e->box, e->p->fill_steps);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, false, "filling");
-    e->values[OUT_FILL_STEPS] = e->box.sim ? (double)dem_step(e->box.sim) : NAN;
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
+    e->values[OUT_FILL_STEPS] = (double)dem_step(e->box.sim);
+    dem_rest rest;
+    bool quiet;
+    if (!status) status = sweep_box_rest(&e->box, &rest, &quiet);
+    if (!status) e->values[OUT_FILL_CONTACT_NUMBER] = rest.contact_number;
     return status;
+}
+
+/* What looser criteria of rest would have measured on the same pile; a run whose cells are too few ends. */
+static rp_status watch_slide(sweep_box_run *run, const dem_rest *rest, void *context)
+{
+    experiment *e = context;
+    double *loose = &e->values[OUT_THETA_R3_LOOSE], *fixed = &e->values[OUT_THETA_R3_FIXED];
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = sweep_box_slopes(run, slopes);
+    if (status) return status;
+    const double theta = sweep_degrees(slopes[2].theta);
+    if (isnan(*loose) && rest->kinetic_energy < 1e-5 * run->mg * run->d) *loose = theta;
+    if (dem_step(run->sim) == e->opened_at + 50000) *fixed = theta;
+    return RP_OK;
 }
 
 static rp_status open_box(experiment *e)
 {
-    const long opened_at = dem_step(e->box.sim), least = 5000;
+    const long least = 5000;
+    e->opened_at = dem_step(e->box.sim);
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
-    e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = opened_at + 1;
+    e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = e->opened_at + 1;
     rp_status status = sweep_box_advance(&e->box, e->p->stop == STOP_REST ? least : e->p->relax_steps);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, true, "after the opening");
-    e->values[OUT_RELAX_STEPS] = (double)(dem_step(e->box.sim) - opened_at);
+    if (!status && e->p->stop == STOP_REST)
+        status = sweep_box_settle(&e->box, "after the opening", watch_slide, e);
+    e->values[OUT_RELAX_STEPS] = (double)(dem_step(e->box.sim) - e->opened_at);
     return status;
 }
 
@@ -158,6 +213,55 @@ static rp_status note_state(experiment *e)
     return RP_OK;
 }
 
+/* Straight line through the cells in use from column `from` to before `to`; NaN for fewer than three. */
+static rp_status local_slope(const ang_surface *s, size_t from, size_t to, double *theta_deg)
+{
+    size_t first = 0, n = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        first += s->column[k] < from;
+        n += s->column[k] >= from && s->column[k] < to;
+    }
+    if (n < 3) return RP_OK;
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes);
+    if (!status) *theta_deg = sweep_degrees(slopes[1].theta);
+    return status;
+}
+
+/* The middle cell of an odd number belongs to neither half. */
+static rp_status measure_halves(experiment *e)
+{
+    double *v = e->values;
+    const ang_options options = sweep_box_options(&e->p->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(&e->box, &options, &s);
+    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &v[OUT_THETA_UPPER]);
+    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &v[OUT_THETA_LOWER]);
+    v[OUT_THETA_LOWER_LESS_UPPER] = v[OUT_THETA_LOWER] - v[OUT_THETA_UPPER];
+    ang_surface_free(&s);
+    return status;
+}
+
+/* Every way to read the same surface. */
+static rp_status measure_variants(experiment *e)
+{
+    rp_status status = RP_OK;
+    for (int k = 0; !status && k < N_SURFACES; k++) {
+        double *v = e->values + OUT_SURFACES + k * N_SLOPES;
+        const ang_options options = {e->box.d, (ang_height)(k / 2), (ang_empty)(k % 2), ANG_PARABOLA_FREE};
+        ang_surface s;
+        ang_slope free[ANG_N_METHODS], origin[ANG_N_METHODS];
+        status = sweep_box_surface(&e->box, &options, &s);
+        if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, ANG_PARABOLA_FREE, free);
+        if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, ANG_PARABOLA_ORIGIN, origin);
+        ang_surface_free(&s);
+        if (status) break;
+        for (int m = 0; m < ANG_N_METHODS; m++) v[m] = sweep_degrees(free[m].theta);
+        v[ANG_N_METHODS] = sweep_degrees(origin[2].theta);
+    }
+    return status;
+}
+
 static rp_status measure_pile(experiment *e)
 {
     double *v = e->values;
@@ -173,9 +277,11 @@ static rp_status measure_pile(experiment *e)
     if (status) return status;
     for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_THETA_R1 + m] = sweep_degrees(slopes[m].theta);
     v[OUT_THETA_R3_SE] = sweep_degrees(slopes[2].theta_se);
+    if (e->p->stop == STOP_REST && isnan(v[OUT_THETA_R3_FIXED])) v[OUT_THETA_R3_FIXED] = v[OUT_THETA_R3];
     v[OUT_THETA_R12] = v[OUT_THETA_R1] - v[OUT_THETA_R2];
     v[OUT_THETA_R23] = v[OUT_THETA_R2] - v[OUT_THETA_R3];
-    return RP_OK;
+    status = measure_halves(e);
+    return status ? status : measure_variants(e);
 }
 
 /* Where the grains of the pile were, by id; and how far from there they are. */
@@ -275,7 +381,7 @@ static rp_status tilt_quasi_static(experiment *e)
         dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
-        if (!status) status = sweep_box_settle(&e->box, false, "quasi-static tilt");
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", NULL, NULL);
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
@@ -383,7 +489,8 @@ static rp_status fingerprint(char digits[33])
         if (status) return status;
         /* angles to a millionth of a degree: the C library's atan may differ in its last digits */
         for (int i = 0; i < N_OUTPUTS; i++)
-            bits[k][i] = i <= OUT_THETA_RT ? round(results[k].values[i] * 1e6) : results[k].values[i];
+            bits[k][i] = strcmp(outputs[i].unit, "degree") == 0 ? round(results[k].values[i] * 1e6)
+                                                                : results[k].values[i];
         for (int i = 0; i < N_OUTPUTS; i++)
             if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
     }

@@ -6,9 +6,10 @@
  *
  * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
  * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
- * length go together); replicas are innermost. Runs are numbered from 0. The number is that of the run's
- * random streams, or with piles = "shared" the replica's: then grid points start from the same grains, and
- * their differences can be taken pile by pile.
+ * length go together); or it is a list of groups, ( { ... }, { ... } ): the product of the groups, the lists
+ * of one group going together. Replicas are innermost. Runs are numbered from 0. The number is that of the
+ * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
+ * and their differences can be taken pile by pile.
  *
  * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
  * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */

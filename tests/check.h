@@ -14,13 +14,17 @@
     X(suite_core)                                                                                            \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
+    X(suite_forensics)                                                                                       \
     X(suite_dem)                                                                                             \
+    X(suite_motion)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_impact)
+    X(suite_impact)                                                                                          \
+    X(suite_rotation)
 
 #define X(suite) void suite(void);
 CHECK_SUITES(X)

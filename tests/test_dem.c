@@ -68,48 +68,71 @@ static bool same_bits(const dem_sim *a, const dem_sim *b)
     return same;
 }
 
-static void momentum(void)
+static double angular_momentum(const dem_definition *def, const dem_state *s)
+{
+    return s->m * (s->x * s->vy - s->y * s->vx) + dem_inertia(def->shape, s->m, s->r) * s->omega;
+}
+
+/* Momentum, and with rotation angular momentum, of a cloud that falls together. */
+static void momentum_of(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = box(60, 2.0, 3, &grains);
-    double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, scale = 0.0;
+    double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
     def.n_walls = 0;
     def.gravity[1] = 0.0;
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
     for (size_t i = 0; i < 60; i++) { /* towards the middle */
         grains[i].vx = 20.0 * (1.0 - grains[i].x);
         grains[i].vy = 20.0 * (1.5 - grains[i].y);
         p0[0] += grains[i].m * grains[i].vx;
         p0[1] += grains[i].m * grains[i].vy;
         scale += grains[i].m * 40.0;
+        if (rotation) grains[i].omega = 50.0 * ((double)(i % 5) - 1.0);
     }
     dem_sim *sim = start(&def);
     dem_state s[60];
+    dem_states(sim, s);
+    for (int i = 0; i < 60; i++) l0 += angular_momentum(&def, &s[i]);
     CHECK_OK(dem_run(sim, 4000));
     dem_states(sim, s);
     int touched = 0;
     for (int i = 0; i < 60; i++) {
         p1[0] += s[i].m * s[i].vx;
         p1[1] += s[i].m * s[i].vy;
+        l1 += angular_momentum(&def, &s[i]);
         touched += s[i].contacts > 0 || fabs(s[i].vx - grains[i].vx) > 1e-9;
     }
     CU_ASSERT(touched > 30); /* else nothing was tested */
     /* round-off of 4000 additions a grain, random signs: sqrt(4000 * 60) eps */
     CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
     CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
+    if (rotation) CHECK_NEAR(l1, l0, 1e-13 * scale * 2.0); /* at some 2 cm from the origin */
     dem_free(sim);
     free(grains);
 }
 
+static void momentum(void)
+{
+    momentum_of(false);
+    momentum_of(true);
+}
+
 /* A mirrored box, and one with its grains numbered backwards, follow the same course. Round-off grows in
  * an avalanche, so the comparison ends while the grains settle. */
-static void mirror_and_relabel(void)
+static void mirror_and_relabel_of(bool rotation)
 {
     dem_grain *grains, other[80];
     dem_definition def = box(80, 2.4, 5, &grains);
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
+    for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
     dem_sim *sim = start(&def), *mirrored, *renumbered;
     for (int i = 0; i < 80; i++) {
         other[i] = grains[i];
         other[i].x = 2.4 - grains[i].x;
+        other[i].omega = -grains[i].omega;
     }
     dem_definition changed = def;
     changed.grains = other;
@@ -130,14 +153,23 @@ static void mirror_and_relabel(void)
         CHECK_NEAR(m[i].x, 2.4 - s[i].x, 1e-9);
         CHECK_NEAR(m[i].y, s[i].y, 1e-9);
         CHECK_NEAR(m[i].vx, -s[i].vx, 1e-6);
+        CHECK_NEAR(m[i].omega, -s[i].omega, 1e-5);
+        CHECK_NEAR(m[i].angle, -s[i].angle, 1e-8);
         CHECK_NEAR(r[79 - i].x, s[i].x, 1e-9);
         CHECK_NEAR(r[79 - i].vy, s[i].vy, 1e-6);
+        CHECK_NEAR(r[79 - i].omega, s[i].omega, 1e-5);
     }
     CU_ASSERT(contacts > 40);
     dem_free(sim);
     dem_free(mirrored);
     dem_free(renumbered);
     free(grains);
+}
+
+static void mirror_and_relabel(void)
+{
+    mirror_and_relabel_of(false);
+    mirror_and_relabel_of(true);
 }
 
 /* The list finds every touching pair, through an avalanche. */
@@ -166,31 +198,41 @@ static void list_is_complete(void)
 }
 
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
-static void extra_rebuilds(void)
+static void extra_rebuilds_of(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = box(100, 2.2, 2, &grains);
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
+    /* 16 columns of some 0.3 cm wrap around inside the box, so that either grain of a pair may come first */
+    for (int i = 0; i < 100; i++) grains[i].x += 3.8;
+    for (int w = 0; w < 3; w++) {
+        def.walls[w].material.mu_roll = def.material.mu_roll;
+        def.walls[w].point[0] += 3.8;
+    }
     dem_sim *sim = start(&def), *rebuilt;
     CHECK_OK(dem_run(sim, 8000));
     CHECK_OK(dem_clone(sim, &rebuilt));
     for (int k = 0; k < 40; k++) {
         CHECK_OK(dem_run(sim, 50));
         CHECK_OK(dem_neighbours_rebuild(rebuilt));
-        CHECK_OK(dem_neighbours_rebuild(rebuilt)); /* also twice in a row */
+        if (k % 2) CHECK_OK(dem_neighbours_rebuild(rebuilt)); /* also twice in a row */
         CHECK_OK(dem_run(rebuilt, 50));
     }
     /* a lost spring would shift a grain by mu m g / k_s = 1e-4 */
     CU_ASSERT(distance(sim, rebuilt) < 1e-9);
     dem_contact *a, *b;
     size_t n, m;
-    double spring_a = 0.0, spring_b = 0.0;
+    double spring_a = 0.0, spring_b = 0.0, roll_a = 0.0, roll_b = 0.0;
     CHECK_OK(dem_contacts(sim, &a, &n));
     CHECK_OK(dem_contacts(rebuilt, &b, &m));
     CU_ASSERT_EQUAL(n, m);
-    for (size_t k = 0; k < n; k++) spring_a += fabs(a[k].shear_spring);
-    for (size_t k = 0; k < m; k++) spring_b += fabs(b[k].shear_spring);
+    for (size_t k = 0; k < n; k++) spring_a += fabs(a[k].shear_spring), roll_a += fabs(a[k].rolling_spring);
+    for (size_t k = 0; k < m; k++) spring_b += fabs(b[k].shear_spring), roll_b += fabs(b[k].rolling_spring);
     CU_ASSERT(spring_a > 1e-4);
     CHECK_NEAR(spring_a, spring_b, 1e-9);
+    CU_ASSERT((roll_a > 1e-4) == rotation);
+    CHECK_NEAR(roll_a, roll_b, 1e-9);
     free(a);
     free(b);
     dem_free(sim);
@@ -198,30 +240,43 @@ static void extra_rebuilds(void)
     free(grains);
 }
 
+static void extra_rebuilds(void)
+{
+    extra_rebuilds_of(false);
+    extra_rebuilds_of(true);
+}
+
 /* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
 static void kernels_match_reference(void)
 {
-    for (int laws = 0; laws < 12; laws++) {
+    /* normal law and tension; then slip, damping, rotation and rolling of the spring; or no spring */
+    const long steps = check_fast() ? 2000 : 6000;
+    for (int laws = 0; laws < 4 * 14; laws++) {
+        const int shear = laws / 4, spin = shear / 4;
         dem_grain *grains;
         dem_definition def = box(60, 2.0, laws, &grains);
         def.normal = laws & 1 ? DEM_LINEAR : DEM_HERTZ;
         def.tension = laws & 2;
-        def.tangential = laws / 4 == 0 ? DEM_NONE : DEM_SPRING;
-        def.slip = laws / 4 == 2 ? DEM_TOTAL : DEM_TRUNCATED;
+        def.tangential = shear < 12 ? DEM_SPRING : DEM_NONE;
+        def.slip = shear & 1 ? DEM_TOTAL : DEM_TRUNCATED;
+        def.damping = shear & 2 ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
+        def.rotation = shear < 12 ? spin > 0 : shear == 13;
+        def.material.mu_roll = spin == 2 ? 0.1 : 0.0;
+        for (int i = 0; def.rotation && i < 60; i++) grains[i].omega = i % 7 - 3.0;
         if (def.normal == DEM_LINEAR) def.material.k_n = 1e5;
-        if (def.tangential == DEM_NONE) def.material.mu = 0.0;
+        if (def.tangential == DEM_NONE) def.material.mu = def.material.mu_roll = 0.0;
         for (int w = 0; w < 3; w++) {
             def.walls[w].material = def.material;
             def.walls[w].material.k_n *= 2.0;
         }
-        def.walls[2].open_at_step = 3000;
+        def.walls[2].open_at_step = steps / 2;
         dem_sim *sim = start(&def), *reference;
         def.reference_kernel = true;
         reference = start(&def);
         CU_ASSERT_STRING_EQUAL(dem_kernel_name(reference), "reference");
         CU_ASSERT_STRING_NOT_EQUAL(dem_kernel_name(sim), "reference");
-        CHECK_OK(dem_run(sim, 6000));
-        CHECK_OK(dem_run(reference, 6000));
+        CHECK_OK(dem_run(sim, steps));
+        CHECK_OK(dem_run(reference, steps));
         CU_ASSERT(same_bits(sim, reference));
         dem_free(sim);
         dem_free(reference);
@@ -231,10 +286,12 @@ static void kernels_match_reference(void)
 
 /* The same bits however the steps are cut, from a copy, with the wall opened by the definition or by a
  * call, and with observers looking on. */
-static void determinism(void)
+static void determinism_of(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = box(90, 2.2, 17, &grains);
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
     dem_sim *whole, *cut = start(&def), *copy;
     def.walls[2].open_at_step = 4001;
     whole = start(&def);
@@ -258,6 +315,12 @@ static void determinism(void)
     dem_free(whole);
     dem_free(copy);
     free(grains);
+}
+
+static void determinism(void)
+{
+    determinism_of(false);
+    determinism_of(true);
 }
 
 /* The turn of gravity keeps its length and adds up to the angle. */
@@ -357,13 +420,20 @@ static void corner_without_rebuild(void)
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
  * slowly, starts each touch with what it slides in a step, not with the spring of the touch before. */
-static void springs_end(void)
+static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
+    if (rolling) {          /* turning in place of sliding; too soft to be turned back */
+        def.rotation = true;
+        def.material.mu = def.material.gamma_roll = 0.0;
+        def.material.mu_roll = 10.0;
+        def.material.k_roll = 1e-3;
+        grains[0].omega = 1.0;
+    }
     def.grains = grains;
     def.n_grains = 2;
     def.n_walls = 1;
@@ -378,17 +448,100 @@ static void springs_end(void)
         CHECK_OK(dem_run(sim, 1));
         CHECK_OK(dem_contacts(sim, &c, &n));
         /* 0.1 cm/s along x, and as much again from the slope of the heavy grain where it has drifted to */
+        const double spring = n == 0 ? 0.0 : fabs(rolling ? c[0].rolling_spring : c[0].shear_spring);
         if (n == 1 && before == 0) {
             touches++;
-            CU_ASSERT(fabs(c[0].shear_spring) <= 3.0 * 0.1 * def.dt);
+            CU_ASSERT(spring <= 3.0 * 0.1 * def.dt);
         }
-        if (n == 1) longest = fmax(longest, fabs(c[0].shear_spring));
+        longest = fmax(longest, spring);
         before = n;
         free(c);
     }
     CU_ASSERT(touches >= 10);
     CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* a spring that was not ended would have shown */
     dem_free(sim);
+}
+
+static void springs_end(void)
+{
+    springs_end_of(false);
+    springs_end_of(true);
+}
+
+/* The couple of two unequal grains that turn against each other without friction: displacement R_eff (omega_a
+ * - omega_b) dt after a step, R_eff = r_a r_b/(r_a + r_b). */
+static void rolling_couple(void)
+{
+    dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.0042, 0.0, 0.0, 0.0, 3.0},
+                           {0.27, 0.0, 0.1739, 0.0222, 0.0, 0.0, 0.0, -11.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
+    def.material.mu_roll = 0.3;
+    def.grains = grains;
+    def.n_grains = 2;
+    dem_sim *sim = start(&def);
+    dem_contact *c;
+    dem_state s[2];
+    size_t n;
+    const double r_eff = 0.1 * 0.1739 / 0.2739, xi = r_eff * (3.0 + 11.0) * def.dt;
+    CHECK_OK(dem_run(sim, 1));
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    dem_states(sim, s);
+    CU_ASSERT_EQUAL_FATAL(n, 1);
+    const double sign = c[0].id_a == 1 ? 1.0 : -1.0;
+    CHECK_NEAR(c[0].rolling_spring, sign * xi, 1e-12 * xi);
+    CHECK_NEAR(s[0].torque, -r_eff * def.material.k_roll * xi, 1e-12);
+    CHECK_NEAR(s[1].torque, r_eff * def.material.k_roll * xi, 1e-12);
+    CHECK_NEAR(c[0].rolling_torque, sign * s[0].torque, 1e-15);
+    free(c);
+    dem_free(sim);
+}
+
+/* The contacts that are reported add up to the net forces and torques, in an avalanche of spinning grains. */
+static void contacts_add_up(void)
+{
+    enum { N = 80 };
+    dem_grain *grains;
+    dem_definition def = box(N, 2.0, 23, &grains);
+    def.rotation = true;
+    def.damping = DEM_DAMPING_INSIDE;
+    def.material.gamma_s = 200.0;
+    def.material.mu_roll = 0.1;
+    for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
+    def.walls[2].open_at_step = 4000;
+    dem_sim *sim = start(&def);
+    dem_contact *c;
+    dem_state s[N];
+    double sums[N + 1][3] = {{0.0}}; /* of each id: force, torque; 0 takes what the walls get */
+    size_t n, sliding = 0;
+    CHECK_OK(dem_run(sim, 5000));
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    CU_ASSERT_EQUAL_FATAL(dem_count(sim), N);
+    dem_states(sim, s);
+    for (size_t k = 0; k < n; k++) {
+        const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, d = hypot(dx, dy);
+        const double fx = (c[k].normal_force * dx + c[k].shear_force * dy) / d,
+                     fy = (c[k].normal_force * dy - c[k].shear_force * dx) / d;
+        const bool wall = c[k].id_b == 0;
+        const double arm_a = wall ? d : s[c[k].id_a - 1].r - 0.5 * c[k].overlap;
+        double *a = sums[c[k].id_a], *b = sums[c[k].id_b];
+        a[0] += fx, a[1] += fy, a[2] += arm_a * c[k].shear_force + c[k].rolling_torque;
+        b[0] -= fx, b[1] -= fy, b[2] += (d - arm_a) * c[k].shear_force - c[k].rolling_torque;
+        const double cap = 0.2 * fmax(c[k].normal_force, 0.0);
+        CU_ASSERT(fabs(c[k].shear_force) <= cap * (1.0 + 1e-12));
+        sliding += fabs(c[k].shear_force) > cap * (1.0 - 1e-9);
+    }
+    CU_ASSERT(n > N && sliding > 0 && sliding < n);
+    for (int i = 0; i < N; i++) {
+        CHECK_NEAR(sums[i + 1][0], s[i].fx, 1e-9); /* dyn; a grain weighs some 4 */
+        CHECK_NEAR(sums[i + 1][1] - 981.0 * s[i].m, s[i].fy, 1e-9);
+        CHECK_NEAR(sums[i + 1][2], s[i].torque, 1e-10);
+    }
+    free(c);
+    dem_free(sim);
+    free(grains);
 }
 
 /* A wall that is lifted drags a grain that touches it, upward. */
@@ -692,6 +845,18 @@ static void bad_definitions(void)
     REFUSES(bad.material.mu = -0.1, "mu = -0.1");
     REFUSES(bad.material.k_s = 0.0, "k_s = 0");
     REFUSES(bad.tangential = DEM_NONE, "needs a tangential law");
+    REFUSES(grains[0].omega = 2.0, "particle 1: angle = 0, omega = 2: needs rotation");
+    REFUSES((bad.rotation = true, grains[0].omega = NAN), "omega = nan: must be finite");
+    REFUSES(bad.material.mu_roll = 0.1, "particles: mu_roll = 0.1: needs rotation");
+    REFUSES(bad.walls[0].material.mu_roll = 0.1, "wall 1: mu_roll = 0.1: needs rotation");
+    def.rotation = true;
+    REFUSES(bad.material.mu_roll = INF, "mu_roll = inf");
+    REFUSES((bad.material.mu_roll = 0.1, bad.walls[0].material.k_roll = 0.0), "wall 1: k_roll = 0");
+    REFUSES((bad.material.mu_roll = 0.1, bad.material.gamma_roll = -1.0), "particles: gamma_roll = -1");
+    REFUSES((bad.material.mu_roll = 0.1, bad.material.mu = bad.walls[0].material.mu = 0.0,
+             bad.tangential = DEM_NONE),
+            "mu_roll = 0.1: needs a tangential law");
+    def.rotation = false;
     REFUSES(bad.walls[0].direction[0] = 0.3, "unit vector");
     REFUSES((bad.walls[0].extent[0] = 2.0, bad.walls[0].extent[1] = 1.0), "extent");
     REFUSES(bad.n_walls = 9, "9 walls");
@@ -745,6 +910,8 @@ void suite_dem(void)
                                        {"floor that ends", floor_that_ends},
                                        {"corner without a rebuild", corner_without_rebuild},
                                        {"springs end with their contacts", springs_end},
+                                       {"rolling couple of a pair", rolling_couple},
+                                       {"contacts add up to net forces", contacts_add_up},
                                        {"lifted wall", lifted_wall},
                                        {"lifted wall drags", lifted_wall_drags},
                                        {"outlet", outlet},

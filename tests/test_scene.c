@@ -38,12 +38,15 @@ static void example(void)
     /* what the wall leaves out */
     CU_ASSERT(s.def.walls[0].material.gamma_n == 500.0 && s.def.walls[0].material.k_s == 1e4);
     CU_ASSERT(s.def.walls[0].open_at_step == -1);
+    /* nothing rotates; rolling resistance, if it were on, would take stiffness and damping of the shear */
+    CU_ASSERT(!s.def.rotation && s.def.damping == DEM_DAMPING_OUTSIDE && s.def.material.mu_roll == 0.0);
+    CU_ASSERT(s.def.material.k_roll == 1e4 && s.def.walls[0].material.gamma_roll == 5.0);
     CU_ASSERT(s.def.n_grains == 2 && s.grains[0].m == 1.0 && s.grains[0].vy == -1.0);
     CHECK_NEAR(s.grains[1].m, 4.0 / 3.0 * M_PI * 0.12 * 0.12 * 0.12, 1e-16);
     dem_scene_free(&s);
     rp_texts changes = {3, {"tangential.mu=infinite", "steps=7", "shape=disk"}};
     CHECK_OK(read_text(EXAMPLE, &changes, &s));
-    CU_ASSERT(isinf(s.def.material.mu) && s.steps == 7);
+    CU_ASSERT(isinf(s.def.material.mu) && s.steps == 7 && s.def.shape == DEM_DISK);
     CHECK_NEAR(s.grains[1].m, M_PI * 0.12 * 0.12, 1e-16);
     dem_scene_free(&s);
 }
@@ -53,6 +56,13 @@ static void written_and_read(void)
 {
     static const char *const texts[] = {
         NULL,
+        "steps = 400; rotation = true; shape = \"disk\"; density = 0.1;\n"
+        "tangential = { law = \"spring\"; mu = 0.3; damping = \"inside\"; };\n"
+        "rolling = { mu = 0.05; k = 2.0e4; gamma = 31.0; };\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu_roll = 0.02; k_roll = 1.7e4;\n"
+        "            gamma_roll = 11.0; } );\n"
+        "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 5.0; angle = 0.3; omega = -20.0; },\n"
+        "              { x = 0.05; y = 0.29; r = 0.1; omega = 7.0; } );\n",
         "steps = 3000; x_max = 4.5; y_min = -0.4; gravity_turn_deg_per_step = 0.001; turn_from_step = 2000;\n"
         "normal = { law = \"linear\"; k_n = 1.0e5; tension = false; };\n"
         "tangential = { law = \"spring\"; mu = \"infinite\"; slip = \"total\"; };\n"
@@ -60,8 +70,14 @@ static void written_and_read(void)
         "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
         "          { point = [1.5, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 1e3]; open_at_step = 1500;\n"
         "            open_speed = 37.0; } );\n"
-        "fill = { N = 40; W = 1.5; H = 3.0; seed = 5; run = 3; };\n"};
-    for (int k = 0; k < 2; k++) {
+        "fill = { N = 40; W = 1.5; H = 3.0; seed = 5; run = 3; };\n",
+        "integrator = \"gear5\"; dt = 4e-5; steps = 400; box_turn_deg_per_step = 0.001; turn_from_step = "
+        "100;\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+        "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 2.0; y = 0.2; r = 0.1; vx = 9.0; } );\n",
+        "steps = 600; particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; },\n"
+        "                           { x = 0.02; y = 0.21; r = 0.1; } );\n"};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         dem_scene s, back;
         dem_sim *a = NULL, *b = NULL;
         dem_state p[40], q[40];
@@ -73,6 +89,9 @@ static void written_and_read(void)
         fclose(out);
         CHECK_OK(read_text(text, NULL, &back));
         CU_ASSERT_EQUAL(s.steps, back.steps);
+        CU_ASSERT(s.def.integrator == back.def.integrator && back.def.integrator == (k == 3));
+        CU_ASSERT(s.def.box_turn_per_step == back.def.box_turn_per_step);
+        CHECK_NEAR(back.def.box_turn_per_step, k == 3 ? 0.001 * M_PI / 180.0 : 0.0, 1e-20);
         CHECK_OK(dem_scene_start(&s, &a));
         CHECK_OK(dem_scene_start(&back, &b));
         CHECK_OK(dem_run(a, s.steps));
@@ -83,6 +102,8 @@ static void written_and_read(void)
         CHECK_OK(dem_states(a, p));
         CHECK_OK(dem_states(b, q));
         CU_ASSERT(memcmp(p, q, sizeof p) == 0);
+        CU_ASSERT(p[0].fixed == (k == 4) && !p[1].fixed);
+        CU_ASSERT((dem_box_angle(a) != 0.0) == (k == 3));
         dem_free(a);
         dem_free(b);
         dem_scene_free(&s);
@@ -100,10 +121,10 @@ static void refused(void)
         {"colour = 1;", ":2: colour: unknown key"},
         {"dt = 0.0;", ":2: dt = 0: out of range"},
         {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
-        {"rotation = true;", ":2: rotation = true: only false"},
+        {"rolling = { mu = 0.1; };", ":2: mu = 0.1: needs rotation"},
         {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
         {"gravity = 981.0;", ":2: gravity: two numbers"},
-        {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet"},
+        {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet | gear5"},
         {"normal = 3;", ":2: normal: a group { ... } expected"},
         {"normal = { law = \"cubic\"; };", "hertz | linear"},
         {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},
@@ -130,10 +151,11 @@ static void refused(void)
         {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );",
          ":1: r = -0.1: out of range, allowed: (0, inf) cm"},
         {"particles = ( { x = 0.0; y = 0.5; } );", "r: missing"},
-        {"particles = ( { x = 0.0; y = 0.5; r = 0.1; omega = 2.0; } );", "omega = 2: out of range"},
         {"particles_file = \"/no/such/table.tsv\";", "/no/such/table.tsv: cannot read"},
         {"fill = { N = 0; W = 1.0; H = 1.0; };", "N = 0: out of range"},
         {"fill = { N = 4; W = 1.0; H = 1.0; radius_mean = 0.2; };", "radius_mean = 0.2: must lie between"},
+        {"box_turn_deg_per_step = 11.0; particles = ( { x = 0.0; y = 0.5; r = 0.1; } );",
+         "box_turn_deg_per_step = 11: out of range"},
         {"fill = { W = 1.0; H = 1.0; };", "N: missing (number of grains)"}};
     for (size_t k = 0; k < sizeof whole / sizeof *whole; k++) {
         CHECK_FAILS(read_text(whole[k][0], NULL, &s), RP_BAD_INPUT, whole[k][1]);
@@ -157,12 +179,14 @@ static void particles_from_table(void)
 {
     char table[] = "/tmp/repose-grains-XXXXXX", text[128];
     FILE *out = fdopen(mkstemp(table), "w");
-    fputs("# r x y vy\n0.1 0.5 0.7 -2.0\n0.08 0.1 0.9 0.0\n", out);
+    fputs("# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n", out);
     fclose(out);
     dem_scene s;
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
     CHECK_OK(read_text(text, NULL, &s));
-    CU_ASSERT(s.def.n_grains == 2 && s.grains[0].x == 0.5 && s.grains[0].vy == -2.0 && s.grains[1].r == 0.08);
+    CU_ASSERT(s.def.n_grains == 2 && s.grains[0].x == 0.5 && s.grains[0].vy == -2.0 &&
+              s.grains[0].omega == 3.0 && s.grains[1].r == 0.08);
+    CU_ASSERT(s.grains[1].fixed && !s.grains[0].fixed);
     CHECK_NEAR(s.grains[1].m, 2.0 * 4.0 / 3.0 * M_PI * 0.08 * 0.08 * 0.08, 1e-16);
     dem_scene_free(&s);
     out = fopen(table, "w");

@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,6 +42,10 @@ static const rp_param toy_schema[] = {
 static const sweep_output toy_outputs[] = {
     {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
 
+/* Slow runs from number 20 on wait while this is set, shared with the workers: a sweep that is to be
+ * interrupted then cannot end first, however busy the machine. */
+static volatile int *hold;
+
 static rp_status toy_check(const void *params)
 {
     const toy *p = params;
@@ -54,7 +59,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
     gsl_rng_free(r);
     snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
-    if (p->mode == SLOW) usleep(20000);
+    if (p->mode == SLOW) usleep(5000);
+    while (p->mode == SLOW && hold && *hold && run >= 20) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
@@ -207,6 +213,20 @@ static void test_order(void)
     clean();
 }
 
+static void test_bundles(void)
+{
+    fresh("protocol = \"toy\"; replicas = 1;\n"
+          "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
+    sweep_counts c;
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6);
+    CHECK_OK(run(1, NULL));
+    /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
+    CU_ASSERT(sql_number("SELECT 2 * sum(x * k * mass) FROM runs") == 68 * 4);
+    CU_ASSERT(sql_number("SELECT 2 * x * mass FROM runs WHERE run = 3") == 9);
+    clean();
+}
+
 static void test_zip(void)
 {
     fresh("protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
@@ -303,6 +323,9 @@ static int interrupted(int signal, size_t rows)
 {
     sweep_counts c = {0};
     int end = 0;
+    hold = mmap(NULL, sizeof *hold, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(hold != MAP_FAILED);
+    *hold = 1;
     pid_t child = fork();
     if (child == 0) _exit((int)run(2, NULL));
     while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
@@ -310,6 +333,7 @@ static int interrupted(int signal, size_t rows)
         usleep(2000);
     }
     kill(child, signal);
+    *hold = 0;
     waitpid(child, &end, 0);
     return end;
 }
@@ -503,8 +527,11 @@ static void test_bad_files(void)
         {"protocol = \"toy\";\ngrid = { picks = [\"red\"]; };", "s.cfg:2: picks: cannot vary"},
         {"protocol = \"toy\";\nfixed = { x = 1; };\ngrid = { x = [1]; };",
          "s.cfg:3: x: stands under fixed and"},
+        {"protocol = \"toy\";\ngrid = ( { x = [1, 2]; },\n { x = [1]; } );", "s.cfg:3: x: stands twice"},
+        {"protocol = \"toy\";\ngrid = ( 3 );", "s.cfg:2: grid: groups"},
+        {"protocol = \"toy\";\nzip = true;\ngrid = ( { x = [1]; } );", "s.cfg:3: grid: zip = true is for"},
         {"protocol = \"toy\";\nzip = true;\ngrid = { x = [1, 2];\n k = [1]; };",
-         "s.cfg:4: k: 1 values; with zip"},
+         "s.cfg:4: k: 1 values; lists that go together"},
         {"protocol = \"toy\";\nreplicas = 1000000;\ngrid = { k = [1,2,3,4,5,6,7,8,9,10,11]; };",
          "too many runs"},
         {"protocol = \"toy\";\ngrid = { k = [1, 2]; x = [0.5, 9.5]; };",
@@ -649,6 +676,7 @@ void suite_sweep(void)
 {
     static const check_case cases[] = {{"grid order and values", test_order},
                                        {"zip", test_zip},
+                                       {"bundles of lists", test_bundles},
                                        {"shared piles", test_shared_piles},
                                        {"reduce", test_reduce},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},

@@ -211,4 +211,45 @@ typedef struct {
 rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
                       size_t n_resamples, gsl_rng *rng, ang_comparison *comparison);
 
+/* ---- published numbers against combinations of unsaid choices (forensics.c) ---- */
+
+/* One published statement about a number y that a model predicts. */
+typedef struct {
+    enum { ANG_CLAIM_VALUE, ANG_CLAIM_SIGN } kind;
+    double value; /* VALUE: the number published; SIGN: -1 where y is said to be negative, +1 positive */
+    double error; /* the published +-, known up to a scale common to all claims */
+} ang_claim;
+
+/* Logarithm of the likelihood of the claims if the model gives y[k] +- se[k], averaged over the scale of the
+ * published errors, log-uniform from 1/5 to 2. */
+double ang_claims_log_likelihood(size_t n, const ang_claim claims[], const double y[], const double se[]);
+
+/* p_value: the share of data that the combination itself would publish with at most this likelihood;
+ * excluded: the likelihood is below `limit`, which a share `level` of those data is. A combination with a
+ * y that is not finite is not `complete`, and excluded. */
+typedef struct {
+    bool complete, excluded;
+    double log_likelihood, limit, p_value;
+} ang_agreement;
+
+/* Judge combinations by the numbers y[c * n + k] +- se[c * n + k] that combination c gives for claim k, by
+ * n_draws simulated publications each. *by_chance: how many combinations would pass, on average over
+ * n_chance draws, claims put together from the numbers of unrelated combinations.
+ * Errors: RP_NO_RESULT (no claims), RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status ang_claims_judge(size_t n_combinations, size_t n, const ang_claim claims[], const double y[],
+                           const double se[], double level, size_t n_draws, size_t n_chance, gsl_rng *rng,
+                           ang_agreement agreement[], double *by_chance);
+
+/* Change of y from a factor's level 0 to another; 95 % interval and p-value by Student's t. */
+typedef struct {
+    double effect, se, lo, hi, p_value;
+} ang_effect;
+
+/* Main effects by least squares: y[i] of combination i with factor f at level[i * n_factors + f] <
+ * n_levels[f]. effects[]: levels 1, 2, ... of factor 0, then of factor 1, ... The residual, *residual_sd,
+ * holds noise and whatever the factors do together. Errors: RP_NO_RESULT for too few combinations or
+ * factors that they do not tell apart, RP_NO_MEMORY. */
+rp_status ang_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
+                      const double y[], ang_effect effects[], double *residual_sd);
+
 #endif

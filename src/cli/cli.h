@@ -43,6 +43,7 @@ rp_status cli_numbers(const char *option, const char *text, double **numbers, si
     X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
+    X("forensics", cmd_forensics, "which unsaid choices agree with published numbers")                       \
     X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
     X("bench", cmd_bench, "particle-steps a second on this machine")                                         \
     X("report", cmd_report, "fill a report's template from tables")

@@ -50,9 +50,9 @@ static void print_protocol(const sweep_protocol *protocol)
 {
     printf("# protocol %s: %s\n", protocol->name, protocol->about);
     print_schema(protocol->schema);
-    printf("# outputs of protocol %s\n# %-28s %-10s %s\n", protocol->name, "name", "unit", "meaning");
+    printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
-        printf("  %-28s %-10s %s\n", o->name, shown(o->unit), o->meaning);
+        printf("  %-36s %-10s %s\n", o->name, shown(o->unit), o->meaning);
 }
 
 rp_status cmd_params(int argc, char **argv)

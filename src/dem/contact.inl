@@ -1,14 +1,23 @@
 /* The one pair loop. kernels.c instantiates it for each law and feature, given as constant arguments, so
  * that a scene pays only for what it uses; the same loop with arguments known at run time is the reference
- * that every instance must match bit for bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1). */
+ * that every instance must match bit for bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1).
+ *
+ * With rotation the surfaces' spin counts in the shear velocity. The contact lies in the middle of the
+ * overlap, at arms from the centres that add up to their distance, so that angular momentum is conserved. A
+ * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
+ * along -s; so both add to v_s, and F_s turns both the same way. */
 static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
-                                                            int tangential, int slip, bool tension)
+                                                            int tangential, int slip, bool tension,
+                                                            int damping, bool rotation, bool rolling,
+                                                            bool gear)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
     const uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
     const double *restrict radii = sim->pair_radii, *restrict mass = sim->pair_mass;
-    double *restrict spring = sim->spring;
+    double *restrict spring = sim->spring, *restrict roll = sim->roll;
+    const double *restrict radius = sim->radius;
+    dem_spin *restrict spin = sim->spin;
     uint32_t *restrict touching = sim->touching;
     const dem_material c = sim->def.material;
     const double mu = sim->mu, limit = sim->r_min;
@@ -21,6 +30,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
         touching[n] = (uint32_t)k;
         n += touch;
         if (tangential == DEM_SPRING) spring[k] = touch ? spring[k] : 0.0;
+        if (rolling) roll[k] = touch ? roll[k] : 0.0;
     }
     sim->n_touching = n;
 
@@ -36,9 +46,25 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
         dem_vec f = f_n * direction;
         if (tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(direction);
+            double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
+            if (rotation) {
+                arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
+                v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
+            }
+            if (gear) spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
             double f_s =
-                dem_law_shear(slip, c.k_s, c.gamma_s, mu, mass[k], dem_dot(v, s), f_n, h, &spring[k]);
+                dem_law_shear(slip, damping, c.k_s, c.gamma_s, mu, mass[k], v_s, f_n, h, &spring[k]);
             f += f_s * s;
+            if (rotation) {
+                double couple = 0.0;
+                if (rolling) {
+                    const double r_eff = radius[i] * radius[j] / radii[k];
+                    couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (spin[i].omega - spin[j].omega),
+                                                     f_n, h, &roll[k]);
+                }
+                spin[i].torque += arm_i * f_s + couple;
+                spin[j].torque += arm_j * f_s - couple;
+            }
         }
         force[i] += f;
         force[j] -= f;

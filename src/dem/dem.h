@@ -1,6 +1,7 @@
 /* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
  *
- * Translation only; spheres or disks of any radius; walls are lines or segments; gravity may turn.
+ * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
+ * gravity or the box may turn. Angles and spins are counter-clockwise.
  * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
@@ -15,16 +16,25 @@
 enum { DEM_HERTZ, DEM_LINEAR };    /* normal law */
 enum { DEM_NONE, DEM_SPRING };     /* tangential law */
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
-enum { DEM_SPHERE, DEM_DISK };     /* mass from density: (4/3) pi rho r^3, or rho pi r^2 */
+/* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
+enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
+enum { DEM_VERLET, DEM_GEAR5 }; /* time integration */
+/* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
+enum { DEM_SPHERE, DEM_DISK };
 enum { DEM_MAX_WALLS = 8 };
 
-/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY. */
+/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
+ * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
+ * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. */
 typedef struct {
-    double k_n;     /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
-    double gamma_n; /* normal damping, 1/time, times m_eff */
-    double k_s;     /* shear stiffness, force/length */
-    double gamma_s; /* shear damping, 1/time, times m_eff */
-    double mu;      /* Coulomb's coefficient */
+    double k_n;        /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
+    double gamma_n;    /* normal damping, 1/time, times m_eff */
+    double k_s;        /* shear stiffness, force/length */
+    double gamma_s;    /* shear damping, 1/time, times m_eff */
+    double mu;         /* Coulomb's coefficient */
+    double mu_roll;    /* rolling resistance: limit of its force over the normal force */
+    double k_roll;     /* its stiffness, force/length */
+    double gamma_roll; /* its damping, 1/time, times m_eff */
 } dem_material;
 
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
@@ -39,21 +49,27 @@ typedef struct {
     double open_speed;
 } dem_wall;
 
+/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not meet. */
 typedef struct {
     double x, y, r, m, vx, vy;
+    double angle, omega; /* 0 without rotation */
+    bool fixed;
 } dem_grain;
 
 typedef struct {
     double gravity[2];
     double dt;
     double skin; /* of the neighbour list; 0 chooses one */
-    int normal, tangential, slip;
-    bool tension; /* true: the damped normal force may pull, as (2a) is printed */
+    int integrator, normal, tangential, slip, damping;
+    bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
+    bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
+    int shape;     /* gives the moments of inertia */
     dem_material material;
-    double x_max, y_min;  /* a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
-    long turn_from_step;
-    bool reference_kernel; /* use the loop that decides at run time, for tests */
+    double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
+    long turn_from_step;      /* of both */
+    bool reference_kernel;    /* use the loop that decides at run time, for tests */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -86,8 +102,10 @@ const char *dem_fault_text(dem_fault fault);
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
  * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
  * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come.
- * dem_create also looks at overlaps of the start. */
+ * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move. With
+ * Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
+ * start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact that sets it.
+ * INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -99,21 +117,34 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim);
 rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
-/* Put in one more grain, at rest or not; *id (may be NULL) is the next after the last that was given. Forces
- * and springs of the others stay as they are. The neighbour list is rebuilt; room grows by doubling.
- * Errors: RP_BAD_INPUT (a value; it touches a grain or a wall; a fall from its height onto a wall or on one
- * like itself needs a smaller time step), RP_NO_MEMORY; then nothing has changed. RP_BROKEN from the list. */
+/* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
+ * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt; room
+ * grows by doubling. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a fall from
+ * its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then nothing has
+ * changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
 /* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
- * RP_NO_MEMORY. After an error the simulation can only be read and freed. */
+ * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains). After an error the simulation can only be
+ * read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
- * a step (0 stops it). */
+ * a step (0 stops it), |angle| < 1; let gravity be g, which a turn then goes on from. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);
 void dem_gravity_turn(dem_sim *sim, double radians_per_step);
+void dem_gravity_set(dem_sim *sim, const double g[2]);
+
+/* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| < 1; positive
+ * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
+ * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
+void dem_box_turn(dem_sim *sim, double radians_per_step);
+double dem_box_angle(const dem_sim *sim); /* turned so far, radians */
+
+/* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
+ * which the walls are where the definition has them. */
+void dem_box_frame(const dem_sim *sim, double *x, double *y);
 
 /* Rebuild the neighbour list now: changes the trajectory by round-off at most. */
 rp_status dem_neighbours_rebuild(dem_sim *sim);
@@ -135,8 +166,11 @@ void dem_count_work(const dem_sim *sim, dem_counts *counts);
 typedef struct {
     uint32_t id;
     double x, y, r, m, vx, vy;
-    double fx, fy; /* net force, gravity included */
+    double fx,
+        fy; /* net force, gravity included; on a fixed grain the contacts' force, that its hold carries */
+    double angle, omega, torque;
     int contacts;
+    bool fixed;
 } dem_state;
 
 /* States of the grains in the order of their ids; `states` holds dem_count() entries.
@@ -148,24 +182,27 @@ typedef struct {
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
+    double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
 } dem_contact;
 
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
-/* Energies: kinetic, elastic (normal and shear springs), gravity (from the origin). */
+/* Energies: kinetic of the translation, elastic (normal, shear and rolling springs), gravity (from the
+ * origin; of what can move), kinetic of the rotation. */
 typedef struct {
-    double kinetic, elastic, gravity;
+    double kinetic, elastic, gravity, rotational;
 } dem_energy;
 void dem_energies(const dem_sim *sim, dem_energy *energy);
 
-/* Force on each wall, in the order of the definition: forces[2 * wall], forces[2 * wall + 1]. */
+/* Force on each wall, laboratory frame, in the order of the definition: forces[2 * wall],
+ * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
-/* How far from rest the grains with lo < x < hi are. */
+/* How far from rest the grains with lo < x < hi are, fixed ones left out. */
 typedef struct {
     size_t n;              /* grains in the region */
-    double kinetic_energy; /* mean over them */
+    double kinetic_energy; /* mean over them, of translation and rotation */
     double net_force;      /* largest on a grain with a contact, anywhere in the region */
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
@@ -191,8 +228,9 @@ typedef struct {
  * Errors: RP_NO_RESULT (no room found in a million tries for a grain), RP_NO_MEMORY. */
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
-/* Mass of a grain. */
+/* Mass of a grain, and its moment of inertia. */
 double dem_mass(int shape, double density, double r);
+double dem_inertia(int shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
  * adaptive Runge-Kutta method: an answer that does not come from the simulator. A pair that never parts has

@@ -8,52 +8,74 @@
 
 #include "dem/contact.inl"
 
-/* name, normal law, tangential law, slip, tension */
+/* name, normal law, tangential law, slip, tension, damping, rotation, rolling. What an instance need not
+ * know, or rarely meets, it reads from the definition. */
+#define AS_IT_IS(field) sim->def.field
+#define PLAIN(X, name, normal, tangential, slip, tension)                                                    \
+    X(name, normal, tangential, slip, tension, DEM_DAMPING_OUTSIDE, false, false)
+#define FRICTIONLESS(X, name, normal, tension)                                                               \
+    X(name, normal, DEM_NONE, AS_IT_IS(slip), tension, AS_IT_IS(damping), AS_IT_IS(rotation), false)
+#define INSIDE(X, name, normal)                                                                              \
+    X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), DEM_DAMPING_INSIDE, false, false)
+#define ROTATING(X, name, normal, rolling)                                                                   \
+    X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), true, rolling)
 #define KERNELS(X)                                                                                           \
-    X(hertz_none_pull, DEM_HERTZ, DEM_NONE, DEM_TRUNCATED, true)                                             \
-    X(hertz_none_push, DEM_HERTZ, DEM_NONE, DEM_TRUNCATED, false)                                            \
-    X(hertz_truncated_pull, DEM_HERTZ, DEM_SPRING, DEM_TRUNCATED, true)                                      \
-    X(hertz_truncated_push, DEM_HERTZ, DEM_SPRING, DEM_TRUNCATED, false)                                     \
-    X(hertz_total_pull, DEM_HERTZ, DEM_SPRING, DEM_TOTAL, true)                                              \
-    X(hertz_total_push, DEM_HERTZ, DEM_SPRING, DEM_TOTAL, false)                                             \
-    X(linear_none_pull, DEM_LINEAR, DEM_NONE, DEM_TRUNCATED, true)                                           \
-    X(linear_none_push, DEM_LINEAR, DEM_NONE, DEM_TRUNCATED, false)                                          \
-    X(linear_truncated_pull, DEM_LINEAR, DEM_SPRING, DEM_TRUNCATED, true)                                    \
-    X(linear_truncated_push, DEM_LINEAR, DEM_SPRING, DEM_TRUNCATED, false)                                   \
-    X(linear_total_pull, DEM_LINEAR, DEM_SPRING, DEM_TOTAL, true)                                            \
-    X(linear_total_push, DEM_LINEAR, DEM_SPRING, DEM_TOTAL, false)
+    FRICTIONLESS(X, hertz_none_pull, DEM_HERTZ, true)                                                        \
+    FRICTIONLESS(X, hertz_none_push, DEM_HERTZ, false)                                                       \
+    FRICTIONLESS(X, linear_none_pull, DEM_LINEAR, true)                                                      \
+    FRICTIONLESS(X, linear_none_push, DEM_LINEAR, false)                                                     \
+    PLAIN(X, hertz_truncated_pull, DEM_HERTZ, DEM_SPRING, DEM_TRUNCATED, true)                               \
+    PLAIN(X, hertz_truncated_push, DEM_HERTZ, DEM_SPRING, DEM_TRUNCATED, false)                              \
+    PLAIN(X, hertz_total_pull, DEM_HERTZ, DEM_SPRING, DEM_TOTAL, true)                                       \
+    PLAIN(X, hertz_total_push, DEM_HERTZ, DEM_SPRING, DEM_TOTAL, false)                                      \
+    PLAIN(X, linear_truncated_pull, DEM_LINEAR, DEM_SPRING, DEM_TRUNCATED, true)                             \
+    PLAIN(X, linear_truncated_push, DEM_LINEAR, DEM_SPRING, DEM_TRUNCATED, false)                            \
+    PLAIN(X, linear_total_pull, DEM_LINEAR, DEM_SPRING, DEM_TOTAL, true)                                     \
+    PLAIN(X, linear_total_push, DEM_LINEAR, DEM_SPRING, DEM_TOTAL, false)                                    \
+    INSIDE(X, hertz_inside, DEM_HERTZ)                                                                       \
+    INSIDE(X, linear_inside, DEM_LINEAR)                                                                     \
+    ROTATING(X, hertz_rotating, DEM_HERTZ, false)                                                            \
+    ROTATING(X, linear_rotating, DEM_LINEAR, false)                                                          \
+    ROTATING(X, hertz_rolling, DEM_HERTZ, true)                                                              \
+    ROTATING(X, linear_rolling, DEM_LINEAR, true)
 
-#define X(name, normal, tangential, slip, tension)                                                           \
+#define X(name, ...)                                                                                         \
     static void kernel_##name(dem_sim *sim, double h)                                                        \
     {                                                                                                        \
-        pair_loop(sim, h, normal, tangential, slip, tension);                                                \
+        pair_loop(sim, h, __VA_ARGS__, false);                                                               \
     }
 KERNELS(X)
 #undef X
 
 static void kernel_reference(dem_sim *sim, double h)
 {
-    pair_loop(sim, h, sim->def.normal, sim->def.tangential, sim->def.slip, sim->def.tension);
+    const dem_definition *def = &sim->def;
+    pair_loop(sim, h, def->normal, def->tangential, def->slip, def->tension, def->damping, def->rotation,
+              sim->rolling, sim->gear != NULL);
 }
 
 void dem_kernel_choose(dem_sim *sim)
 {
-    static const struct {
+    const dem_definition *def = &sim->def;
+    const struct {
         const char *name;
         dem_kernel *kernel;
         int normal, tangential, slip;
         bool tension;
+        int damping;
+        bool rotation, rolling;
     } list[] = {
-#define X(name, normal, tangential, slip, tension) {#name, kernel_##name, normal, tangential, slip, tension},
+#define X(name, ...) {#name, kernel_##name, __VA_ARGS__},
         KERNELS(X)
 #undef X
     };
-    const dem_definition *def = &sim->def;
     sim->kernel = kernel_reference;
     sim->kernel_name = "reference";
+    if (def->integrator == DEM_GEAR5 && def->tangential == DEM_SPRING) return; /* it has no instances */
     for (size_t i = 0; i < sizeof list / sizeof *list && !def->reference_kernel; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
-            (def->tangential == DEM_NONE || list[i].slip == def->slip) && list[i].tension == def->tension) {
+            list[i].slip == def->slip && list[i].tension == def->tension && list[i].damping == def->damping &&
+            list[i].rotation == def->rotation && list[i].rolling == sim->rolling) {
             sim->kernel = list[i].kernel;
             sim->kernel_name = list[i].name;
             return;

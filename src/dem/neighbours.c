@@ -1,6 +1,6 @@
 /* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
  * large for them); each pair of grains closer than touching + skin has a slot, and each grain near a wall.
- * A rebuilding carries the shear springs of touching contacts over. It is a function of the state alone. */
+ * A rebuilding carries the springs of touching contacts over. It is a function of the state alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,12 +15,14 @@ struct dem_scratch {
     uint32_t *moved_to;      /* new place of each grain; UINT32_MAX where it is gone */
     dem_record *grain;
     dem_vec *force;
+    dem_gear *gear;
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
+    dem_spin *spin;
     /* springs of touching pairs, by the lower new index of the two grains */
     uint32_t *held_start; /* n + 1 */
     uint32_t *held_partner;
-    double *held_spring;
+    double *held_spring, *held_roll;
     size_t held_room;
     uint32_t *wall_held; /* old wall slot of each grain, UINT32_MAX for none */
     dem_wall_slot *wall_slot;
@@ -70,7 +72,9 @@ static rp_status pair_room(dem_sim *sim, size_t more)
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
         grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
-        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) && grow(&sim->spring, sizeof *sim->spring, room))
+        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
+        grow(&sim->spring, sizeof *sim->spring, room) &&
+        (!sim->rolling || grow(&sim->roll, sizeof *sim->roll, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
@@ -89,6 +93,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
+    if (sim->rolling) memcpy(sim->roll, like->roll, sim->n_pairs * sizeof *sim->roll);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
     return RP_OK;
@@ -112,14 +117,17 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->moved_to = calloc(n, sizeof *w->moved_to);
     w->grain = aligned_alloc(64, (n * sizeof *w->grain + 63) / 64 * 64);
     w->force = aligned_alloc(64, (n * sizeof *w->force + 63) / 64 * 64);
+    if (sim->gear) w->gear = aligned_alloc(64, (n * sizeof *w->gear + 63) / 64 * 64);
     w->radius = calloc(n, sizeof *w->radius);
     w->mass = calloc(n, sizeof *w->mass);
     w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
     w->id = calloc(n, sizeof *w->id);
+    if (sim->def.rotation) w->spin = calloc(n, sizeof *w->spin);
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
-        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held)
+        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->gear && !w->gear) ||
+        (sim->def.rotation && !w->spin))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
     return like ? copy_lists(sim, like) : RP_OK;
@@ -131,7 +139,8 @@ void dem_neighbours_free(dem_sim *sim)
     if (!w) return;
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
-    free(w->held_spring), free(w->wall_held), free(w->wall_slot), free(w);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin);
+    free(w->gear), free(w);
     sim->scratch = NULL;
 }
 
@@ -149,12 +158,11 @@ static rp_status check_grains(dem_sim *sim)
                             sim->radius[i]);
         if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
             return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
-        for (size_t k = 0; k < sim->def.n_walls; k++) {
+        for (size_t k = 0; k < sim->def.n_walls && sim->inverse_mass[i] > 0.0; k++) {
             const dem_wall *wall = &sim->def.walls[k];
             bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
             bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
-            dem_vec d = x - (dem_vec){wall->point[0], wall->point[1]};
-            if (line && !open && dem_dot(d, (dem_vec){wall->direction[0], wall->direction[1]}) < 0.0)
+            if (line && !open && dem_dot(x - sim->wall[k].point, sim->wall[k].direction) < 0.0)
                 return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0],
                                 x[1]);
         }
@@ -171,7 +179,7 @@ static void sort_grains(dem_sim *sim)
     memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
     for (size_t i = 0; i < sim->n; i++) {
         dem_vec x = sim->grain[i].x;
-        if (x[0] > sim->def.x_max || x[1] < sim->def.y_min) {
+        if (dem_beyond(sim, x)) {
             w->cell[i] = NOWHERE;
             continue;
         }
@@ -190,10 +198,12 @@ static void sort_grains(dem_sim *sim)
         size_t to = w->moved_to[i] = w->cell_start[w->cell[i]]++;
         w->grain[to] = sim->grain[i];
         w->force[to] = sim->force[i];
+        if (sim->gear) w->gear[to] = sim->gear[i];
         w->radius[to] = sim->radius[i];
         w->mass[to] = sim->mass[i];
         w->inverse_mass[to] = sim->inverse_mass[i];
         w->id[to] = sim->id[i];
+        if (sim->spin) w->spin[to] = sim->spin[i];
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
@@ -206,12 +216,27 @@ static void sort_grains(dem_sim *sim)
     } while (0)
     SWAP(dem_record, grain);
     SWAP(dem_vec, force);
+    SWAP(dem_gear, gear);
     SWAP(double, radius);
     SWAP(double, mass);
     SWAP(double, inverse_mass);
     SWAP(uint32_t, id);
+    SWAP(dem_spin, spin);
 #undef SWAP
-    for (size_t i = 0; i < sim->n; i++) sim->ref[i] = sim->grain[i].x;
+    sim->n_fixed = 0;
+    for (size_t i = 0; i < sim->n; i++) {
+        sim->ref[i] = sim->grain[i].x;
+        if (sim->inverse_mass[i] == 0.0) sim->fixed[sim->n_fixed++] = (uint32_t)i;
+    }
+}
+
+/* A wall that turns may come nearer to the farthest grain by half the skin; the grain has the other half. */
+static void measure_room(dem_sim *sim)
+{
+    double far2 = 0.0;
+    for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
+    sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
+    sim->box_swept = 0.0;
 }
 
 /* Keep the springs of touching pairs, sorted by the lower new index. */
@@ -221,7 +246,8 @@ static rp_status hold_springs(dem_sim *sim)
     if (sim->n_touching > w->held_room) {
         w->held_room = sim->n_touching + sim->n_touching / 2;
         if (!grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
-            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room))
+            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
+            (sim->rolling && !grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
     memset(w->held_start, 0, (sim->n + 1) * sizeof *w->held_start);
@@ -229,7 +255,7 @@ static rp_status hold_springs(dem_sim *sim)
         for (size_t t = 0; t < sim->n_touching; t++) {
             const uint32_t k = sim->touching[t];
             uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
-            if (a == NOWHERE || b == NOWHERE || sim->spring[k] == 0.0) continue;
+            if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
             uint32_t low = a < b ? a : b;
             if (pass == 0) {
                 w->held_start[low + 1]++;
@@ -237,6 +263,7 @@ static rp_status hold_springs(dem_sim *sim)
                 uint32_t at = w->held_start[low]++;
                 w->held_partner[at] = a < b ? b : a;
                 w->held_spring[at] = sim->spring[k];
+                if (sim->rolling) w->held_roll[at] = a < b ? sim->roll[k] : -sim->roll[k];
             }
         }
         if (pass == 0)
@@ -247,12 +274,18 @@ static rp_status hold_springs(dem_sim *sim)
     return RP_OK;
 }
 
-static double held_spring(const struct dem_scratch *w, uint32_t a, uint32_t b)
+/* Give pair k of grains a and b the springs it held before. */
+static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
+    const struct dem_scratch *w = sim->scratch;
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     for (uint32_t at = w->held_start[low]; at < w->held_start[low + 1]; at++)
-        if (w->held_partner[at] == high) return w->held_spring[at];
-    return 0.0;
+        if (w->held_partner[at] == high) {
+            sim->spring[k] = w->held_spring[at];
+            /* it is i's turn against j, where the shear displacement does not ask who is i */
+            if (sim->rolling) sim->roll[k] = a < b ? w->held_roll[at] : -w->held_roll[at];
+            return;
+        }
 }
 
 /* Slots of grain i with grains from..to. */
@@ -260,18 +293,21 @@ static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
     const double r = sim->radius[i], m = sim->mass[i];
+    const bool fixed = sim->inverse_mass[i] == 0.0;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grain[j].x;
         double radii = r + sim->radius[j], reach = radii + sim->skin;
-        if (!(dem_dot(d, d) < reach * reach)) continue;
+        const bool other_fixed = sim->inverse_mass[j] == 0.0;
+        if (!(dem_dot(d, d) < reach * reach) || (fixed && other_fixed)) continue;
         size_t k = sim->n_pairs++;
         sim->pair_i[k] = (uint32_t)i;
         sim->pair_j[k] = (uint32_t)j;
         sim->pair_radii[k] = radii;
-        sim->pair_mass[k] = m * sim->mass[j] / (m + sim->mass[j]);
+        sim->pair_mass[k] = fixed ? sim->mass[j] : other_fixed ? m : m * sim->mass[j] / (m + sim->mass[j]);
         sim->spring[k] = 0.0;
+        if (sim->rolling) sim->roll[k] = 0.0;
         if (dem_dot(d, d) < radii * radii) {
-            sim->spring[k] = held_spring(sim->scratch, (uint32_t)i, (uint32_t)j);
+            restore_springs(sim, k, (uint32_t)i, (uint32_t)j);
             sim->touching[sim->n_touching++] = (uint32_t)k;
         }
     }
@@ -312,8 +348,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
         const dem_wall *wall = &sim->def.walls[k];
         if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
-        const dem_vec direction = {wall->direction[0], wall->direction[1]};
-        const dem_vec point = {wall->point[0], wall->point[1]};
+        const dem_vec direction = sim->wall[k].direction, point = sim->wall[k].point;
         for (uint32_t s = 0; s < n_old; s++)
             if (w->wall_slot[s].wall == k && w->moved_to[w->wall_slot[s].grain] != NOWHERE)
                 w->wall_held[w->moved_to[w->wall_slot[s].grain]] = s;
@@ -321,14 +356,15 @@ static rp_status find_wall_slots(dem_sim *sim)
             double distance = dem_dot(sim->grain[i].x - point, direction);
             uint32_t held = w->wall_held[i];
             w->wall_held[i] = NOWHERE;
-            if (!(fabs(distance) < sim->radius[i] + sim->skin)) continue;
+            if (!(fabs(distance) < sim->radius[i] + sim->skin) || sim->inverse_mass[i] == 0.0) continue;
             if (sim->n_wall_slots == sim->wall_room &&
                 !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
             dem_wall_slot *slot = &sim->wall_slot[sim->n_wall_slots++];
-            *slot = (dem_wall_slot){k, i, 0.0, distance < 0.0 ? -1.0 : 1.0};
+            *slot = (dem_wall_slot){k, i, 0.0, 0.0, distance < 0.0 ? -1.0 : 1.0};
             if (held != NOWHERE) {
                 slot->spring = w->wall_slot[held].spring;
+                slot->roll = w->wall_slot[held].roll;
                 slot->side = w->wall_slot[held].side;
             }
         }
@@ -342,6 +378,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (status) return status;
     sim->rebuilds++;
     sort_grains(sim);
+    measure_room(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
     if (!status) status = find_wall_slots(sim);

@@ -1,5 +1,5 @@
 /* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
- * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out. */
+ * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out where the integrator is Verlet. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,11 @@
 #include "dem/law_shear.h"
 #include "dem/sim.h"
 
+static bool is_fixed(const dem_sim *sim, size_t i)
+{
+    return sim->inverse_mass[i] == 0.0;
+}
+
 static dem_vec acceleration(const dem_sim *sim, size_t i)
 {
     return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
@@ -15,7 +20,20 @@ static dem_vec acceleration(const dem_sim *sim, size_t i)
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
+    if (sim->gear || is_fixed(sim, i)) return sim->grain[i].v;
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
+}
+
+static double omega(const dem_sim *sim, size_t i)
+{
+    const dem_spin *p = &sim->spin[i];
+    return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
+}
+
+static double rotational_energy(const dem_sim *sim, size_t i)
+{
+    const double inertia = dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]);
+    return sim->spin ? 0.5 * inertia * omega(sim, i) * omega(sim, i) : 0.0;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -54,9 +72,23 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
     for (size_t id = 1; id <= sim->last_id; id++) {
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
-        dem_vec x = sim->grain[i].x, v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
-        *states++ = (dem_state){(uint32_t)id, x[0], x[1], sim->radius[i], sim->mass[i],
-                                v[0],         v[1], f[0], f[1],           contacts[i]};
+        dem_vec x = sim->grain[i].x, v = velocity(sim, i);
+        dem_vec f = is_fixed(sim, i) ? sim->force[i] : sim->mass[i] * acceleration(sim, i);
+        const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
+        *states++ = (dem_state){.id = (uint32_t)id,
+                                .x = x[0],
+                                .y = x[1],
+                                .r = sim->radius[i],
+                                .m = sim->mass[i],
+                                .vx = v[0],
+                                .vy = v[1],
+                                .fx = f[0],
+                                .fy = f[1],
+                                .angle = spin.angle,
+                                .omega = sim->spin ? omega(sim, i) : 0.0,
+                                .torque = spin.torque,
+                                .contacts = contacts[i],
+                                .fixed = is_fixed(sim, i)};
     }
     free(contacts);
     free(place);
@@ -68,21 +100,35 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
     const dem_material *c = &sim->def.material;
     dem_vec a = sim->grain[i].x, b = sim->grain[j].x, d = a - b, v = sim->grain[i].v - sim->grain[j].v;
-    double r = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - r, spring = sim->spring[k], f_s = 0.0;
+    double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
+    double spring = sim->spring[k], roll = sim->rolling ? sim->roll[k] : 0.0;
+    /* Gear corrects places after it has found who touches: it can be below 0 by a little */
+    double overlap = fmax(sim->pair_radii[k] - r, 0.0);
     dem_vec n = d * (1.0 / r);
+    double v_s = dem_dot(v, dem_clockwise(n));
+    if (sim->spin)
+        v_s += (sim->radius[i] - 0.5 * overlap) * sim->spin[i].omega +
+               (sim->radius[j] - 0.5 * overlap) * sim->spin[j].omega;
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
                                 overlap, dem_dot(v, n));
     if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
-                            dem_dot(v, dem_clockwise(n)), f_n, 0.0, &spring);
-    return (dem_contact){sim->id[i], sim->id[j], -1, a[0], a[1], b[0], b[1], overlap, f_n, f_s, spring};
+        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
+                            v_s, f_n, 0.0, &spring);
+    if (sim->rolling) {
+        const double r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
+        couple = r_eff * dem_law_rolling(c, sim->pair_mass[k],
+                                         r_eff * (sim->spin[i].omega - sim->spin[j].omega), f_n, 0.0, &roll);
+    }
+    return (dem_contact){sim->id[i], sim->id[j], -1,  a[0],   a[1],   b[0], b[1],
+                         overlap,    f_n,        f_s, spring, couple, roll};
 }
 
 /* The contact of a wall slot; false if they do not touch. */
 static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
 {
     dem_vec normal, wall_velocity;
-    double overlap, f_s = 0.0, spring = sim->wall_slot[k].spring;
+    double overlap, f_s = 0.0, couple = 0.0;
+    double spring = sim->wall_slot[k].spring, roll = sim->wall_slot[k].roll;
     if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) return false;
     const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
     const dem_material *c = &sim->def.walls[w].material;
@@ -90,10 +136,17 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
     dem_vec at = x - (sim->radius[i] - overlap) * normal;
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
                                 dem_dot(v, normal));
+    double v_s = dem_dot(v, dem_clockwise(normal));
+    if (sim->spin) v_s += (sim->radius[i] - overlap) * sim->spin[i].omega;
     if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[w], sim->mass[i],
-                            dem_dot(v, dem_clockwise(normal)), f_n, 0.0, &spring);
-    *contact = (dem_contact){sim->id[i], 0, (int)w, x[0], x[1], at[0], at[1], overlap, f_n, f_s, spring};
+        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->wall_mu[w],
+                            sim->mass[i], v_s, f_n, 0.0, &spring);
+    if (sim->rolling)
+        couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
+                                                  sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
+                                                  f_n, 0.0, &roll);
+    *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
+                             overlap,    f_n, f_s,    spring, couple, roll};
     return true;
 }
 
@@ -115,17 +168,21 @@ static double spring_energy(const dem_sim *sim, const dem_material *c, double mu
     double energy = sim->def.normal == DEM_HERTZ ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
                                                  : 0.5 * c->k_n * overlap * overlap;
     if (sim->def.tangential != DEM_SPRING) return energy;
-    double pull = fmin(c->k_s * ds, mu * fmax(contact->normal_force, 0.0));
-    return energy + pull * ds - 0.5 * pull * pull / c->k_s;
+    double pull = c->k_s * ds;
+    if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
+    energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    return energy + 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring;
 }
 
 void dem_energies(const dem_sim *sim, dem_energy *energy)
 {
     *energy = (dem_energy){0};
     for (size_t i = 0; i < sim->n; i++) {
+        if (is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i);
         energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
+        energy->rotational += rotational_energy(sim, i);
     }
     for (size_t t = 0; t < sim->n_touching; t++) {
         dem_contact contact = pair_contact(sim, sim->touching[t]);
@@ -155,10 +212,10 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     double force2 = 0.0;
     for (size_t i = 0; i < sim->n; i++) {
         double x = sim->grain[i].x[0];
-        if (!(x > lo && x < hi)) continue;
+        if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
-        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v);
+        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i);
         rest->contact_number += contacts[i];
         if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
     }

@@ -21,8 +21,8 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
     for (size_t i = 0; !status && i < dem_count(sim); i++) {
         const dem_state *p = &states[i];
         rp_table_row(out, 14,
-                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, 0.0, p->vx, p->vy,
-                                0.0, p->fx, p->fy, p->r, p->m, p->contacts});
+                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, p->angle, p->vx,
+                                p->vy, p->omega, p->fx, p->fy, p->r, p->m, p->contacts});
     }
     free(states);
     return status;
@@ -40,16 +40,19 @@ rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
                                              {"overlap", "cm"},
                                              {"normal_force", "dyn"},
                                              {"shear_force", "dyn"},
-                                             {"shear_spring", "cm"}};
+                                             {"shear_spring", "cm"},
+                                             {"rolling_torque", "dyn cm"},
+                                             {"rolling_spring", "cm"}};
     dem_contact *contacts;
     size_t n;
     rp_status status = dem_contacts(sim, &contacts, &n);
     rp_table_columns(out, sizeof columns / sizeof *columns, columns);
     for (size_t k = 0; !status && k < n; k++) {
         const dem_contact *c = &contacts[k];
-        rp_table_row(out, 11,
+        rp_table_row(out, 13,
                      (double[]){c->id_a, c->id_b, c->wall + 1, c->x, c->y, c->x_b, c->y_b, c->overlap,
-                                c->normal_force, c->shear_force, c->shear_spring});
+                                c->normal_force, c->shear_force, c->shear_spring, c->rolling_torque,
+                                c->rolling_spring});
     }
     free(contacts);
     return status;
@@ -63,7 +66,8 @@ void dem_write_energy_columns(FILE *out)
                                              {"kinetic", "erg"},
                                              {"elastic", "erg"},
                                              {"gravity", "erg"},
-                                             {"kinetic_per_grain", "erg"}};
+                                             {"kinetic_per_grain", "erg"},
+                                             {"rotational", "erg"}};
     rp_table_columns(out, sizeof columns / sizeof *columns, columns);
 }
 
@@ -72,7 +76,7 @@ void dem_write_energy(const dem_sim *sim, FILE *out)
     const double n = (double)dem_count(sim);
     dem_energy e;
     dem_energies(sim, &e);
-    rp_table_row(out, 7,
+    rp_table_row(out, 8,
                  (double[]){(double)dem_step(sim), dem_time(sim), n, e.kinetic, e.elastic, e.gravity,
-                            n > 0.0 ? e.kinetic / n : 0.0});
+                            n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0, e.rotational});
 }

@@ -13,13 +13,13 @@
 typedef struct {
     bool rotation;
     int shape, integrator, kernel;
-    double density, dt, skin, x_max, y_min, turn_deg;
+    double density, dt, skin, x_max, y_min, turn_deg, box_turn_deg;
     long steps, turn_from_step;
     const char *particles_file;
 } scene_values;
 
 typedef struct {
-    int law, slip;
+    int law, slip, damping;
     bool tension;
     dem_material material;
 } law_values;
@@ -31,34 +31,37 @@ typedef struct {
 } wall_values;
 
 typedef struct {
-    double x, y, r, m, vx, vy, omega;
+    double x, y, r, m, vx, vy, angle, omega;
+    bool fixed;
 } particle_values;
 
 #define AT(type, field) offsetof(type, field)
 
 static const rp_param top_schema[] = {
-    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "",
-     "whether grains rotate; only false so far"},
+    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "", "whether grains rotate"},
     {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk",
-     "gives the mass from the density"},
+     "gives mass (from the density) and moment of inertia"},
     {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
      "of the grains (disk: g/cm^2)"},
-    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet", "time integration"},
+    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet | gear5",
+     "velocity Verlet, or Gear's predictor-corrector of fifth order"},
     {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
     {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
     {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
     {"x_max", "cm", RP_REAL, AT(scene_values, x_max), "none", "(-inf, inf) | none",
-     "a grain whose centre passes it is taken out"},
+     "a grain whose centre passes it, in the box's frame, is taken out"},
     {"y_min", "cm", RP_REAL, AT(scene_values, y_min), "none", "(-inf, inf) | none",
-     "a grain whose centre sinks below it is taken out"},
+     "a grain whose centre sinks below it, in the box's frame, is taken out"},
     {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, turn_deg), "0.0", "[-10, 10]",
      "gravity's turn a step; positive lowers the side at +x"},
+    {"box_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, box_turn_deg), "0.0", "[-10, 10]",
+     "the walls' turn a step, about the origin; positive lowers the side at +x"},
     {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
-     "first step at which gravity turns"},
+     "first step at which gravity or the box turns"},
     {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference",
      "the instance for the scene's laws, or the general loop; the same bits"},
     {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy; instead of `particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
 
 static const rp_param normal_schema[] = {
@@ -78,6 +81,16 @@ static const rp_param tangential_schema[] = {
     {"mu", "", RP_REAL, AT(law_values, material.mu), "0.0", "[0, inf) | infinite", "Coulomb's coefficient"},
     {"slip", "", RP_CHOICE, AT(law_values, slip), "truncated", "truncated | total",
      "what the shear spring remembers while it slides"},
+    {"damping", "", RP_CHOICE, AT(law_values, damping), "outside", "outside | inside",
+     "whether the limit mu F_n leaves the dashpot out, as printed, or holds spring and dashpot together"},
+    {0}};
+
+static const rp_param rolling_schema[] = {
+    {"mu", "", RP_REAL, AT(dem_material, mu_roll), "0.0", "[0, inf)",
+     "rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force"},
+    {"k", "dyn/cm", RP_REAL, AT(dem_material, k_roll), "auto", "[0, inf) | auto", "its stiffness; auto: k_s"},
+    {"gamma", "1/s", RP_REAL, AT(dem_material, gamma_roll), "auto", "[0, inf) | auto",
+     "its damping; auto: gamma_s"},
     {0}};
 
 static const rp_param wall_schema[] = {
@@ -89,6 +102,12 @@ static const rp_param wall_schema[] = {
     {"gamma_s", "1/s", RP_REAL, AT(wall_values, material.gamma_s), "auto", "[0, inf) | auto",
      "auto: the grains'"},
     {"mu", "", RP_REAL, AT(wall_values, material.mu), "auto", "[0, inf) | infinite | auto",
+     "auto: the grains'"},
+    {"mu_roll", "", RP_REAL, AT(wall_values, material.mu_roll), "auto", "[0, inf) | auto",
+     "auto: the grains'"},
+    {"k_roll", "dyn/cm", RP_REAL, AT(wall_values, material.k_roll), "auto", "[0, inf) | auto",
+     "auto: the grains'"},
+    {"gamma_roll", "1/s", RP_REAL, AT(wall_values, material.gamma_roll), "auto", "[0, inf) | auto",
      "auto: the grains'"},
     {"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never", "[0, 2147483647] | never",
      "step from which the wall is gone"},
@@ -104,7 +123,10 @@ static const rp_param particle_schema[] = {
      "mass; auto: from density and shape"},
     {"vx", "cm/s", RP_REAL, AT(particle_values, vx), "0.0", "(-inf, inf)", "velocity"},
     {"vy", "cm/s", RP_REAL, AT(particle_values, vy), "0.0", "(-inf, inf)", "velocity"},
-    {"omega", "1/s", RP_REAL, AT(particle_values, omega), "0.0", "[0, 0]", "spin; 0 where nothing rotates"},
+    {"angle", "rad", RP_REAL, AT(particle_values, angle), "0.0", "(-inf, inf)", "0 where nothing rotates"},
+    {"omega", "rad/s", RP_REAL, AT(particle_values, omega), "0.0", "(-inf, inf)",
+     "spin, counter-clockwise; 0 where nothing rotates"},
+    {"fixed", "", RP_BOOL, AT(particle_values, fixed), "false", "", "whether it never moves"},
     {0}};
 
 static const rp_param fill_schema[] = {
@@ -123,6 +145,7 @@ static const rp_param fill_schema[] = {
 const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
                                              {"normal", normal_schema},
                                              {"tangential", tangential_schema},
+                                             {"rolling", rolling_schema},
                                              {"walls", wall_schema},
                                              {"particles", particle_schema},
                                              {"fill", fill_schema},
@@ -131,6 +154,22 @@ const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
 static double or_else(double value, double fallback)
 {
     return value < 0.0 ? fallback : value;
+}
+
+static rp_status read_rolling(const config_setting_t *root, dem_definition *def)
+{
+    const config_setting_t *group = config_setting_get_member(root, "rolling");
+    dem_material v;
+    rp_params_defaults(rolling_schema, &v);
+    rp_status status = group ? rp_config_group(group, rolling_schema, &v, NULL) : RP_OK;
+    if (status) return status;
+    if (v.mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
+        return rp_config_fail(
+            group, "mu = %g: needs rotation = true and tangential = { law = \"spring\"; ... }", v.mu_roll);
+    def->material.mu_roll = v.mu_roll;
+    def->material.k_roll = or_else(v.k_roll, def->material.k_s);
+    def->material.gamma_roll = or_else(v.gamma_roll, def->material.gamma_s);
+    return RP_OK;
 }
 
 static rp_status read_laws(const config_setting_t *root, dem_definition *def)
@@ -152,10 +191,11 @@ static rp_status read_laws(const config_setting_t *root, dem_definition *def)
         return rp_config_fail(group, "mu = %g: needs law = \"spring\"", v.material.mu);
     def->tangential = v.law;
     def->slip = v.slip;
+    def->damping = v.damping;
     def->material.k_s = v.material.k_s;
     def->material.gamma_s = or_else(v.material.gamma_s, def->material.gamma_n / 100.0);
     def->material.mu = v.material.mu;
-    return RP_OK;
+    return read_rolling(root, def);
 }
 
 static rp_status read_wall(const config_setting_t *setting, const dem_definition *def, dem_wall *wall)
@@ -184,10 +224,14 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     if (def->tangential == DEM_NONE && v.material.mu > 0.0)
         return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }",
                               v.material.mu);
-    wall->material = (dem_material){
-        or_else(v.material.k_n, 2.0 * def->material.k_n), or_else(v.material.gamma_n, def->material.gamma_n),
-        or_else(v.material.k_s, def->material.k_s), or_else(v.material.gamma_s, def->material.gamma_s),
-        or_else(v.material.mu, def->material.mu)};
+    wall->material = (dem_material){or_else(v.material.k_n, 2.0 * def->material.k_n),
+                                    or_else(v.material.gamma_n, def->material.gamma_n),
+                                    or_else(v.material.k_s, def->material.k_s),
+                                    or_else(v.material.gamma_s, def->material.gamma_s),
+                                    or_else(v.material.mu, def->material.mu),
+                                    or_else(v.material.mu_roll, def->material.mu_roll),
+                                    or_else(v.material.k_roll, def->material.k_roll),
+                                    or_else(v.material.gamma_roll, def->material.gamma_roll)};
     return RP_OK;
 }
 
@@ -219,7 +263,7 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
             rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
         if (status) return status;
         double m = or_else(v.m, dem_mass(top->shape, top->density, v.r));
-        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy};
+        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy, v.angle, v.omega, v.fixed};
     }
     scene->def.n_grains = n;
     return RP_OK;
@@ -227,18 +271,19 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
 
 static rp_status read_particles_table(const rp_table *table, const scene_values *top, dem_scene *scene)
 {
-    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy"};
-    int columns[6];
+    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega", "fixed"};
+    enum { N = sizeof names / sizeof *names };
+    int columns[N];
     bool named = table->n_columns > 0 && table->names[0];
-    for (int c = 0; c < 6; c++) {
+    for (int c = 0; c < N; c++) {
         columns[c] = named ? rp_table_column(table, names[c]) : c < (int)table->n_columns ? c : -1;
         if (columns[c] < 0 && c < 3) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, names[c]);
     }
     scene->grains = malloc((table->n_rows + 1) * sizeof *scene->grains);
     if (!scene->grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     for (size_t i = 0; i < table->n_rows; i++) {
-        double v[6] = {0.0};
-        for (int c = 0; c < 6; c++) {
+        double v[N] = {0.0};
+        for (int c = 0; c < N; c++) {
             rp_status status = columns[c] < 0 ? RP_OK : rp_table_number(table, i, columns[c], 0, &v[c]);
             if (status) return status;
         }
@@ -246,7 +291,7 @@ static rp_status read_particles_table(const rp_table *table, const scene_values 
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
         if (columns[3] < 0) v[3] = dem_mass(top->shape, top->density, v[2]);
-        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5]};
+        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
     scene->def.n_grains = table->n_rows;
     return RP_OK;
@@ -346,8 +391,8 @@ static rp_status change(config_t *config, const char *text)
 
 static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
 {
-    static const char *const others[] = {"gravity",   "normal", "tangential", "walls",
-                                         "particles", "fill",   NULL};
+    static const char *const others[] = {"gravity", "normal",    "tangential", "rolling",
+                                         "walls",   "particles", "fill",       NULL};
     rp_status status = rp_config_read(path, config);
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
@@ -356,10 +401,9 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     rp_params_defaults(top_schema, &top);
     status = rp_config_group(root, top_schema, &top, others);
     if (status) return status;
-    if (top.rotation)
-        return rp_config_fail(config_setting_get_member(root, "rotation"),
-                              "rotation = true: only false so far");
     dem_definition *def = &scene->def;
+    def->rotation = top.rotation;
+    def->shape = top.shape;
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
     def->dt = top.dt;
@@ -367,7 +411,9 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->x_max = top.x_max;
     def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
     def->turn_per_step = top.turn_deg * (M_PI / 180.0);
+    def->box_turn_per_step = top.box_turn_deg * (M_PI / 180.0);
     def->turn_from_step = top.turn_from_step;
+    def->integrator = top.integrator;
     def->reference_kernel = top.kernel == 1;
     scene->steps = top.steps;
     status = read_laws(root, def);
@@ -426,12 +472,16 @@ static void write_top(FILE *out, const dem_scene *scene)
     const dem_definition *def = &scene->def;
     scene_values top;
     rp_params_defaults(top_schema, &top);
+    top.rotation = def->rotation;
+    top.shape = def->shape;
     top.dt = def->dt;
     top.skin = def->skin > 0.0 ? def->skin : -1.0;
     top.x_max = def->x_max;
     top.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
     top.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    top.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
     top.turn_from_step = def->turn_from_step;
+    top.integrator = def->integrator;
     top.steps = scene->steps;
     top.kernel = def->reference_kernel;
     if (scene->has_fill) {
@@ -466,7 +516,7 @@ static void write_particles(FILE *out, const dem_scene *scene)
     fputs("particles = (", out);
     for (size_t i = 0; i < scene->def.n_grains; i++) {
         const dem_grain *p = &scene->grains[i];
-        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, 0.0};
+        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, p->angle, p->omega, p->fixed};
         fputs(i ? ",\n  { " : "\n  { ", out);
         rp_config_write(out, particle_schema, &values);
         fputs("}", out);
@@ -477,11 +527,12 @@ static void write_particles(FILE *out, const dem_scene *scene)
 void dem_scene_write(const dem_scene *scene, FILE *out)
 {
     const dem_definition *def = &scene->def;
-    const law_values normal = {def->normal, def->slip, def->tension, def->material};
-    const law_values tangential = {def->tangential, def->slip, def->tension, def->material};
+    const law_values normal = {def->normal, def->slip, def->damping, def->tension, def->material};
+    const law_values tangential = {def->tangential, def->slip, def->damping, def->tension, def->material};
     write_top(out, scene);
     write_group(out, "normal", normal_schema, &normal);
     write_group(out, "tangential", tangential_schema, &tangential);
+    write_group(out, "rolling", rolling_schema, &def->material);
     write_walls(out, def);
     if (scene->has_fill)
         write_group(out, "fill", fill_schema, &scene->fill);

@@ -34,14 +34,16 @@ typedef struct {
 } dem_scene_group;
 extern const dem_scene_group dem_scene_schemas[];
 
-/* Table rows: step t id x y angle vx vy omega fx fy r m contacts. Nothing rotates: angle and omega are 0. */
+/* Table rows: step t id x y angle vx vy omega fx fy r m contacts. */
 void dem_write_state_columns(FILE *out);
 rp_status dem_write_states(const dem_sim *sim, FILE *out);
 
-/* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring. */
+/* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring
+ * rolling_torque rolling_spring. */
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
 
-/* Table rows: step t grains kinetic elastic gravity kinetic_per_grain (erg; gravity from the origin). */
+/* Table rows: step t grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the
+ * origin; kinetic of translation alone, per grain of both). */
 void dem_write_energy_columns(FILE *out);
 void dem_write_energy(const dem_sim *sim, FILE *out);
 

@@ -7,18 +7,30 @@
 /* Two doubles as one value: + - * act on both. */
 typedef double dem_vec __attribute__((vector_size(16)));
 
-/* What the pair loop reads of a grain, in one 32-byte piece. The velocity is that of half a step before
- * the positions: v(n - 1/2); observers add half a step's acceleration. */
+/* What the pair loop reads of a grain, in one 32-byte piece. Verlet's velocity is that of half a step before
+ * the positions: v(n - 1/2); observers add half a step's acceleration. Gear's is that of the positions. */
 typedef struct {
     dem_vec x, v;
 } dem_record;
+
+/* What rotates, where anything does. The spin is of half a step before, as the velocity is. */
+typedef struct {
+    double angle, omega, torque, inverse_inertia;
+} dem_spin;
 
 /* Grains near a wall: one slot each, from one rebuilding of the list to the next. `side` is +1 where the
  * grain is on the side of the wall's direction; -1 only behind a wall that it came round the end of. */
 typedef struct {
     uint32_t wall, grain;
-    double spring, side;
+    double spring, roll, side;
 } dem_wall_slot;
+
+/* What the Gear scheme keeps of a grain besides: its derivatives 2 to 5, x^(k) dt^k/k!, and by how much the
+ * way from one force evaluation to the next differs from v dt, which is what the shear springs lack. Between
+ * steps `slide` is x less the place of the last force evaluation. */
+typedef struct {
+    dem_vec q[4], slide;
+} dem_gear;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
 
@@ -30,12 +42,22 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
+    /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
+     * step, over dt, along and across its place; angles turned in all, since the last rebuilding, and until
+     * the next; the walls' places */
+    dem_vec box_step, box, box_swing;
+    double box_angle, box_swept, box_room;
+    long box_from_step;
+    struct {
+        dem_vec point, direction;
+    } wall[DEM_MAX_WALLS];
     double mu; /* finite stand-in for an infinite one */
     double wall_mu[DEM_MAX_WALLS];
     double r_min, r_max, skin;
     double radius_mean, mass_mean, start_speed, dt_limit; /* for the header's notes */
     const char *dt_limit_of;
-    bool alarm; /* an overlap beyond the smallest radius was seen */
+    bool rolling; /* some contact resists rolling */
+    bool alarm;   /* an overlap beyond the smallest radius was seen */
 
     /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
     size_t n, room;   /* present; that the arrays hold */
@@ -43,13 +65,18 @@ struct dem_sim {
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
-    double *radius, *mass, *inverse_mass;
+    dem_gear *gear;                       /* NULL for Verlet */
+    double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     uint32_t *id;
+    dem_spin *spin; /* NULL without rotation */
+    size_t n_fixed;
+    uint32_t *fixed; /* their places */
 
-    /* pairs closer than touching + skin; `spring` is 0 while they do not touch */
+    /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch */
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
+    double *roll; /* rolling displacements; NULL without rolling resistance */
 
     size_t n_wall_slots, wall_room;
     dem_wall_slot *wall_slot;
@@ -75,13 +102,37 @@ static inline dem_vec dem_clockwise(dem_vec n)
 /* Choose the kernel of the definition; kernels.c. */
 void dem_kernel_choose(dem_sim *sim);
 
-/* Advance velocities and positions by a step and clear the forces; true if the neighbour list has run out,
- * a grain left or a number is not finite; integrators.c. */
+/* A point in the box's frame. */
+static inline dem_vec dem_to_box(const dem_sim *sim, dem_vec x)
+{
+    return sim->box[0] * x - sim->box[1] * dem_clockwise(x);
+}
+
+/* A grain at x has left; false for NaN. */
+static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
+{
+    x = dem_to_box(sim, x);
+    return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
+}
+
+/* Advance velocities and positions by a step, Gear's as a prediction, and clear the forces; true if the
+ * neighbour list has run out, a grain left or a number is not finite; integrators.c. */
 bool dem_integrate(dem_sim *sim);
+
+/* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
+ * predicted. */
+void dem_integrate_start(dem_sim *sim, size_t from);
+void dem_integrate_correct(dem_sim *sim);
+
+/* Gravity changes between steps by this. */
+void dem_integrate_gravity(dem_sim *sim, dem_vec change);
 
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
+
+/* Turn the walls on for a step if they turn now; walls.c. */
+void dem_walls_turn(dem_sim *sim);
 
 /* Add the forces of the walls; walls.c. */
 void dem_walls_apply(dem_sim *sim, double h);

@@ -7,12 +7,35 @@
 #include "dem/law_shear.h"
 #include "dem/sim.h"
 
+static dem_vec turned(const dem_sim *sim, const double x[2])
+{
+    return sim->box[0] * (dem_vec){x[0], x[1]} + sim->box[1] * dem_clockwise((dem_vec){x[0], x[1]});
+}
+
+/* The walls' places follow from the definition's and the angle, so that they keep their shape. */
+void dem_walls_turn(dem_sim *sim)
+{
+    sim->box_swing = (dem_vec){0.0, 0.0};
+    if (sim->def.box_turn_per_step == 0.0 || sim->step < sim->box_from_step) return;
+    const double c = sim->box_step[0], s = sim->box_step[1];
+    dem_vec box = {c * sim->box[0] - s * sim->box[1], c * sim->box[1] + s * sim->box[0]};
+    sim->box = box * (1.0 / sqrt(dem_dot(box, box)));
+    sim->box_angle += sim->def.box_turn_per_step;
+    sim->box_swept += fabs(sim->def.box_turn_per_step);
+    /* of p, where the step has brought it: (1 - cos) p + sin (p turned clockwise) */
+    sim->box_swing = (dem_vec){s * s / (1.0 + c), s} / sim->def.dt;
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        sim->wall[w].point = turned(sim, sim->def.walls[w].point);
+        sim->wall[w].direction = turned(sim, sim->def.walls[w].direction);
+    }
+}
+
 bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
                     dem_vec *velocity)
 {
     const dem_wall *w = &sim->def.walls[slot->wall];
-    dem_vec direction = {w->direction[0], w->direction[1]}, tangent = dem_clockwise(direction);
-    dem_vec d = sim->grain[slot->grain].x - (dem_vec){w->point[0], w->point[1]};
+    dem_vec direction = sim->wall[slot->wall].direction, tangent = dem_clockwise(direction);
+    dem_vec d = sim->grain[slot->grain].x - sim->wall[slot->wall].point;
     double distance = dem_dot(d, direction), along = dem_dot(d, tangent);
     double lo = w->extent[0], hi = w->extent[1];
     *velocity = (dem_vec){0.0, 0.0};
@@ -32,6 +55,10 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
         *overlap = sim->radius[slot->grain] - slot->side * distance;
         *normal = slot->side * direction;
     }
+    if (sim->box_swing[1] != 0.0) {
+        dem_vec p = sim->grain[slot->grain].x - (sim->radius[slot->grain] - *overlap) * *normal;
+        *velocity += sim->box_swing[0] * p + sim->box_swing[1] * dem_clockwise(p);
+    }
     return true;
 }
 
@@ -43,7 +70,7 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec n, wall_velocity;
         double overlap;
         if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
-            slot->spring = 0.0;
+            slot->spring = slot->roll = 0.0;
             continue;
         }
         const size_t i = slot->grain;
@@ -55,8 +82,19 @@ void dem_walls_apply(dem_sim *sim, double h)
         dem_vec f = f_n * n;
         if (sim->def.tangential == DEM_SPRING) {
             dem_vec s = dem_clockwise(n);
-            f += s * dem_law_shear(sim->def.slip, c->k_s, c->gamma_s, sim->wall_mu[slot->wall], sim->mass[i],
-                                   dem_dot(v, s), f_n, h, &slot->spring);
+            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
+            double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
+            if (sim->spin) v_s += arm * sim->spin[i].omega;
+            double f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s,
+                                       sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+            f += s * f_s;
+            if (sim->spin) sim->spin[i].torque += arm * f_s;
+            if (sim->rolling)
+                sim->spin[i].torque +=
+                    sim->radius[i] *
+                    dem_law_rolling(c, sim->mass[i],
+                                    sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
+                                    &slot->roll);
         }
         sim->force[i] += f;
         sim->wall_force[slot->wall] -= f;

@@ -1,0 +1,598 @@
+/* repose forensics: which choices that a paper leaves open agree with the numbers that it gives?
+ *
+ * A sweep has run combinations of choices (factors), each at the grid points that the published claims speak
+ * of. Every combination is judged by all claims at once; see angle.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "cli/cli.h"
+#include "core/random.h"
+
+static const double deg = M_PI / 180.0;
+
+enum { MAX_FACTORS = 24, MAX_LEVELS = 12, MAX_CLAIMS = 24, MAX_TERMS = 64, MAX_COORDINATES = 8 };
+enum { REPORT_COMBINATIONS, REPORT_EFFECTS, REPORT_LEVELS };
+
+typedef struct {
+    const char *claims, *factors;
+    int report;
+    double level;
+    long draws, seed;
+} forensics_options;
+
+static const rp_param options[] = {
+    {"claims", "", RP_TEXT, offsetof(forensics_options, claims), NULL, "", "table of published claims"},
+    {"factors", "", RP_TEXT, offsetof(forensics_options, factors), NULL, "",
+     "columns of the choices, joined by commas; a:b ranks the values of a within each value of b"},
+    {"report", "", RP_CHOICE, offsetof(forensics_options, report), "combinations",
+     "combinations | effects | levels", "what to print"},
+    {"level", "", RP_REAL, offsetof(forensics_options, level), "0.05", "(0, 1)",
+     "a true combination is excluded with this chance"},
+    {"draws", "", RP_INT, offsetof(forensics_options, draws), "1000", "[20, 1000000]",
+     "simulated publications of each combination"},
+    {"seed", "", RP_INT, offsetof(forensics_options, seed), "1993", "[0, 2147483647]", "seed of the draws"},
+    {0}};
+
+static const cli_command command = {
+    "forensics",
+    "RUNS --claims FILE --factors LIST [options]",
+    "Which combinations of unsaid choices agree with all published numbers at once?\n"
+    "RUNS: one row a run, as repose sweep export writes; a grid point with fewer than half of its runs ok "
+    "has "
+    "no\n"
+    "number, and a combination without one of the numbers is incomplete: not computable as it stands.\n"
+    "FILE: one row a term of a claim: claim kind value error held_out coefficient column, then the columns "
+    "of "
+    "RUNS\n"
+    "that say where the term is measured. A claim is on the sum of coefficient times mean; kind: value (+- "
+    "error)\n"
+    "or sign (value -1 or 1); the errors are taken up to a common scale, averaged over 1/5 to 2. `column` "
+    "without\n"
+    "_deg: every surface variant NAME_VARIANT_deg makes a combination of its own. Held-out claims do not "
+    "judge: "
+    "they\n"
+    "test the combinations that are not excluded.\n"
+    "combinations: likelihood, p-value, status and numbers; effects: change of each number from a factor's "
+    "first "
+    "level\n"
+    "(95 % interval; the residual holds interactions); levels: what is left of each level.",
+    "repose forensics build/tables/lh_forensics_runs.tsv --claims sweeps/lh_forensics_claims.tsv "
+    "--factors slip,shape,floor",
+    options,
+    1,
+    1};
+
+/* How the surface of a pile is read: what follows the column's stem, and for methods 1 and 2. */
+static const char *const variants[] = {"",
+                                       "_centre_zero_origin",
+                                       "_centre_skip",
+                                       "_centre_skip_origin",
+                                       "_raw_centre_zero",
+                                       "_raw_centre_zero_origin",
+                                       "_raw_centre_skip",
+                                       "_raw_centre_skip_origin",
+                                       "_top_zero",
+                                       "_top_zero_origin",
+                                       "_top_skip",
+                                       "_top_skip_origin"};
+enum { N_VARIANTS = sizeof variants / sizeof *variants };
+
+typedef struct {
+    size_t claim;
+    double coefficient;
+    double at[MAX_COORDINATES];
+    int column[N_VARIANTS]; /* of the runs */
+} claim_term;
+
+typedef struct {
+    const rp_table *runs;
+    size_t n_factors, n_coordinates, n_claims, n_terms, n_combinations;
+    struct {
+        char name[40];
+        int column, within; /* within: the column whose values it is nested in, or -1 */
+        size_t n_levels;
+        char levels[MAX_LEVELS][24];
+    } factor[MAX_FACTORS];
+    int coordinate[MAX_COORDINATES], status;
+    struct {
+        char name[40];
+        bool held_out;
+    } about[MAX_CLAIMS];
+    ang_claim claims[MAX_CLAIMS];
+    claim_term terms[MAX_TERMS];
+    size_t *level;  /* [combination][factor] */
+    size_t *of_run; /* combination of each run */
+    double *y, *se; /* [combination][variant][claim] */
+} study;
+
+static const char *cell(const rp_table *t, size_t row, int column)
+{
+    return t->cells[row * t->n_columns + (size_t)column];
+}
+
+static rp_status find_column(const rp_table *t, const char *name, int *column)
+{
+    *column = rp_table_column(t, name);
+    return *column >= 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, name);
+}
+
+/* ---- reading ---- */
+
+static rp_status read_factors(study *s, const char *list)
+{
+    char text[1024];
+    if (strlen(list) >= sizeof text) return rp_fail(RP_BAD_INPUT, "--factors: too long");
+    strcpy(text, list);
+    for (char *save, *word = strtok_r(text, ",", &save); word; word = strtok_r(NULL, ",", &save)) {
+        if (s->n_factors == MAX_FACTORS) return rp_fail(RP_BAD_INPUT, "--factors: at most %d", MAX_FACTORS);
+        char *colon = strchr(word, ':');
+        if (colon) *colon = '\0';
+        snprintf(s->factor[s->n_factors].name, sizeof s->factor->name, "%s", word);
+        s->factor[s->n_factors].within = -1;
+        rp_status status = find_column(s->runs, word, &s->factor[s->n_factors].column);
+        if (!status && colon) status = find_column(s->runs, colon + 1, &s->factor[s->n_factors].within);
+        if (status) return status;
+        s->n_factors++;
+    }
+    return s->n_factors > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "--factors: none given");
+}
+
+/* Rank of a run's value among the distinct values of its nest. */
+static size_t rank_within(const rp_table *t, size_t row, int column, int within)
+{
+    size_t rank = 1;
+    double value = strtod(cell(t, row, column), NULL), seen[MAX_LEVELS];
+    size_t n_seen = 0;
+    for (size_t r = 0; r < t->n_rows; r++) {
+        if (strcmp(cell(t, r, within), cell(t, row, within)) != 0) continue;
+        double other = strtod(cell(t, r, column), NULL);
+        bool known = other >= value;
+        for (size_t k = 0; k < n_seen && !known; k++) known = seen[k] == other;
+        if (known || n_seen == MAX_LEVELS) continue;
+        seen[n_seen++] = other;
+        rank++;
+    }
+    return rank;
+}
+
+static rp_status level_of(study *s, size_t row, size_t f, size_t *level)
+{
+    char label[24];
+    const char *text = cell(s->runs, row, s->factor[f].column);
+    if (s->factor[f].within >= 0)
+        snprintf(label, sizeof label, "%zu",
+                 rank_within(s->runs, row, s->factor[f].column, s->factor[f].within));
+    else
+        snprintf(label, sizeof label, "%s", text);
+    for (*level = 0; *level < s->factor[f].n_levels; ++*level)
+        if (strcmp(s->factor[f].levels[*level], label) == 0) return RP_OK;
+    if (*level == MAX_LEVELS)
+        return rp_fail(RP_BAD_INPUT, "%s: column %s has more than %d different values: no factor",
+                       s->runs->path, s->factor[f].name, MAX_LEVELS);
+    strcpy(s->factor[f].levels[s->factor[f].n_levels++], label);
+    return RP_OK;
+}
+
+/* Give each run the number of its combination; the first run's levels are the reference of each factor. */
+static rp_status read_combinations(study *s)
+{
+    const size_t n = s->runs->n_rows, F = s->n_factors;
+    s->level = calloc((n + 1) * F, sizeof *s->level);
+    s->of_run = calloc(n + 1, sizeof *s->of_run);
+    if (!s->level || !s->of_run) return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    for (size_t row = 0; row < n; row++) {
+        size_t *mine = s->level + s->n_combinations * F, c = 0;
+        for (size_t f = 0; f < F; f++) {
+            rp_status status = level_of(s, row, f, &mine[f]);
+            if (status) return status;
+        }
+        while (memcmp(s->level + c * F, mine, F * sizeof *mine) != 0) c++;
+        s->of_run[row] = c;
+        s->n_combinations += c == s->n_combinations;
+    }
+    return RP_OK;
+}
+
+static rp_status read_term(study *s, const rp_table *t, size_t row, const int columns[7])
+{
+    if (s->n_terms == MAX_TERMS) return rp_fail(RP_BAD_INPUT, "%s: at most %d rows", t->path, MAX_TERMS);
+    const char *name = cell(t, row, columns[0]), *kind = cell(t, row, columns[1]),
+               *stem = cell(t, row, columns[6]);
+    claim_term *term = &s->terms[s->n_terms++];
+    double value, error, held_out;
+    rp_status status = rp_table_number(t, row, columns[2], 0, &value);
+    if (!status) status = rp_table_number(t, row, columns[3], 0, &error);
+    if (!status) status = rp_table_number(t, row, columns[4], 0, &held_out);
+    if (!status) status = rp_table_number(t, row, columns[5], 0, &term->coefficient);
+    for (size_t k = 0; !status && k < s->n_coordinates; k++)
+        status = rp_table_number(t, row, columns[6] + 1 + (int)k, 0, &term->at[k]);
+    if (status) return status;
+    bool sign = strcmp(kind, "sign") == 0;
+    if (!sign && strcmp(kind, "value") != 0)
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: kind = %s: allowed: value | sign", t->path, t->lines[row],
+                       kind);
+    for (term->claim = 0; term->claim < s->n_claims; term->claim++)
+        if (strcmp(s->about[term->claim].name, name) == 0) break;
+    if (term->claim == s->n_claims) {
+        if (s->n_claims == MAX_CLAIMS)
+            return rp_fail(RP_BAD_INPUT, "%s: at most %d claims", t->path, MAX_CLAIMS);
+        snprintf(s->about[s->n_claims].name, sizeof s->about->name, "%s", name);
+        s->about[s->n_claims].held_out = held_out != 0.0;
+        s->claims[s->n_claims++] =
+            (ang_claim){sign ? ANG_CLAIM_SIGN : ANG_CLAIM_VALUE, sign ? value : value * deg, error * deg};
+    }
+    for (int v = 0; v < N_VARIANTS; v++) {
+        char column[80];
+        /* the parabola is of method 3 alone */
+        size_t length = strlen(variants[v]);
+        if (strstr(variants[v], "_origin") && !strstr(stem, "r3")) length -= strlen("_origin");
+        snprintf(column, sizeof column, "%s%.*s_deg", stem,
+                 strncmp(variants[v], "_centre_zero", length) == 0 ? 0 : (int)length, variants[v]);
+        status = find_column(s->runs, column, &term->column[v]);
+        if (status) return status;
+    }
+    return RP_OK;
+}
+
+static rp_status read_claims(study *s, const char *path)
+{
+    static const char *const names[] = {"claim",    "kind",        "value", "error",
+                                        "held_out", "coefficient", "column"};
+    rp_table t;
+    int columns[7];
+    rp_status status = rp_table_read(path, &t);
+    for (int k = 0; k < 7 && !status; k++) status = find_column(&t, names[k], &columns[k]);
+    for (size_t k = 0; !status && (size_t)columns[6] + 1 + k < t.n_columns; k++) {
+        if (k == MAX_COORDINATES)
+            status = rp_fail(RP_BAD_INPUT, "%s: at most %d coordinates", path, MAX_COORDINATES);
+        else
+            status = find_column(s->runs, t.names[(size_t)columns[6] + 1 + k], &s->coordinate[k]);
+        if (!status) s->n_coordinates++;
+    }
+    for (size_t row = 0; !status && row < t.n_rows; row++) status = read_term(s, &t, row, columns);
+    if (!status && s->n_claims == 0) status = rp_fail(RP_NO_RESULT, "%s: no claims", path);
+    rp_table_free(&t);
+    return status;
+}
+
+/* ---- numbers of each combination ---- */
+
+static bool matches(const study *s, const claim_term *term, size_t row)
+{
+    for (size_t k = 0; k < s->n_coordinates; k++) {
+        double at = strtod(cell(s->runs, row, s->coordinate[k]), NULL);
+        if (!(fabs(at - term->at[k]) <= 1e-9 * fabs(term->at[k]))) return false;
+    }
+    return true;
+}
+
+typedef struct {
+    size_t n, n_ok;
+    double sum, squares;
+} cell_sum;
+
+/* Means of one term and variant over the runs of each combination, with the standard deviation pooled over
+ * the combinations: six piles alone say too little of theirs. Adds to y and to the squares in se. */
+static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums[])
+{
+    const rp_table *t = s->runs;
+    memset(sums, 0, s->n_combinations * sizeof *sums);
+    for (size_t row = 0; row < t->n_rows; row++) {
+        if (!matches(s, term, row)) continue;
+        cell_sum *c = &sums[s->of_run[row]];
+        double value;
+        rp_status status = rp_table_number(t, row, term->column[v], 1, &value);
+        if (status) return status;
+        c->n++;
+        if (strncmp(cell(t, row, s->status), "ok", 2) != 0 || !isfinite(value)) continue;
+        c->n_ok++;
+        c->sum += value * deg;
+        c->squares += value * deg * value * deg;
+    }
+    double squares = 0.0, dof = 0.0;
+    for (size_t c = 0; c < s->n_combinations; c++) {
+        if (sums[c].n_ok < 2) continue;
+        squares += sums[c].squares - sums[c].sum * sums[c].sum / (double)sums[c].n_ok;
+        dof += (double)sums[c].n_ok - 1.0;
+    }
+    for (size_t c = 0; c < s->n_combinations; c++) {
+        size_t at = (c * N_VARIANTS + (size_t)v) * s->n_claims + term->claim;
+        double n = (double)sums[c].n_ok;
+        bool enough = sums[c].n_ok > 0 && 2 * sums[c].n_ok >= sums[c].n;
+        s->y[at] += enough ? term->coefficient * sums[c].sum / n : NAN;
+        s->se[at] += enough ? term->coefficient * term->coefficient * squares / dof / n : NAN;
+    }
+    return RP_OK;
+}
+
+static rp_status read_numbers(study *s)
+{
+    const size_t n = s->n_combinations * N_VARIANTS * s->n_claims;
+    s->y = calloc(n + 1, sizeof *s->y);
+    s->se = calloc(n + 1, sizeof *s->se);
+    cell_sum *sums = calloc(s->n_combinations + 1, sizeof *sums);
+    rp_status status = s->y && s->se && sums ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    for (size_t k = 0; k < s->n_terms; k++)
+        for (int v = 0; v < N_VARIANTS && !status; v++) status = add_term(s, &s->terms[k], v, sums);
+    for (size_t i = 0; i < n && !status; i++) s->se[i] = sqrt(s->se[i]);
+    free(sums);
+    return status;
+}
+
+/* ---- judging ---- */
+
+/* Judge all combinations and variants by the claims that are held out, or that are not. */
+static rp_status judge(const study *s, bool held_out, const forensics_options *o, ang_agreement agreement[],
+                       double *by_chance)
+{
+    const size_t m = s->n_combinations * N_VARIANTS;
+    ang_claim claims[MAX_CLAIMS];
+    size_t n = 0;
+    double *y = malloc((m * s->n_claims + 1) * sizeof *y), *se = malloc((m * s->n_claims + 1) * sizeof *se);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, held_out, RP_PURPOSE_BOOTSTRAP);
+    rp_status status = y && se && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    for (size_t k = 0; k < s->n_claims; k++)
+        if (s->about[k].held_out == held_out) claims[n++] = s->claims[k];
+    for (size_t c = 0; c < m && !status; c++)
+        for (size_t k = 0, i = 0; k < s->n_claims; k++) {
+            if (s->about[k].held_out != held_out) continue;
+            y[c * n + i] = s->y[c * s->n_claims + k];
+            se[c * n + i++] = s->se[c * s->n_claims + k];
+        }
+    if (!status && n > 0)
+        status = ang_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
+                                  held_out ? 0 : (size_t)o->draws, rng, agreement, by_chance);
+    if (!status && n == 0)
+        for (size_t c = 0; c < m; c++) agreement[c] = (ang_agreement){false, true, NAN, NAN, NAN};
+    if (rng) gsl_rng_free(rng);
+    free(y);
+    free(se);
+    return status;
+}
+
+static const char *variant_word(size_t v)
+{
+    return v == 0 ? "centre_zero" : variants[v] + 1;
+}
+
+static const char *verdict(const ang_agreement *a)
+{
+    return !a->complete ? "incomplete" : a->excluded ? "excluded" : "not_excluded";
+}
+
+static const double *sort_key;
+
+static int by_likelihood(const void *a, const void *b)
+{
+    size_t i = *(const size_t *)a, j = *(const size_t *)b;
+    double p = sort_key[i], q = sort_key[j];
+    return p != q ? (p < q) - (p > q) : (i > j) - (i < j);
+}
+
+static void print_combination_header(const study *s)
+{
+    printf("#");
+    for (size_t f = 0; f < s->n_factors + 4; f++) printf("\t");
+    for (size_t k = 0; k < s->n_claims; k++) printf("\tdeg\tdeg");
+    printf("\t\n# rank\tcombination\tsurface");
+    for (size_t f = 0; f < s->n_factors; f++) printf("\t%s", s->factor[f].name);
+    printf("\tlog_likelihood\tp_value\tp_held_out");
+    for (size_t k = 0; k < s->n_claims; k++)
+        printf("\t%s_deg\t%s_se_deg", s->about[k].name, s->about[k].name);
+    printf("\tstatus\n");
+}
+
+static rp_status print_combinations(const study *s, const ang_agreement *main, const ang_agreement *held)
+{
+    const size_t m = s->n_combinations * N_VARIANTS;
+    size_t *order = malloc((m + 1) * sizeof *order);
+    double *key = malloc((m + 1) * sizeof *key);
+    if (!order || !key) {
+        free(order);
+        free(key);
+        return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    }
+    for (size_t c = 0; c < m; c++) {
+        order[c] = c;
+        key[c] = main[c].complete ? main[c].log_likelihood : -INFINITY;
+    }
+    sort_key = key;
+    qsort(order, m, sizeof *order, by_likelihood);
+    print_combination_header(s);
+    for (size_t i = 0; i < m; i++) {
+        size_t c = order[i], combination = c / N_VARIANTS;
+        printf("%zu\t%zu\t%s", i + 1, combination, variant_word(c % N_VARIANTS));
+        for (size_t f = 0; f < s->n_factors; f++)
+            printf("\t%s", s->factor[f].levels[s->level[combination * s->n_factors + f]]);
+        printf("\t%.17g\t%.17g\t%.17g", main[c].log_likelihood, main[c].p_value, held[c].p_value);
+        for (size_t k = 0; k < s->n_claims; k++)
+            printf("\t%.17g\t%.17g", s->y[c * s->n_claims + k] / deg, s->se[c * s->n_claims + k] / deg);
+        printf("\t%s\n", verdict(&main[c]));
+    }
+    free(order);
+    free(key);
+    return RP_OK;
+}
+
+/* Each level of each factor, and each way to read the surface: how much of it is left. */
+static void print_levels(const study *s, const ang_agreement *a)
+{
+    const size_t m = s->n_combinations * N_VARIANTS;
+    double top = -INFINITY, total = 0.0;
+    for (size_t c = 0; c < m; c++)
+        if (a[c].complete) top = fmax(top, a[c].log_likelihood);
+    for (size_t c = 0; c < m; c++)
+        if (a[c].complete) total += exp(a[c].log_likelihood - top);
+    rp_table_columns(stdout, 6,
+                     (const char *const[][2]){{"factor", ""},
+                                              {"level", ""},
+                                              {"tested", ""},
+                                              {"complete", ""},
+                                              {"not_excluded", ""},
+                                              {"share", ""}});
+    for (size_t f = 0; f <= s->n_factors; f++) {
+        size_t n_levels = f < s->n_factors ? s->factor[f].n_levels : (size_t)N_VARIANTS;
+        for (size_t l = 0; l < n_levels; l++) {
+            size_t tested = 0, complete = 0, passed = 0;
+            double share = 0.0;
+            for (size_t c = 0; c < m; c++) {
+                size_t mine = f < s->n_factors ? s->level[c / N_VARIANTS * s->n_factors + f] : c % N_VARIANTS;
+                if (mine != l) continue;
+                tested++;
+                complete += a[c].complete;
+                passed += a[c].complete && !a[c].excluded;
+                if (a[c].complete) share += exp(a[c].log_likelihood - top) / total;
+            }
+            printf("%s\t%s\t%zu\t%zu\t%zu\t%.17g\n", f < s->n_factors ? s->factor[f].name : "surface",
+                   f < s->n_factors ? s->factor[f].levels[l] : variant_word(l), tested, complete, passed,
+                   share);
+        }
+    }
+}
+
+/* ---- effects ---- */
+
+static void print_effect(const char *claim, const char *factor, const char *level, const char *reference,
+                         const ang_effect *e, size_t n, double residual)
+{
+    printf("%s\t%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%zu\t%.17g\n", claim, factor, level, reference,
+           e->effect / deg, e->se / deg, e->lo / deg, e->hi / deg, e->p_value, n, residual / deg);
+}
+
+/* Main effects on claim k, the surface read as by default; y, level: work space. */
+static rp_status factor_effects(const study *s, size_t k, double y[], size_t level[])
+{
+    size_t n = 0, n_levels[MAX_FACTORS];
+    ang_effect effects[MAX_FACTORS * MAX_LEVELS];
+    double residual;
+    for (size_t c = 0; c < s->n_combinations; c++) {
+        double value = s->y[c * N_VARIANTS * s->n_claims + k];
+        if (!isfinite(value)) continue;
+        memcpy(level + n * s->n_factors, s->level + c * s->n_factors, s->n_factors * sizeof *level);
+        y[n++] = value;
+    }
+    for (size_t f = 0; f < s->n_factors; f++) n_levels[f] = s->factor[f].n_levels;
+    rp_status status = ang_effects(n, s->n_factors, level, n_levels, y, effects, &residual);
+    if (status == RP_NO_RESULT) { /* a number that too few combinations have: no row, and it is said */
+        fprintf(stderr, "%s: %s\n", s->about[k].name, rp_message());
+        return RP_OK;
+    }
+    if (status) return status;
+    const ang_effect *e = effects;
+    for (size_t f = 0; f < s->n_factors; f++)
+        for (size_t l = 1; l < n_levels[f]; l++)
+            print_effect(s->about[k].name, s->factor[f].name, s->factor[f].levels[l], s->factor[f].levels[0],
+                         e++, n, residual);
+    return RP_OK;
+}
+
+/* Change with the way to read the surface, pile by pile the same piles: over combinations. */
+static rp_status surface_effects(const study *s, size_t k, double difference[])
+{
+    for (size_t v = 1; v < N_VARIANTS; v++) {
+        size_t n = 0;
+        for (size_t c = 0; c < s->n_combinations; c++) {
+            double d = s->y[(c * N_VARIANTS + v) * s->n_claims + k] - s->y[c * N_VARIANTS * s->n_claims + k];
+            if (isfinite(d)) difference[n++] = d;
+        }
+        ang_stats stats;
+        rp_status status = ang_mean(n, difference, &stats);
+        if (status == RP_NO_RESULT) return RP_OK;
+        if (status) return status;
+        ang_effect e = {stats.mean, stats.se, stats.lo, stats.hi, NAN};
+        print_effect(s->about[k].name, "surface", variant_word(v), variant_word(0), &e, n, stats.sd);
+    }
+    return RP_OK;
+}
+
+static rp_status print_effects(const study *s)
+{
+    double *y = malloc((s->n_combinations + 1) * sizeof *y);
+    size_t *level = malloc((s->n_combinations + 1) * s->n_factors * sizeof *level);
+    rp_status status = y && level ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    if (!status)
+        rp_table_columns(stdout, 11,
+                         (const char *const[][2]){{"claim", ""},
+                                                  {"factor", ""},
+                                                  {"level", ""},
+                                                  {"reference", ""},
+                                                  {"effect_deg", "deg"},
+                                                  {"effect_se_deg", "deg"},
+                                                  {"lower_deg", "deg"},
+                                                  {"upper_deg", "deg"},
+                                                  {"p_value", ""},
+                                                  {"n", ""},
+                                                  {"residual_sd_deg", "deg"}});
+    for (size_t k = 0; k < s->n_claims && !status; k++) {
+        status = factor_effects(s, k, y, level);
+        if (!status) status = surface_effects(s, k, y);
+    }
+    free(y);
+    free(level);
+    return status;
+}
+
+/* ---- command ---- */
+
+static rp_status print_report(const study *s, const forensics_options *o)
+{
+    const size_t m = s->n_combinations * N_VARIANTS;
+    double by_chance = NAN, unused;
+    ang_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
+    rp_status status = main && held ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    if (!status && o->report != REPORT_EFFECTS) {
+        status = judge(s, false, o, main, &by_chance);
+        if (!status) status = judge(s, true, o, held, &unused);
+    }
+    if (!status) {
+        cli_table(stdout, options, o);
+        rp_table_note(stdout, "combinations", "%zu, each with %d ways to read the surface", s->n_combinations,
+                      (int)N_VARIANTS);
+    }
+    if (!status && o->report != REPORT_EFFECTS) {
+        size_t complete = 0, passed = 0;
+        for (size_t c = 0; c < m; c++) {
+            complete += main[c].complete;
+            passed += main[c].complete && !main[c].excluded;
+        }
+        rp_table_note(stdout, "complete", "%zu", complete);
+        rp_table_note(stdout, "not_excluded", "%zu", passed);
+        rp_table_note(stdout, "by_chance", "%.3g", by_chance);
+    }
+    if (!status && o->report == REPORT_COMBINATIONS) status = print_combinations(s, main, held);
+    if (!status && o->report == REPORT_LEVELS) print_levels(s, main);
+    if (!status && o->report == REPORT_EFFECTS) status = print_effects(s);
+    free(main);
+    free(held);
+    return status;
+}
+
+rp_status cmd_forensics(int argc, char **argv)
+{
+    forensics_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table runs;
+    rp_status status = cli_parse(&command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    study *s = calloc(1, sizeof *s);
+    if (!s) return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    s->runs = &runs;
+    status = rp_table_read(file, &runs);
+    if (!status) status = find_column(&runs, "status", &s->status);
+    if (!status) status = read_factors(s, o.factors);
+    if (!status) status = read_combinations(s);
+    if (!status) status = read_claims(s, o.claims);
+    if (!status) status = read_numbers(s);
+    if (!status) status = print_report(s, &o);
+    rp_table_free(&runs);
+    free(s->level);
+    free(s->of_run);
+    free(s->y);
+    free(s->se);
+    free(s);
+    return status;
+}

@@ -1,0 +1,704 @@
+/* How grains and walls move: the Gear scheme, the box that turns, fixed grains, gravity that is set. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "tests/check.h"
+
+static const double R = 0.1, M = 0.0042; /* of a lone grain */
+static const int integrators[2] = {DEM_VERLET, DEM_GEAR5};
+
+static dem_wall line(double x, double y, double nx, double ny, const dem_material *c)
+{
+    return (dem_wall){.point = {x, y},
+                      .direction = {nx, ny},
+                      .material = *c,
+                      .extent = {-INFINITY, INFINITY},
+                      .open_at_step = -1,
+                      .open_speed = INFINITY};
+}
+
+/* One grain above a floor through the origin. */
+static dem_definition one_on_floor(const dem_grain *grain)
+{
+    dem_definition def = dem_definition_default();
+    def.grains = grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    return def;
+}
+
+/* N grains loosely filled into a box of width W. Free *grains. */
+static dem_definition box(long N, double W, dem_grain **grains)
+{
+    dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, 5};
+    dem_definition def = dem_definition_default();
+    *grains = malloc((size_t)N * sizeof **grains);
+    CHECK_OK(dem_fill_random(&fill, *grains));
+    def.grains = *grains;
+    def.n_grains = (size_t)N;
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, W, &wall);
+    return def;
+}
+
+static dem_sim *start(const dem_definition *def)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+static dem_state state_of_one(const dem_sim *sim)
+{
+    dem_state s;
+    CU_ASSERT_FATAL(dem_count(sim) == 1);
+    CHECK_OK(dem_states(sim, &s));
+    return s;
+}
+
+static bool same_bits(const dem_sim *a, const dem_sim *b)
+{
+    const size_t n = dem_count(a);
+    if (n != dem_count(b)) return false;
+    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
+    dem_states(a, s);
+    dem_states(b, t);
+    bool same = true;
+    for (size_t i = 0; i < n; i++)
+        same &= s[i].id == t[i].id && s[i].x == t[i].x && s[i].y == t[i].y && s[i].vx == t[i].vx &&
+                s[i].vy == t[i].vy && s[i].fx == t[i].fx && s[i].fy == t[i].fy;
+    free(s);
+    return same;
+}
+
+/* A grain on a floor through the origin that turns clockwise by `rate` a step, written out for one grain with
+ * the functions of the C library: what the simulator does is compared with it. */
+typedef struct {
+    const dem_definition *def;
+    double rate, spring, force[2];
+} naive;
+
+/* x, v: of the grain; way: what it moved since the last call; step: how far the floor has turned. */
+static void naive_force(naive *p, const double x[2], const double v[2], const double way[2], long step)
+{
+    const dem_material *c = &p->def->walls[0].material;
+    const double a = p->rate * (double)step, before = a - (step > 0 ? p->rate : 0.0);
+    const double n[2] = {sin(a), cos(a)}, s[2] = {cos(a), -sin(a)};
+    const double height = x[0] * n[0] + x[1] * n[1], along = x[0] * s[0] + x[1] * s[1];
+    const double wall[2] = {along * (s[0] - cos(before)), along * (s[1] + sin(before))}; /* its way */
+    const double overlap = R - height, dt = p->def->dt;
+    p->force[0] = p->force[1] = 0.0;
+    if (overlap <= 0.0) {
+        p->spring = 0.0;
+        return;
+    }
+    const double u[2] = {v[0] - wall[0] / dt, v[1] - wall[1] / dt};
+    const double f_n = c->k_n * pow(overlap, 1.5) - c->gamma_n * M * (u[0] * n[0] + u[1] * n[1]);
+    const double cap = c->mu * fmax(f_n, 0.0);
+    p->spring += (way[0] - wall[0]) * s[0] + (way[1] - wall[1]) * s[1];
+    p->spring = fmax(-cap / c->k_s, fmin(cap / c->k_s, p->spring));
+    const double f_s = -c->gamma_s * M * (u[0] * s[0] + u[1] * s[1]) - c->k_s * p->spring;
+    for (int k = 0; k < 2; k++) p->force[k] = f_n * n[k] + f_s * s[k];
+}
+
+/* x and v are those of the start, then those of the end. */
+static void naive_verlet(naive *p, double x[2], double v[2], long steps)
+{
+    const double dt = p->def->dt, *g = p->def->gravity, still[2] = {0.0, 0.0};
+    naive_force(p, x, v, still, 0);
+    for (int k = 0; k < 2; k++) v[k] -= 0.5 * dt * (p->force[k] / M + g[k]);
+    for (long step = 1; step <= steps; step++) {
+        double way[2];
+        for (int k = 0; k < 2; k++) {
+            v[k] += dt * (p->force[k] / M + g[k]);
+            way[k] = dt * v[k];
+            x[k] += way[k];
+        }
+        naive_force(p, x, v, way, step);
+    }
+    for (int k = 0; k < 2; k++) v[k] += 0.5 * dt * (p->force[k] / M + g[k]);
+}
+
+/* Six values x^(k) dt^k/k! of one coordinate. */
+static void predict(double q[6])
+{
+    for (int rows = 5; rows > 0; rows--) /* Pascal's triangle */
+        for (int i = rows - 1; i < 5; i++) q[i] += q[i + 1];
+}
+
+static void correct(double q[6], double second)
+{
+    static const double corrector[6] = {3.0 / 16.0, 251.0 / 360.0, 1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
+    const double error = second - q[2];
+    for (int i = 0; i < 6; i++) q[i] += corrector[i] * error;
+}
+
+static void naive_gear(naive *p, double x[2], double v[2], long steps)
+{
+    const double dt = p->def->dt, *g = p->def->gravity, still[2] = {0.0, 0.0};
+    double q[2][6] = {{0.0}}, last[2] = {x[0], x[1]};
+    naive_force(p, x, v, still, 0);
+    for (int k = 0; k < 2; k++) {
+        q[k][0] = x[k];
+        q[k][1] = dt * v[k];
+        q[k][2] = 0.5 * dt * dt * (p->force[k] / M + g[k]);
+    }
+    for (long step = 1; step <= steps; step++) {
+        double way[2];
+        for (int k = 0; k < 2; k++) {
+            predict(q[k]);
+            x[k] = q[k][0];
+            v[k] = q[k][1] / dt;
+            way[k] = x[k] - last[k];
+            last[k] = x[k];
+        }
+        naive_force(p, x, v, way, step);
+        for (int k = 0; k < 2; k++) correct(q[k], 0.5 * dt * dt * (p->force[k] / M + g[k]));
+    }
+    for (int k = 0; k < 2; k++) {
+        x[k] = q[k][0];
+        v[k] = q[k][1] / dt;
+    }
+}
+
+/* The scheme that the simulator is compared with is of fifth order: x'' = -x - 0.2 x', from exact
+ * derivatives, against exp(-0.1 t) cos(w t), w^2 = 0.99. */
+static void gear_order(void)
+{
+    double error[3];
+    for (int k = 0; k < 3; k++) {
+        const int steps = 50 << k;
+        const double dt = 5.0 / steps, w = sqrt(0.99);
+        double q[6], derivative[6] = {1.0, -0.1};
+        for (int i = 2; i < 6; i++) derivative[i] = -derivative[i - 2] - 0.2 * derivative[i - 1];
+        double scale = 1.0;
+        for (int i = 0; i < 6; i++, scale *= dt / i) q[i] = derivative[i] * scale;
+        for (int n = 0; n < steps; n++) {
+            predict(q);
+            correct(q, 0.5 * dt * dt * (-q[0] - 0.2 * q[1] / dt));
+        }
+        error[k] = fabs(q[0] - exp(-0.5) * cos(5.0 * w));
+    }
+    for (int k = 0; k < 2; k++) CHECK_NEAR(log2(error[k] / error[k + 1]), 5.0, 0.5);
+}
+
+/* Bounces with friction and damping that end in rest, on a floor that stands or turns. */
+static void matches_naive_program(void)
+{
+    static const double rates[3] = {0.0, 2.385e-5, -2e-4};
+    for (int k = 0; k < 6; k++) {
+        const double rate = rates[k / 2];
+        dem_grain grain = {0.385, 0.2, R, M, 7.0, -20.0};
+        dem_definition def = one_on_floor(&grain);
+        def.integrator = integrators[k % 2];
+        def.walls[0].material.gamma_n = 100.0;
+        dem_sim *sim = start(&def);
+        dem_box_turn(sim, rate);
+        for (long steps = 100; steps <= 1600; steps *= 2) {
+            naive p = {.def = &def, .rate = rate};
+            double x[2] = {grain.x, grain.y}, v[2] = {grain.vx, grain.vy};
+            CHECK_OK(dem_run(sim, steps - dem_step(sim)));
+            (def.integrator == DEM_GEAR5 ? naive_gear : naive_verlet)(&p, x, v, steps);
+            dem_state s = state_of_one(sim);
+            /* round-off of sums of `steps` terms, some eps each; bounces make more of it where a floor turns
+             */
+            const double tolerance = rate == 0.0 ? 1e-12 : 1e-10;
+            CHECK_NEAR(s.x, x[0], tolerance);
+            CHECK_NEAR(s.y, x[1], tolerance);
+            CHECK_NEAR(s.vx, v[0], 1e3 * tolerance);
+            CHECK_NEAR(s.vy, v[1], 1e3 * tolerance);
+        }
+        dem_free(sim);
+    }
+}
+
+/* Without contacts the Gear scheme is exact; where gravity changes between steps both are. */
+static void free_flight(void)
+{
+    const long steps = 1000;
+    for (int k = 0; k < 2; k++) {
+        dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
+        dem_definition def = dem_definition_default();
+        def.grains = &grain;
+        def.n_grains = 1;
+        def.integrator = integrators[k];
+        dem_sim *sim = start(&def);
+        const double t = (double)steps * def.dt, g = 981.0;
+        CHECK_OK(dem_run(sim, steps));
+        dem_state s = state_of_one(sim), after;
+        /* 1000 sums of numbers below 20: 1000 half-ulps of 3.6e-15 */
+        CHECK_NEAR(s.x, 0.3 + 12.0 * t, 2e-12);
+        CHECK_NEAR(s.y, 5.0 + 385.0 * t - 0.5 * g * t * t, 2e-12);
+        CHECK_NEAR(s.vy, 385.0 - g * t, 1e-10);
+        dem_gravity_set(sim, (double[]){300.0, 100.0});
+        after = state_of_one(sim);
+        CHECK_NEAR(after.vx, s.vx, 1e-12);
+        CHECK_NEAR(after.vy, s.vy, 1e-12);
+        CHECK_NEAR(after.fx, 300.0 * M, 1e-15);
+        CHECK_OK(dem_run(sim, steps));
+        after = state_of_one(sim);
+        CHECK_NEAR(after.x, s.x + 12.0 * t + 150.0 * t * t, 4e-12);
+        CHECK_NEAR(after.y, s.y + s.vy * t + 50.0 * t * t, 4e-12);
+        CHECK_NEAR(after.vx, 12.0 + 300.0 * t, 1e-10);
+        /* a turn goes on from it, and keeps its length */
+        double now[2];
+        dem_gravity_turn(sim, 1e-4);
+        CHECK_OK(dem_run(sim, steps));
+        dem_gravity(sim, now);
+        CHECK_NEAR(now[0], 300.0 * cos(0.1) - 100.0 * sin(0.1), 1e-9);
+        CHECK_NEAR(now[1], 100.0 * cos(0.1) + 300.0 * sin(0.1), 1e-9);
+        dem_free(sim);
+    }
+}
+
+/* Root mean square, over phases of the touch within a step, of an elastic impact's relative error in energy.
+ */
+static double impact_error(int integrator, double dt)
+{
+    enum { PHASES = 64 };
+    double sum = 0.0;
+    for (int k = 0; k < PHASES; k++) {
+        const double v = 50.0 + 0.385 * k; /* so that the phase of the release varies by itself */
+        dem_grain grain = {0.0, R + (2.0 + (k + 0.385) / PHASES) * v * dt, R, M, 0.0, -v};
+        dem_definition def = one_on_floor(&grain);
+        def.tangential = DEM_NONE;
+        def.gravity[1] = 0.0;
+        def.material = def.walls[0].material = (dem_material){.k_n = 1e6};
+        def.integrator = integrator;
+        def.dt = dt;
+        dem_sim *sim = start(&def);
+        CHECK_OK(dem_run(sim, (long)(8e-4 / dt))); /* the contact lasts 5e-4 */
+        dem_state s = state_of_one(sim);
+        CU_ASSERT(s.vy > 0.0 && s.contacts == 0);
+        sum += pow(s.vy * s.vy / (v * v) - 1.0, 2.0);
+        dem_free(sim);
+    }
+    return sqrt(sum / PHASES);
+}
+
+/* A Hertz force starts as overlap^(3/2): its kinks at touch and release make an error of dt^(5/2) whatever
+ * the scheme's own order, and the same for both schemes. */
+static void impact_order(void)
+{
+    double error[2][3];
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 3; k++) error[i][k] = impact_error(integrators[i], 1e-5 / (1 << k));
+        /* 64 phases: two errors of the mean of squares of 10 % each */
+        for (int k = 0; k < 2; k++) CHECK_NEAR(log2(error[i][k] / error[i][k + 1]), 2.5, 0.2);
+    }
+    CHECK_NEAR(error[1][0], error[0][0], 0.05 * error[0][0]);
+}
+
+/* A sticking contact without damping rings on, at a wall, and between two grains of which one is fixed and
+ * nearly flat. At omega dt = 0.2 Verlet's energy swings by (omega dt)^2/4 and Gear's falls by 2.2e-5 a period
+ * (its own damping, 0.1 (omega dt)^5). Were a spring to grow by velocities ahead, the energy would fall by
+ * exp(-k_s dt t/(2 m)): 1e-100 at the end. */
+static void sticking_contact_rings(void)
+{
+    const double k_n = 1e6, g = 981.0, flat = 10.0, dt = 4e-5, omega = 0.2 / dt, v = 1e-5 * omega;
+    for (int k = 0; k < 4; k++) {
+        const double rest = R - pow(M * g / k_n, 2.0 / 3.0), k_s = M * omega * omega;
+        dem_grain grains[2] = {{0.0, rest, R, M, v, 0.0}, {0.0, -flat, flat, M, 0.0, 0.0, .fixed = true}};
+        dem_definition def = one_on_floor(grains);
+        def.integrator = integrators[k % 2];
+        def.material = (dem_material){.k_n = k_n, .k_s = k_s, .mu = INFINITY};
+        def.walls[0].material = def.material;
+        def.skin = 0.04;
+        def.dt = dt;
+        if (k / 2) {
+            def.n_walls = 0;
+            def.n_grains = 2;
+        }
+        dem_sim *sim = start(&def);
+        dem_state s[2];
+        CHECK_OK(dem_run(sim, 10000)); /* 318 periods */
+        CHECK_OK(dem_states(sim, s));
+        CHECK_NEAR((omega * omega * s[0].x * s[0].x + s[0].vx * s[0].vx) / (v * v), 1.0, 0.011);
+        dem_free(sim);
+    }
+}
+
+/* A box comes to rest with either scheme, and does so at the largest time step that is allowed. */
+static void gear_settles(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(60, 2.0, &grains);
+    double verlet_limit = dem_time_step_limit(&def, NULL);
+    def.integrator = DEM_GEAR5;
+    def.dt = dem_time_step_limit(&def, NULL);
+    CU_ASSERT(def.dt < 0.95 * verlet_limit);
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 20000));
+    dem_rest rest;
+    CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
+    CU_ASSERT(rest.kinetic_energy < 1e-5);
+    CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
+    dem_free(sim);
+    def.dt *= 1.001;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
+    /* damping alone: the predictor's limit, three contacts a grain */
+    def.material = (dem_material){1e-9, 3e5, 1e-9, 0.0, 0.0};
+    for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
+    CHECK_NEAR(dem_time_step_limit(&def, NULL), 90.0 / 551.0 / 3.0 / 3e5, 1e-3 / 3e5);
+    free(grains);
+}
+
+/* The same bits however the steps are cut, from a copy, after the list was renewed many times, while the box
+ * or gravity turns. */
+static void determinism(void)
+{
+    for (int k = 0; k < 4; k++) {
+        dem_grain *grains;
+        dem_definition def = box(90, 2.2, &grains);
+        def.integrator = integrators[k % 2];
+        def.dt = 4e-5;
+        def.x_max = 3.5;
+        def.turn_from_step = 3000;
+        *(k / 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
+        def.walls[2].open_at_step = 4001;
+        dem_sim *whole = start(&def), *cut, *copy;
+        def.walls[2].open_at_step = -1;
+        def.box_turn_per_step = def.turn_per_step = 0.0;
+        cut = start(&def);
+        CHECK_OK(dem_run(whole, 9000));
+        CHECK_OK(dem_run(cut, 3000));
+        (k / 2 ? dem_box_turn : dem_gravity_turn)(cut, 2e-5);
+        CHECK_OK(dem_run(cut, 1000));
+        dem_wall_open(cut, 2, INFINITY);
+        CHECK_OK(dem_run(cut, 2500));
+        CHECK_OK(dem_clone(cut, &copy));
+        dem_free(cut);
+        CHECK_OK(dem_run(copy, 2500));
+        CU_ASSERT(same_bits(whole, copy));
+        dem_counts counts;
+        dem_count_work(copy, &counts);
+        CU_ASSERT(counts.rebuilds > 20 && dem_count(copy) < 90 && dem_count(copy) > 30);
+        CU_ASSERT(dem_box_angle(whole) == dem_box_angle(copy));
+        dem_free(whole);
+        dem_free(copy);
+        free(grains);
+    }
+}
+
+/* The angle adds up, the frame turns with the walls, and both stay when the box stops. */
+static void box_angle(void)
+{
+    const double rate = -2.385e-4, a = 4000 * rate;
+    dem_grain grain = {0.0, 9.0, R, M, 0.0, 0.0};
+    dem_definition def = one_on_floor(&grain);
+    def.gravity[1] = 0.0;
+    dem_sim *sim = start(&def);
+    CU_ASSERT(dem_box_angle(sim) == 0.0);
+    dem_box_turn(sim, rate);
+    CHECK_OK(dem_run(sim, 4000));
+    dem_box_turn(sim, 0.0);
+    CHECK_OK(dem_run(sim, 100));
+    /* 4000 roundings */
+    CHECK_NEAR(dem_box_angle(sim), a, 1e-12);
+    double x = 2.0 * cos(a) + 0.7 * sin(a), y = -2.0 * sin(a) + 0.7 * cos(a);
+    dem_box_frame(sim, &x, &y);
+    CHECK_NEAR(x, 2.0, 1e-11);
+    CHECK_NEAR(y, 0.7, 1e-11);
+    dem_free(sim);
+}
+
+/* A smooth grain on a floor that turns from rest about the grain's foot: x'' = w^2 x + g sin(w t) in the
+ * box's frame, from x' = -w R, the box's velocity at the grain's centre. */
+static void slides_in_turning_box(void)
+{
+    const double rate = 1e-4, k_n = 1e6, g = 981.0, depth = pow(M * g / k_n, 2.0 / 3.0);
+    for (int k = 0; k < 2; k++) {
+        dem_grain grain = {0.0, R - depth, R, M, 0.0, 0.0};
+        dem_definition def = one_on_floor(&grain);
+        def.integrator = integrators[k];
+        def.tangential = DEM_NONE;
+        def.material.mu = def.walls[0].material.mu = 0.0;
+        dem_sim *sim = start(&def);
+        dem_box_turn(sim, rate);
+        const double w = rate / def.dt;
+        for (long steps = 500; steps <= 4000; steps *= 2) {
+            CHECK_OK(dem_run(sim, steps - dem_step(sim)));
+            dem_state s = state_of_one(sim);
+            dem_box_frame(sim, &s.x, &s.y);
+            const double t = (double)steps * def.dt;
+            const double c = -(R - depth) + 0.5 * g / (w * w); /* of sinh */
+            const double x = c * sinh(w * t) - 0.5 * g / (w * w) * sin(w * t);
+            /* x is of second order in dt in all terms but the depth, which Coriolis and centrifugal forces
+             * and cos(w t) change by a part of itself: 2 w y' moves x by less than 2 w t depth */
+            CHECK_NEAR(s.x, x, 2.0 * w * t * depth);
+            CHECK_NEAR(s.y, R, 3.0 * depth);
+        }
+        dem_free(sim);
+    }
+}
+
+/* Slowly turned to the same angle, smooth grains stand the same in the box's frame whether the box or gravity
+ * has turned; on the walls the forces are the same there too. */
+static void box_against_gravity(void)
+{
+    const double angle = 0.1;
+    const long steps = 20000;
+    dem_state s[2][5];
+    double forces[2][2 * DEM_MAX_WALLS];
+    for (int k = 0; k < 2; k++) {
+        dem_grain grains[5];
+        for (int i = 0; i < 5; i++)
+            grains[i] = (dem_grain){0.11 + 0.08 * (i % 2), 0.12 + 0.19 * i, R, M, 0.0, 0.0};
+        dem_definition def = dem_definition_default();
+        def.tangential = DEM_NONE;
+        def.material.mu = 0.0;
+        def.grains = grains;
+        def.n_grains = 5;
+        dem_box_walls(&def, 0.31, &def.material);
+        dem_sim *sim = start(&def);
+        CHECK_OK(dem_run(sim, 8000));
+        (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
+        CHECK_OK(dem_run(sim, steps));
+        (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
+        CHECK_OK(dem_run(sim, 40000)); /* the box's halt jolts the column, which creeps back */
+        CHECK_OK(dem_states(sim, s[k]));
+        dem_wall_forces(sim, forces[k]);
+        for (int i = 0; i < 5; i++) dem_box_frame(sim, &s[k][i].x, &s[k][i].y);
+        for (int w = 0; w < 3; w++) dem_box_frame(sim, &forces[k][2 * w], &forces[k][2 * w + 1]);
+        dem_free(sim);
+    }
+    for (int i = 0; i < 5; i++) {
+        CHECK_NEAR(s[0][i].x, s[1][i].x, 1e-9);
+        CHECK_NEAR(s[0][i].y, s[1][i].y, 1e-9);
+        CHECK_NEAR(hypot(s[0][i].vx, s[0][i].vy), 0.0, 1e-7);
+        CHECK_NEAR(hypot(s[1][i].vx, s[1][i].vy), 0.0, 1e-7);
+    }
+    for (int w = 0; w < 6; w++) CHECK_NEAR(forces[0][w], forces[1][w], 1e-5 * M * 981.0);
+    CU_ASSERT(fabs(forces[0][5 - 1]) > M * 981.0 * sin(angle)); /* they do lean on the side wall */
+}
+
+/* Momentum gained is the walls' and gravity's impulse, while the box turns fast enough to throw grains. */
+static void wall_ledger(void)
+{
+    enum { N = 40, STEPS = 4000 };
+    dem_grain *grains;
+    dem_definition def = box(N, 1.5, &grains);
+    dem_sim *sim = start(&def);
+    dem_state s[N];
+    double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_MAX_WALLS];
+    CHECK_OK(dem_run(sim, 3000));
+    dem_box_turn(sim, 1e-4);
+    for (int round = 0; round <= STEPS; round++) {
+        if (round > 0) CHECK_OK(dem_run(sim, 1));
+        const double half = round == 0 || round == STEPS ? 0.5 : 1.0;
+        dem_wall_forces(sim, forces);
+        for (int w = 0; w < 3; w++)
+            for (int a = 0; a < 2; a++) impulse[a] -= half * def.dt * forces[2 * w + a];
+        if (half == 1.0) continue;
+        CHECK_OK(dem_states(sim, s));
+        double *now = p[round > 0];
+        now[0] = now[1] = mass = 0.0;
+        for (int i = 0; i < N; i++) {
+            now[0] += s[i].m * s[i].vx;
+            now[1] += s[i].m * s[i].vy;
+            mass += s[i].m;
+        }
+    }
+    impulse[1] -= 981.0 * mass * STEPS * def.dt;
+    /* round-off of 4000 * 40 terms of some dyn * dt: 400 * 1e-16 * 1e-2 and less */
+    CHECK_NEAR(p[1][0] - p[0][0], impulse[0], 1e-12);
+    CHECK_NEAR(p[1][1] - p[0][1], impulse[1], 1e-12);
+    CU_ASSERT(fabs(impulse[0]) > 1e-2);
+    dem_free(sim);
+    free(grains);
+}
+
+/* Walls that sweep up far grains at rest: as with a list renewed at every step. */
+static void list_follows_turning_walls(void)
+{
+    for (int k = 0; k < 2; k++) {
+        dem_grain grains[2] = {{-8.0, 1.0, R, M, 0.0, 0.0}, {-3.0, 0.5, R, M, 0.0, 0.0}};
+        dem_definition def = one_on_floor(grains);
+        def.gravity[1] = 0.0;
+        def.n_grains = 2;
+        def.integrator = integrators[k];
+        dem_sim *sim = start(&def), *renewed = start(&def);
+        dem_state s[2], t[2];
+        dem_box_turn(sim, 1e-4);
+        dem_box_turn(renewed, 1e-4);
+        for (long step = 0; step < 3000; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            CHECK_OK(dem_neighbours_rebuild(renewed));
+            CHECK_OK(dem_run(renewed, 1));
+            dem_states(sim, s);
+            dem_states(renewed, t);
+            CU_ASSERT_FATAL(s[0].x == t[0].x && s[0].y == t[0].y && s[1].y == t[1].y);
+        }
+        CU_ASSERT(s[0].vy > 1.0 && s[1].vy > 1.0); /* both were hit */
+        dem_counts counts;
+        dem_count_work(sim, &counts);
+        CU_ASSERT(counts.rebuilds < 500);
+        dem_free(sim);
+        dem_free(renewed);
+    }
+}
+
+/* x_max and y_min turn with the box: a grain at rest in the laboratory is taken out when they reach it. */
+static void outlet_turns(void)
+{
+    dem_grain grains[2] = {{2.0, 5.0, R, M, 0.0, 0.0}, {-4.0, 0.5, R, M, 0.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    const double rate = 1e-4;
+    def.gravity[1] = 0.0;
+    def.grains = grains;
+    def.n_grains = 2;
+    def.x_max = 2.5;
+    def.y_min = -1.0;
+    dem_sim *sim = start(&def);
+    dem_box_turn(sim, -rate);
+    /* the first passes x_max where |x| cos(atan2(5, 2) - a) = 2.5 */
+    const long first = 1 + (long)((atan2(5.0, 2.0) - acos(2.5 / hypot(5.0, 2.0))) / rate);
+    CHECK_OK(dem_run(sim, first - 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 2);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 1);
+    dem_free(sim);
+    sim = start(&def);
+    dem_box_turn(sim, rate);
+    const long second = 1 + (long)((asin(1.0 / hypot(4.0, 0.5)) + atan2(0.5, 4.0)) / rate);
+    CHECK_OK(dem_run(sim, second - 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 2);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 1);
+    dem_free(sim);
+}
+
+/* A fixed grain is a wall with a round face: head-on the same course, and the same mass in the damping. */
+static void fixed_is_a_wall(void)
+{
+    for (int k = 0; k < 2; k++) {
+        dem_grain grains[2] = {{0.0, 0.35, R, M, 0.0, -10.0}, {0.0, -0.385, 0.385, 3.0 * M, .fixed = true}};
+        dem_definition def = one_on_floor(grains);
+        def.integrator = integrators[k];
+        dem_sim *on_wall = start(&def), *on_grain;
+        def.n_walls = 0;
+        def.n_grains = 2;
+        on_grain = start(&def);
+        CHECK_OK(dem_run(on_wall, 12000));
+        CHECK_OK(dem_run(on_grain, 12000));
+        dem_state s[2];
+        CHECK_OK(dem_states(on_grain, s));
+        /* rounding of centres at a distance: 3000 of 1e-16 in the overlap, amplified by nothing */
+        CHECK_NEAR(s[0].y, state_of_one(on_wall).y, 1e-12);
+        CHECK_NEAR(s[0].vy, state_of_one(on_wall).vy, 1e-9);
+        CU_ASSERT(s[1].fixed && !s[0].fixed && s[1].vy == 0.0 && s[1].y == -0.385);
+        /* at rest, or nearly so */
+        CHECK_NEAR(s[1].fy, -M * 981.0, 1e-3 * M * 981.0);
+        dem_rest rest;
+        CHECK_OK(dem_rest_state(on_grain, -1.0, 1.0, &rest));
+        CU_ASSERT(rest.n == 1 && rest.net_force < 1e-3 * M * 981.0 && rest.contact_number == 1.0);
+        dem_free(on_wall);
+        dem_free(on_grain);
+    }
+}
+
+/* A rough floor below the floor's line, its grains overlapping: nothing of it moves while a box empties over
+ * it, none of its grains meets another or a wall, and grains are taken out and sorted anew. */
+static void fixed_stay(void)
+{
+    enum { N = 60, FIXED = 18 };
+    for (int k = 0; k < 2; k++) {
+        dem_grain *fill, grains[N + FIXED];
+        dem_definition def = box(N, 2.0, &fill);
+        memcpy(grains + FIXED, fill, N * sizeof *fill);
+        for (int i = 0; i < FIXED; i++)
+            grains[i] = (dem_grain){0.19 * i, -0.06, R, M, 0.0, 0.0, .fixed = true};
+        def.walls[DEM_BOX_RIGHT].open_at_step = 4000;
+        def.integrator = integrators[k];
+        def.dt = 4e-5;
+        def.grains = grains;
+        def.n_grains = N + FIXED;
+        def.x_max = 3.4;
+        dem_sim *sim = start(&def), *copy;
+        dem_contact *contacts;
+        size_t n;
+        int carried = 0;
+        CHECK_OK(dem_run(sim, 7000));
+        CHECK_OK(dem_clone(sim, &copy));
+        CHECK_OK(dem_run(sim, 4000));
+        CHECK_OK(dem_run(copy, 4000));
+        CU_ASSERT(same_bits(sim, copy));
+        dem_state s[N + FIXED];
+        CHECK_OK(dem_states(sim, s));
+        for (int i = 0; i < FIXED; i++)
+            CU_ASSERT(s[i].x == grains[i].x && s[i].y == -0.06 && s[i].vx == 0.0 && s[i].vy == 0.0 &&
+                      s[i].fixed);
+        for (size_t i = FIXED; i < dem_count(sim); i++) CU_ASSERT(!s[i].fixed);
+        CU_ASSERT(dem_count(sim) < N + FIXED);
+        CHECK_OK(dem_contacts(sim, &contacts, &n));
+        for (size_t i = 0; i < n; i++) {
+            const bool a = contacts[i].id_a <= FIXED, b = contacts[i].id_b >= 1 && contacts[i].id_b <= FIXED;
+            carried += a != b;
+            CU_ASSERT(!(a && b) && !(a && contacts[i].id_b == 0));
+        }
+        CU_ASSERT(carried > 5);
+        free(contacts);
+        dem_free(sim);
+        dem_free(copy);
+        free(fill);
+    }
+}
+
+static void refusals(void)
+{
+    dem_grain grain = {0.0, 0.5, R, M, 0.0, 0.0, .fixed = true};
+    dem_definition def = one_on_floor(&grain);
+    dem_sim *sim = start(&def); /* nothing moves */
+    CHECK_OK(dem_run(sim, 10));
+    CU_ASSERT(state_of_one(sim).y == 0.5);
+    dem_box_turn(sim, 1e-5);
+    CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the box turns, but some grains are fixed");
+    dem_free(sim);
+    def.box_turn_per_step = 1e-5;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "particle 1: the box turns");
+    def.box_turn_per_step = 0.0;
+    grain.vx = 1.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "particle 1: vx = 1, vy = 0, omega = 0: must be 0");
+    grain = (dem_grain){0.0, 0.5, R, M, 0.0, 0.0};
+    def.box_turn_per_step = NAN;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "box_turn_per_step = nan");
+    def.box_turn_per_step = 1.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "below one radian");
+    def.box_turn_per_step = 0.0;
+    def.integrator = DEM_GEAR5;
+    grain.y = 0.09;
+    def.dt = 9e-5; /* at this overlap Verlet allows it */
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an overlap of the start");
+    def.rotation = true;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "need the integrator verlet");
+    def.rotation = false;
+    def.integrator = DEM_VERLET;
+    CHECK_OK(dem_create(&def, &sim));
+    dem_free(sim);
+}
+
+void suite_motion(void)
+{
+    static const check_case cases[] = {{"bounces match a program for one grain", matches_naive_program},
+                                       {"Gear's order", gear_order},
+                                       {"free flight, gravity that is set", free_flight},
+                                       {"order of an elastic impact", impact_order},
+                                       {"a sticking contact rings", sticking_contact_rings},
+                                       {"Gear: settling and the limit of the time step", gear_settles},
+                                       {"same bits however it is run", determinism},
+                                       {"angle and frame of the box", box_angle},
+                                       {"smooth grain in a turning box", slides_in_turning_box},
+                                       {"box turned against gravity turned", box_against_gravity},
+                                       {"impulse of turning walls", wall_ledger},
+                                       {"list follows turning walls", list_follows_turning_walls},
+                                       {"outlet turns with the box", outlet_turns},
+                                       {"a fixed grain is a wall", fixed_is_a_wall},
+                                       {"fixed grains stay", fixed_stay},
+                                       {"refusals", refusals},
+                                       {NULL, NULL}};
+    check_register("motion", cases);
+}

@@ -1,0 +1,349 @@
+/* Protocol `repose`: its scene, and its outputs computed a second way from the tables that a run leaves. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "angle/angle.h"
+#include "core/table.h"
+#include "dem/scene.h"
+#include "sweeps/box.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+
+/* Angles that the same numbers give by another order of additions: some ulp of 30 degrees. */
+static const double ANGLE_TOLERANCE_DEG = 1e-10;
+
+static const double RADIAN_DEG = 180.0 / 3.14159265358979323846;
+
+typedef struct {
+    const char *name, *value;
+} setting;
+
+static const sweep_protocol *const protocol = &sweep_protocol_repose;
+
+static void *make_params(const setting *settings)
+{
+    void *params = calloc(1, protocol->params_size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(params);
+    rp_params_defaults(protocol->schema, params);
+    for (const setting *s = settings; s->name; s++) {
+        const rp_param *param = rp_params_find(protocol->schema, s->name);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
+        CHECK_OK(rp_params_set_text(param, params, s->value));
+    }
+    return params;
+}
+
+static double output(const sweep_result *result, const char *name)
+{
+    for (size_t i = 0; protocol->outputs[i].name; i++)
+        if (strcmp(protocol->outputs[i].name, name) == 0) return result->values[i];
+    fprintf(stderr, "no output %s\n", name);
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+/* A run with its tables in `folder`. */
+static char folder[64];
+
+static void no_header(FILE *out)
+{
+    (void)out;
+}
+
+static void traced_run(const setting *settings, sweep_result *result)
+{
+    strcpy(folder, "/tmp/repose_protocol_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    void *params = make_params(settings);
+    CHECK_OK(protocol->check(params));
+    CHECK_OK(protocol->trace(params, 1993, 0, &(sweep_tables){folder, 1000, no_header}, result));
+    free(params);
+}
+
+static const char *path_of(const char *name)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static void clean(void)
+{
+    static const char *const files[] = {"filled_grains.tsv", "filled_contacts.tsv", "pile_grains.tsv",
+                                        "pile_contacts.tsv", "scene.cfg",           "energy.tsv"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) unlink(path_of(files[i]));
+    CU_ASSERT(rmdir(folder) == 0);
+}
+
+typedef struct {
+    size_t n;
+    double x[256], y[256], r[256];
+} grains;
+
+static void read_grains(grains *g)
+{
+    rp_table t;
+    CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
+    CU_ASSERT_FATAL(t.n_rows > 0 && t.n_rows <= 256);
+    g->n = t.n_rows;
+    for (size_t i = 0; i < g->n; i++) {
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "x"), 0, &g->x[i]));
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "y"), 0, &g->y[i]));
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "r"), 0, &g->r[i]));
+    }
+    rp_table_free(&t);
+}
+
+/* Slope of the least-squares line through (j, h_j), by the normal equations. */
+static double line_deg(int n, const double h[], double cell)
+{
+    double sj = 0.0, sh = 0.0, sjj = 0.0, sjh = 0.0;
+    for (int j = 0; j < n; j++) {
+        sj += j;
+        sh += h[j];
+        sjj += (double)j * j;
+        sjh += j * h[j];
+    }
+    return -atan((n * sjh - sj * sh) / (n * sjj - sj * sj) / cell) * RADIAN_DEG;
+}
+
+/* Highest centres less d/2 in 11 cells of 0.2; straight lines through the 5 on either side of the middle one.
+ */
+static void check_halves(const grains *g, const sweep_result *result)
+{
+    double h[11] = {0.0};
+    for (size_t i = 0; i < g->n; i++)
+        if (g->x[i] >= 0.0 && g->x[i] < 2.2)
+            h[(int)(g->x[i] / 0.2)] = fmax(h[(int)(g->x[i] / 0.2)], g->y[i] - 0.1);
+    double upper = line_deg(5, h, 0.2), lower = line_deg(5, h + 6, 0.2);
+    CHECK_NEAR(output(result, "theta_upper_deg"), upper, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_lower_deg"), lower, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_lower_less_upper_deg"), lower - upper, ANGLE_TOLERANCE_DEG);
+}
+
+static void check_variant(const grains *g, const sweep_result *result, const char *name, ang_options options)
+{
+    ang_surface s;
+    ang_slope slopes[ANG_N_METHODS];
+    CHECK_OK(ang_surface_make(g->n, g->x, g->y, g->r, 2.2, &options, &s));
+    CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
+    ang_surface_free(&s);
+    for (int m = options.parabola == ANG_PARABOLA_ORIGIN ? 2 : 0; m < ANG_N_METHODS; m++) {
+        char full[64];
+        snprintf(full, sizeof full, "theta_r%d_%s_deg", m + 1, name);
+        CHECK_NEAR(output(result, full), slopes[m].theta * RADIAN_DEG, ANGLE_TOLERANCE_DEG);
+    }
+}
+
+/* Names are spelled out here, so that a list in another order than the places shows. Few grains leave
+ * empty cells, so that the six surfaces differ. */
+static void test_surfaces(void)
+{
+    sweep_result result;
+    grains g;
+    traced_run((const setting[]){{"W", "2.2"},
+                                 {"N", "16"},
+                                 {"floor", "absorbs"},
+                                 {"mu", "0.1"},
+                                 {"stop", "steps"},
+                                 {"fill_steps", "4000"},
+                                 {"relax_steps", "4000"},
+                                 {0}},
+               &result);
+    CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
+    read_grains(&g);
+    CU_ASSERT(output(&result, "cells") < 11.0);
+    check_halves(&g, &result);
+    static const struct {
+        const char *name;
+        ang_options options;
+    } variants[] = {
+        {"centre_zero", {0.2, ANG_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE}},
+        {"centre_skip", {0.2, ANG_CENTRE, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE}},
+        {"raw_centre_zero", {0.2, ANG_RAW_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE}},
+        {"raw_centre_skip", {0.2, ANG_RAW_CENTRE, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE}},
+        {"top_zero", {0.2, ANG_TOP, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE}},
+        {"top_skip", {0.2, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE}},
+        {"centre_zero_origin", {0.2, ANG_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_ORIGIN}},
+        {"centre_skip_origin", {0.2, ANG_CENTRE, ANG_EMPTY_SKIP, ANG_PARABOLA_ORIGIN}},
+        {"raw_centre_zero_origin", {0.2, ANG_RAW_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_ORIGIN}},
+        {"raw_centre_skip_origin", {0.2, ANG_RAW_CENTRE, ANG_EMPTY_SKIP, ANG_PARABOLA_ORIGIN}},
+        {"top_zero_origin", {0.2, ANG_TOP, ANG_EMPTY_ZERO, ANG_PARABOLA_ORIGIN}},
+        {"top_skip_origin", {0.2, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_ORIGIN}},
+    };
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
+        check_variant(&g, &result, variants[i].name, variants[i].options);
+    clean();
+}
+
+/* Method 3 and mean kinetic energy over the floor, of the simulation's present state. */
+static double slope_now(const dem_sim *sim, double W)
+{
+    dem_state states[256];
+    double x[256], y[256];
+    const ang_options options = ANG_OPTIONS_DEFAULT;
+    ang_surface s;
+    ang_slope slopes[ANG_N_METHODS];
+    CU_ASSERT_FATAL(dem_count(sim) <= 256);
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < dem_count(sim); i++) {
+        x[i] = states[i].x;
+        y[i] = states[i].y;
+    }
+    CHECK_OK(ang_surface_make(dem_count(sim), x, y, NULL, W, &options, &s));
+    CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
+    ang_surface_free(&s);
+    return slopes[2].theta * RADIAN_DEG;
+}
+
+/* The run's scene again, looked at every 500 steps from 5500 after the opening on. */
+static void test_other_rests(void)
+{
+    if (check_fast()) return;
+    sweep_result result;
+    traced_run((const setting[]){{"W", "2"}, {"H", "2"}, {"mu", "0.6"}, {0}}, &result);
+    CU_ASSERT_STRING_EQUAL(result.status, "ok");
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
+    CHECK_OK(dem_scene_start(&scene, &sim));
+    const long opened = scene.def.walls[DEM_BOX_RIGHT].open_at_step - 1;
+    const double mgd = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0 * 0.2;
+    CU_ASSERT((double)opened == output(&result, "fill_steps_used"));
+    double loose = NAN, fixed = NAN;
+    CHECK_OK(dem_run(sim, opened + 5000));
+    while (dem_step(sim) < scene.steps) {
+        dem_rest rest;
+        CHECK_OK(dem_run(sim, 500));
+        CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
+        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 2.0);
+        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 2.0);
+    }
+    double at_rest = slope_now(sim, 2.0);
+    CHECK_NEAR(output(&result, "theta_r3_deg"), at_rest, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(&result, "theta_r3_loose_deg"), loose, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(&result, "theta_r3_fixed_deg"), isnan(fixed) ? at_rest : fixed, ANGLE_TOLERANCE_DEG);
+    CU_ASSERT(loose != at_rest); /* or the test would show nothing */
+    dem_free(sim);
+    dem_scene_free(&scene);
+    clean();
+}
+
+/* What the floor's friction is when some of the three are given. */
+static void test_frictions(void)
+{
+    static const struct {
+        const char *mu_wall, *mu_floor;
+        double wall, floor;
+    } cases[] = {{"auto", "auto", 0.2, 0.2},
+                 {"0.3", "auto", 0.3, 0.3},
+                 {"auto", "0.4", 0.2, 0.4},
+                 {"0.3", "0", 0.3, 0.0},
+                 {"infinite", "auto", INFINITY, INFINITY}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        sweep_result result;
+        traced_run((const setting[]){{"W", "1"},
+                                     {"H", "1"},
+                                     {"mu_wall", cases[i].mu_wall},
+                                     {"mu_floor", cases[i].mu_floor},
+                                     {"stop", "steps"},
+                                     {"fill_steps", "10"},
+                                     {"relax_steps", "10"},
+                                     {0}},
+                   &result);
+        dem_scene scene;
+        CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
+        CU_ASSERT(scene.def.material.mu == 0.2);
+        CU_ASSERT(scene.def.walls[DEM_BOX_FLOOR].material.mu == cases[i].floor);
+        CU_ASSERT(scene.def.walls[DEM_BOX_LEFT].material.mu == cases[i].wall);
+        CU_ASSERT(scene.def.walls[DEM_BOX_RIGHT].material.mu == cases[i].wall);
+        dem_scene_free(&scene);
+        clean();
+    }
+}
+
+/* The pile's grains that `scene` makes are those of the run's table, in every bit. */
+static void check_scene(dem_scene *scene, dem_sim **sim)
+{
+    dem_state states[256];
+    rp_table t;
+    CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, scene));
+    CHECK_OK(dem_scene_start(scene, sim));
+    CHECK_OK(dem_run(*sim, scene->steps));
+    CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
+    CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
+    CHECK_OK(dem_states(*sim, states));
+    for (size_t i = 0; i < t.n_rows; i++) {
+        double x, y;
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "x"), 0, &x));
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "y"), 0, &y));
+        CU_ASSERT(x == states[i].x && y == states[i].y);
+    }
+    rp_table_free(&t);
+}
+
+/* The choices of contact law as the scene has them. */
+static void test_contact_choices(void)
+{
+    sweep_result result;
+    traced_run((const setting[]){{"W", "1"},
+                                 {"H", "1"},
+                                 {"damping", "inside"},
+                                 {"rotation", "true"},
+                                 {"mu_roll", "0.25"},
+                                 {"k_s", "9000"},
+                                 {"gamma_s", "7"},
+                                 {"shape", "disk"},
+                                 {"stop", "steps"},
+                                 {"fill_steps", "1500"},
+                                 {"relax_steps", "10"},
+                                 {0}},
+               &result);
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    check_scene(&scene, &sim);
+    const dem_definition *def = &scene.def;
+    CU_ASSERT(def->damping == DEM_DAMPING_INSIDE && def->rotation && def->shape == DEM_DISK);
+    for (int w = -1; w < DEM_BOX_N; w++) {
+        const dem_material *c = w < 0 ? &def->material : &def->walls[w].material;
+        CU_ASSERT(c->mu_roll == 0.25 && c->k_roll == 9000.0 && c->gamma_roll == 7.0);
+    }
+    dem_energy energy;
+    dem_energies(sim, &energy);
+    CU_ASSERT(energy.rotational > 0.0);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    clean();
+}
+
+static void test_refusals(void)
+{
+    static const struct {
+        setting settings[4];
+        const char *message;
+    } cases[] = {
+        {{{"slip", "total"}, {0}}, "needs stop = \"steps\""},
+        {{{"stop", "steps"}, {"measure", "theta_t_static"}, {0}}, "needs stop = \"rest\""},
+        {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
+        {{{"dt", "2e-4"}, {0}}, "dt = 0.0002: too large"},
+        {{{"radius_min", "0.11"}, {0}}, "radius_mean = 0.1: must lie between"},
+        {{{"W", "0.9"}, {0}}, "W = 0.9: at least five grain diameters"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        void *params = make_params(cases[i].settings);
+        CHECK_FAILS(protocol->check(params), RP_BAD_INPUT, cases[i].message);
+        free(params);
+    }
+}
+
+void suite_repose(void)
+{
+    static const check_case cases[] = {{"every reading of a surface", test_surfaces},
+                                       {"looser criteria of rest", test_other_rests},
+                                       {"friction of the floor", test_frictions},
+                                       {"choices of contact", test_contact_choices},
+                                       {"refusals", test_refusals},
+                                       {0}};
+    check_register("protocol repose", cases);
+}

@@ -1,0 +1,408 @@
+/* Validation of what acts along a contact, against closed forms: damping under the Coulomb limit, rotation,
+ * rolling resistance. q = I/(m r^2) is 2/5 for a sphere and 1/2 for a disk; b is the arm of the force from
+ * the centre, r less the overlap with a wall. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "dem/law_shear.h"
+#include "tests/check.h"
+
+static const double R = 0.1193, M = 0.00471, G = 981.0, FLOOR_K = 2e6;
+
+/* The largest ratio of I/(m r^2) is the disk's. */
+static double inertia_ratio(int shape)
+{
+    return dem_inertia(shape, 1.0, 1.0);
+}
+
+/* One rotating grain on a floor that carries it, gravity turned by `angle` towards +x. */
+static dem_definition on_floor(double angle, dem_grain *grain, const dem_material *material)
+{
+    dem_definition def = dem_definition_default();
+    *grain = (dem_grain){0.0, R - pow(M * G * cos(angle) / FLOOR_K, 2.0 / 3.0), R, M};
+    def.gravity[0] = G * sin(angle);
+    def.gravity[1] = -G * cos(angle);
+    def.rotation = true;
+    def.material = *material;
+    def.dt = 1e-5;
+    def.grains = grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.walls[0].material.k_n = FLOOR_K;
+    return def;
+}
+
+static dem_sim *start(const dem_definition *def)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+static dem_state run(dem_sim *sim, double seconds, double dt)
+{
+    dem_state s[2];
+    CHECK_OK(dem_run(sim, lround(seconds / dt)));
+    CHECK_OK(dem_states(sim, s));
+    return s[0];
+}
+
+/* The law itself: under the limit both laws agree; beyond it, the inner dashpot's force is the limit, and the
+ * spring holds what the dashpot leaves of it. */
+static void inside_law(void)
+{
+    const double k = 1e4, gamma = 40.0, mu = 0.3, m = 0.004, f_n = 2.385, h = 1e-5, cap = mu * f_n;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        double inner = sign * 1e-5, outer = inner;
+        const double little =
+            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &inner);
+        CHECK_NEAR(
+            little,
+            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &outer),
+            1e-15);
+        CHECK_NEAR(inner, outer, 0.0);
+        /* sliding on at 3 cm/s takes the spring to its limit; a dashpot of 0.48 takes most of that */
+        for (int step = 0; step < 10; step++)
+            CU_ASSERT(fabs(dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n,
+                                         h, &inner)) <= cap);
+        CHECK_NEAR(k * inner, sign * (cap - gamma * m * 3.0), 1e-13);
+        double total = sign * 1e-3;
+        CHECK_NEAR(dem_law_shear(DEM_TOTAL, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n, h, &total),
+                   -sign * cap, 1e-15);
+        CHECK_NEAR(total, sign * (1e-3 + 3.0 * h), 1e-16);
+    }
+}
+
+/* A grain that slides down an incline speeds up at g (sin - mu cos) with the dashpot under the limit, and
+ * tends to g (sin - mu cos)/gamma_s with the dashpot outside. */
+static void inside_incline(void)
+{
+    const double mu = 0.2385, gamma_s = 40.0, angle = 1.3 * atan(mu),
+                 pull = G * (sin(angle) - mu * cos(angle));
+    dem_material c = {1e6, 500.0, 1e4, gamma_s, mu};
+    dem_grain grain;
+    dem_definition def = on_floor(angle, &grain, &c);
+    def.rotation = false;
+    for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
+        def.damping = damping;
+        dem_sim *sim = start(&def);
+        double early = run(sim, 0.5, def.dt).vx, late = run(sim, 0.5, def.dt).vx;
+        if (damping == DEM_DAMPING_INSIDE)
+            CHECK_NEAR(late - early, 0.5 * pull, 1e-9 * pull); /* round-off of 5e4 additions */
+        else
+            CHECK_NEAR(late, pull / gamma_s, 1e-9 * late);
+        dem_free(sim);
+    }
+}
+
+/* Sliding over into rolling. The floor's force changes v_x by f/m and omega by b f/(q m r^2), so that
+ * v_x - (q r^2/b) omega is kept whatever the force, and rolling, v_x = -b omega, has v0/(1 + q r^2/b^2).
+ * At the force mu m g that is reached at t = v0/(mu g (1 + b^2/(q r^2))). */
+static void slides_then_rolls(void)
+{
+    const double mu = 0.2385, v0 = 20.0;
+    for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
+        const double q = inertia_ratio(shape);
+        dem_material c = {1e6, 500.0, 1e4, 0.0, mu};
+        dem_grain grain;
+        dem_definition def = on_floor(0.0, &grain, &c);
+        def.shape = shape;
+        grain.vx = v0;
+        const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
+        dem_sim *sim = start(&def);
+        dem_state s = {0};
+        double slip = v0, last = v0;
+        while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
+            last = slip;
+            s = run(sim, def.dt, def.dt);
+            slip = s.vx + b * s.omega;
+        }
+        double t = dem_time(sim) - def.dt * slip / (slip - last);
+        /* the spring takes mu m g/(k_s v0), and the force a step, to come up */
+        const double late = mu * M * G / (1e4 * v0) + def.dt;
+        CHECK_NEAR(t, exact, late);
+        CHECK_NEAR(s.x, v0 * exact - 0.5 * mu * G * exact * exact, v0 * late);
+        CHECK_NEAR(s.vx - q * R * R / b * s.omega, v0, 1e-12 * v0);
+        dem_free(sim);
+        /* the spring that is left swings, and dies out as exp(-gamma_s (1 + 1/q) t/2) */
+        def.walls[0].material.gamma_s = 40.0;
+        sim = start(&def);
+        s = run(sim, 0.8, def.dt);
+        CHECK_NEAR(s.vx, v0 / (1.0 + ratio), 1e-9 * v0);
+        CHECK_NEAR(s.omega, -s.vx / b, 1e-9 * v0 / b);
+        /* the angle is that of the way rolled and slid: x + b angle is the slip, the rest is kept */
+        CHECK_NEAR(s.x - q * R * R / b * s.angle, v0 * dem_time(sim), 1e-9 * v0);
+        dem_free(sim);
+    }
+}
+
+/* Impacts against a wall or another grain, linear law: v_n and v_s at touch, and what is left of v_s. */
+typedef struct {
+    bool pair;
+    int shape;
+    double k_s, mu, v_n, v_s;
+    double out_n, out_s;       /* after */
+    double impulse_n, impulse; /* on the first grain, normal and along s */
+    double turned;             /* change of its spin */
+} oblique;
+
+static const double LINEAR_K = 1e5;
+
+static void collide(oblique *p, double steps)
+{
+    const double r2 = 0.0871, m2 = 0.00297, m_eff = p->pair ? M * m2 / (M + m2) : M;
+    const double dt = M_PI * sqrt(m_eff / LINEAR_K) / steps, gap = 0.381 * p->v_n * dt;
+    /* the first grain comes down on the other; s is +x. It turns backwards, and all else is its speed */
+    const double spin[2] = {-0.7 * p->v_s / R, p->pair ? 0.4 * p->v_s / r2 : 0.0};
+    const double vx = p->v_s - R * spin[0] - r2 * spin[1];
+    dem_grain grains[2] = {{0.0, R + gap, R, M, vx, -p->v_n, 0.0, spin[0]},
+                           {0.0, -r2, r2, m2, 0.0, 0.0, 0.0, spin[1]}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.normal = DEM_LINEAR;
+    def.rotation = true;
+    def.shape = p->shape;
+    def.material = (dem_material){LINEAR_K, 0.0, p->k_s, 0.0, p->mu};
+    def.dt = dt;
+    def.grains = grains;
+    def.n_grains = p->pair ? 2 : 1;
+    def.n_walls = !p->pair;
+    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    dem_sim *sim = start(&def);
+    dem_state s[2] = {0};
+    do {
+        CU_ASSERT_FATAL(dem_run(sim, 10) == RP_OK && dem_time(sim) < 3.0 * steps * dt);
+        dem_states(sim, s);
+    } while (s[0].contacts > 0 || dem_time(sim) < 2.0 * dt);
+    p->out_n = s[0].vy - s[1].vy;
+    p->out_s = s[0].vx - s[1].vx + R * s[0].omega + r2 * s[1].omega;
+    p->impulse_n = M * (s[0].vy + p->v_n);
+    p->impulse = M * (s[0].vx - vx);
+    p->turned = s[0].omega - spin[0];
+    dem_free(sim);
+}
+
+/* An impact that slides throughout (k_s v_s > mu k_n v_n to its end): the tangential impulse is mu times the
+ * normal one, step for step, and that is mu (1 + e) m_eff v_n with e = 1. */
+static void oblique_sliding(void)
+{
+    for (int k = 0; k < 4; k++) {
+        oblique p = {.pair = k & 1, .shape = k / 2, .k_s = LINEAR_K, .mu = 0.3, .v_n = 2e-4, .v_s = 8e-4};
+        const double n = 2000.0, m_eff = p.pair ? M * 0.00297 / (M + 0.00297) : M;
+        const double depth = p.v_n * sqrt(m_eff / LINEAR_K), q = inertia_ratio(p.shape);
+        collide(&p, n);
+        CHECK_NEAR(p.impulse_n, 2.0 * m_eff * p.v_n, 10.0 / n * m_eff * p.v_n);
+        /* the first grain moves on along the other, by less than 2 v_s, in the time pi depth/v_n */
+        const double turn = p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0;
+        CHECK_NEAR(p.impulse, -p.mu * p.impulse_n, (turn + 1e-12) * p.impulse_n);
+        CHECK_NEAR(p.turned, p.impulse / (q * M * R), (3.0 * depth / R + turn / p.mu) * fabs(p.turned));
+    }
+}
+
+/* An impact that sticks throughout: the shear spring swings at sqrt(k_s (1 + 1/q)/m_eff) while the normal one
+ * does half a swing at sqrt(k_n/m_eff), so v_s comes out as v_s cos(pi sqrt((1 + 1/q) k_s/k_n)). */
+static void oblique_sticking(void)
+{
+    for (int k = 0; k < 4; k++) {
+        oblique p = {.pair = k & 1,
+                     .shape = k / 2,
+                     .k_s = 0.2385 * LINEAR_K,
+                     .mu = INFINITY,
+                     .v_n = 0.02,
+                     .v_s = 0.01};
+        const double n = 20000.0, q = inertia_ratio(p.shape);
+        const double left = cos(M_PI * sqrt((1.0 + 1.0 / q) * p.k_s / LINEAR_K));
+        const double depth = p.v_n * sqrt(M / LINEAR_K);
+        collide(&p, n);
+        /* the spring's first step counts whole, though the touch falls into it: first order in 1/n; arms and
+         * direction change with the overlap and the way run in it */
+        CHECK_NEAR(p.out_s / p.v_s, left, 10.0 / n + 10.0 * depth / R);
+        CHECK_NEAR(p.out_n / p.v_n, 1.0, 10.0 / n + 10.0 * depth / R);
+        CHECK_NEAR(p.turned, p.impulse / (q * M * R), 3.0 * depth / R * fabs(p.turned));
+    }
+}
+
+/* Momentum and angular momentum of an oblique impact of two unequal spinning grains, everything damped. */
+static void pair_conserves(void)
+{
+    dem_grain grains[2] = {{0.3, 0.2, 0.1385, 0.01313, 11.0, 17.0, 0.0, 90.0},
+                           {0.45, 0.37, 0.0871, 0.00297, -8.0, -5.0, 0.0, 250.0}};
+    for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.dt = 1e-5;
+        def.rotation = true;
+        def.damping = damping;
+        def.material.gamma_s = 100.0;
+        def.material.mu_roll = 0.1;
+        def.grains = grains;
+        def.n_grains = 2;
+        dem_sim *sim = start(&def);
+        double sums[2][3] = {{0.0}, {0.0}}, scale = 0.0;
+        dem_state s[2];
+        for (int after = 0; after < 2; after++) {
+            CHECK_OK(dem_states(sim, s));
+            for (int i = 0; i < 2; i++) {
+                sums[after][0] += s[i].m * s[i].vx;
+                sums[after][1] += s[i].m * s[i].vy;
+                sums[after][2] += s[i].m * (s[i].x * s[i].vy - s[i].y * s[i].vx) +
+                                  0.4 * s[i].m * s[i].r * s[i].r * s[i].omega;
+                scale += s[i].m * hypot(s[i].vx, s[i].vy);
+            }
+            if (!after) CHECK_OK(dem_run(sim, 500));
+        }
+        CU_ASSERT(s[0].contacts == 0 && fabs(s[0].omega - 90.0) > 10.0); /* they met and parted */
+        for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-13 * scale);
+        dem_free(sim);
+    }
+}
+
+/* Stuck to the floor without damping, a kicked grain swings on its shear and rolling springs: energy stays,
+ * but for the leapfrog's second order, (omega dt)^2 with omega^2 = (3.5 k_s + 2.5 k_roll)/m. */
+static void energy_stays(void)
+{
+    dem_material c = {1e6, 500.0, 1e4, 0.0, INFINITY, 1e6, 2e3, 0.0};
+    dem_grain grain;
+    dem_definition def = on_floor(0.0, &grain, &c);
+    def.dt = 2e-6;
+    grain.vx = 1.0;
+    dem_sim *sim = start(&def);
+    dem_energy e;
+    dem_rest rest;
+    dem_energies(sim, &e);
+    const double start_energy = e.kinetic + e.elastic + e.gravity + e.rotational, kick = 0.5 * M;
+    double most = 0.0, rotational = 0.0, elastic = 0.0;
+    for (int step = 0; step < 5000; step++) {
+        CHECK_OK(dem_run(sim, 1));
+        dem_energies(sim, &e);
+        dem_rest_state(sim, -1.0, 1.0, &rest);
+        most = fmax(most, fabs(e.kinetic + e.elastic + e.gravity + e.rotational - start_energy));
+        rotational = fmax(rotational, e.rotational);
+        elastic = fmax(elastic, e.elastic);
+        CHECK_NEAR(rest.kinetic_energy, e.kinetic + e.rotational, 1e-15);
+    }
+    CHECK_NEAR(most / kick, 0.0, (3.5 * 1e4 + 2.5 * 2e3) / M * def.dt * def.dt);
+    CU_ASSERT(rotational > 0.1 * kick && elastic > 0.3 * kick); /* each had its share */
+    dem_free(sim);
+}
+
+/* A rolling grain is stopped by the couple mu_roll m g r, at b mu_roll g r/(b^2 + q r^2), and stays. */
+static void rolling_stops(void)
+{
+    const double mu_roll = 0.05, v0 = 10.0;
+    for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
+        dem_material c = {1e6, 500.0, 1e4, 200.0, 5.0, mu_roll, 1e4, 200.0};
+        dem_grain grain;
+        dem_definition def = on_floor(0.0, &grain, &c);
+        def.shape = shape;
+        grain.vx = v0;
+        grain.omega = -v0 / grain.y;
+        const double b = grain.y, slows = b * mu_roll * G * R / (b * b + inertia_ratio(shape) * R * R);
+        /* springs load over these ways, and friction acts from the first step on */
+        const double way = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
+        dem_sim *sim = start(&def);
+        dem_state s = run(sim, 0.1, def.dt);
+        CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * way / v0);
+        CHECK_NEAR(s.vx, -b * s.omega, 1e-3 * v0);
+        s = run(sim, 0.9, def.dt);
+        CHECK_NEAR(s.x, 0.5 * v0 * v0 / slows, way);
+        CHECK_NEAR(s.x, -b * s.angle, way);
+        CHECK_NEAR(s.vx, 0.0, 1e-6 * v0);
+        const double stopped = s.x;
+        s = run(sim, 0.5, def.dt);
+        CHECK_NEAR(s.x, stopped, 1e-6 * way);
+        dem_free(sim);
+    }
+}
+
+/* On an incline it stays below tan(angle) = mu_roll r/b and rolls above, at
+ * b (g sin b - mu_roll g cos r)/(b^2 + q r^2). Without resistance it rolls on any. */
+static void rolling_incline(void)
+{
+    const double mu_roll = 0.2;
+    for (int k = 0; k < 3; k++) {
+        const double angle = atan((k == 0 ? 0.9 : k == 1 ? 1.1 : 0.05) * mu_roll);
+        const double resists = k < 2 ? mu_roll : 0.0;
+        dem_material c = {1e6, 500.0, 1e4, 200.0, 5.0, resists, 1e4, 200.0};
+        dem_grain grain;
+        dem_definition def = on_floor(angle, &grain, &c);
+        dem_sim *sim = start(&def);
+        dem_state s = run(sim, 0.8, def.dt);
+        const double v = s.vx, b = grain.y;
+        s = run(sim, 0.2, def.dt);
+        if (k == 0) {
+            CHECK_NEAR(s.vx, 0.0, 1e-6);
+            /* suddenly loaded, it sways by springs' lengths, m g sin over each stiffness, before it sticks */
+            CU_ASSERT(s.x > 0.0 && s.x < 10.0 * 2.0 * M * G * sin(angle) / 1e4);
+            dem_contact *contacts;
+            size_t n;
+            CHECK_OK(dem_contacts(sim, &contacts, &n));
+            CU_ASSERT_FATAL(n == 1);
+            CHECK_NEAR(contacts[0].rolling_torque, M * G * sin(angle) * b, 1e-6 * M * G * R);
+            CHECK_NEAR(s.torque, 0.0, 1e-6 * M * G * R);
+            free(contacts);
+        } else {
+            const double rolls =
+                b * (G * sin(angle) * b - resists * G * cos(angle) * R) / (b * b + 0.4 * R * R);
+            CHECK_NEAR((s.vx - v) / 0.2, rolls, 1e-6 * G); /* the sway has died out as exp(-gamma t) */
+        }
+        dem_free(sim);
+    }
+}
+
+/* A grain wedged between four walls, whose friction and rolling springs all act on its spin, keeps its
+ * energy at the largest time step that is allowed. */
+static void rotating_time_step(void)
+{
+    dem_material c = {10.0, 0.0, 1e4, 0.0, INFINITY, 1e6, 1e4, 0.0};
+    dem_grain grain = {0.0, 0.0, R, M, 0.0, 0.0, 0.0, 30.0};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.normal = DEM_LINEAR;
+    def.material = c;
+    def.rotation = true;
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 4;
+    for (int w = 0; w < 4; w++) {
+        static const double directions[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
+        const double *n = directions[w];
+        def.walls[w] = (dem_wall){
+            {-0.99 * R * n[0], -0.99 * R * n[1]}, {n[0], n[1]}, c, {-INFINITY, INFINITY}, -1, INFINITY};
+    }
+    /* 0.85 of the root of 4 - 3 omega^2 dt^2, with (1 + 1/q) k_s + k_roll/q for the stiffness */
+    const double limit = dem_time_step_limit(&def, NULL);
+    CHECK_NEAR(limit, 0.85 * sqrt(4.0 / 3.0 * M / (3.5 * 1e4 + 2.5 * 1e4)), 1e-12);
+    def.shape = DEM_DISK;
+    CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * sqrt(4.0 / 3.0 * M / (3.0 * 1e4 + 2.0 * 1e4)), 1e-12);
+    def.shape = DEM_SPHERE;
+    def.dt = limit;
+    dem_sim *sim = start(&def);
+    double most = 0.0;
+    for (int k = 0; k < 2000; k++) most = fmax(most, fabs(run(sim, def.dt, def.dt).omega));
+    CU_ASSERT(most < 2.0 * 30.0); /* stable: omega^2 dt^2 = 3.2 of 4 */
+    dem_free(sim);
+    def.rotation = false;
+    for (int w = 0; w < 4; w++) def.walls[w].material.mu_roll = 0.0;
+    def.material.mu_roll = 0.0;
+    CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * sqrt(4.0 / 3.0 * M / 1e4), 1e-12);
+}
+
+void suite_rotation(void)
+{
+    static const check_case cases[] = {{"law with the dashpot inside", inside_law},
+                                       {"incline with the dashpot inside", inside_incline},
+                                       {"slides, then rolls", slides_then_rolls},
+                                       {"oblique impact that slides", oblique_sliding},
+                                       {"oblique impact that sticks", oblique_sticking},
+                                       {"a pair keeps its momenta", pair_conserves},
+                                       {"energy stays", energy_stays},
+                                       {"rolling resistance stops", rolling_stops},
+                                       {"rolling on an incline", rolling_incline},
+                                       {"time step of what rotates", rotating_time_step},
+                                       {NULL, NULL}};
+    check_register("validation: rotation and rolling", cases);
+}
