@@ -44,7 +44,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures report check asan lint setup help clean FORCE
+.PHONY: all figures studies report check asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -128,19 +128,73 @@ $(B)/figures/$(1).svg: figures/$(1).gp figures/style.gp $(call figure_tables,$(1
 endef
 $(foreach f,$(FIGURES),$(eval $(call figure_rule,$(f))))
 
-# A sweep's tables: one row a grid point, and one row a run. Only runs that are not stored are made.
+# A sweep's tables: one row a grid point, and one row a run. Only runs that are not stored are made. Argument:
+# further options of `repose sweep plan`.
+define make_sweep
+@mkdir -p $(T)
+@echo "sweep   $* $(1)"
+@$(REPOSE) sweep plan sweeps/$*.cfg -o $(B)/sweeps/$* $(1) >/dev/null
+@$(REPOSE) sweep run $(B)/sweeps/$* -j $(JOBS) >/dev/null
+@$(REPOSE) sweep export $(B)/sweeps/$* --reduce >$(T)/$*.tsv
+endef
 $(T)/%.tsv: sweeps/%.cfg $(CODE)
-	@mkdir -p $(T)
-	@echo "sweep   $*"
-	@$(REPOSE) sweep plan $< -o $(B)/sweeps/$* >/dev/null
-	@$(REPOSE) sweep run $(B)/sweeps/$* -j $(JOBS) >/dev/null
-	@$(REPOSE) sweep export $(B)/sweeps/$* --reduce >$@
+	$(call make_sweep)
 $(T)/%_runs.tsv: $(T)/%.tsv
 	@$(REPOSE) sweep export $(B)/sweeps/$* >$@
 $(T)/%_compare.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle compare $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
+
+$(T)/%_linear.tsv: $(T)/%.tsv
+	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --successive >$@
+# Trends of theta_R, and of what else is named, over what a sweep varies; margin 1 degree.
+TREND_lh2a := --x H --by mu
+TREND_lh2b_all := --x W --by mu --power 2
+TREND_lh_kn := --x k_n --scale log --pair
+TREND_lh_kn_wall := $(TREND_lh_kn)
+TREND_lh_kn_restitution := $(TREND_lh_kn)
+TREND_lh_gamma := --x gamma_n --scale log --pair
+TREND_lh_ks := --x k_s --scale log --pair
+# where the upper part of the range starts, for those with one
+UPPER_lh2b_all := 3.5
+UPPER_lh_ks := 1e4
+TREND_lh_wall := --x mu_wall --by W --pair
+TREND_lh_grain := --x mu --by W --pair
+$(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
+	@cat $^ >$@
+$(T)/%_trend.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) >$@
+$(T)/%_trend_method2.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_r2_deg $(TREND_$*) >$@
+$(T)/%_trend_bottom.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_lower_less_upper_deg $(TREND_$*) >$@
+$(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
+$(T)/%_size.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
+# Does a change shrink with the size of the box?
+$(T)/%_shrink.tsv: $(T)/%_trend.tsv
+	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
+
+# Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
+# A study that was stopped goes on; the runs of `make figures` are the first of its own.
+STUDY_lh2a := 200
+STUDY_lh2b := 30
+STUDY_lh2b_beyond := 10
+STUDY_lh_kn := 50
+STUDY_lh_kn_wall := 50
+STUDY_lh_kn_restitution := 50
+STUDY_lh_gamma := 50
+STUDY_lh_ks := 50
+STUDY_lh_wall := 20
+STUDY_lh_grain := 20
+STUDY_lh_smooth0 := 50
+$(B)/studies/%: sweeps/%.cfg $(CODE)
+	$(call make_sweep,--replicas $(STUDY_$*))
+	@mkdir -p $(@D)
+	@touch $@
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_%,$(.VARIABLES))) ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
@@ -191,7 +245,7 @@ report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository
 	@mkdir -p figures/shown
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 	@cp $< paper-repro.md
-.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv
+.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv
 
 clean: ## remove everything made
 	rm -rf $(B)

@@ -17,6 +17,7 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
     dem_definition def = dem_definition_default();
     def.gravity[1] = -b->g;
     def.dt = b->dt;
+    def.integrator = b->integrator;
     def.slip = b->slip;
     def.tension = b->tension;
     def.damping = b->damping;
@@ -43,7 +44,22 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
         def.walls[DEM_BOX_FLOOR].extent[1] = b->W;
         def.y_min = -4.0 * b->radius_mean;
     }
+    if (b->floor_grains) def.walls[DEM_BOX_FLOOR].point[1] = -2.0 * b->radius_mean;
     *scene = (dem_scene){.def = def};
+}
+
+size_t sweep_box_floor(const sweep_box *b, dem_grain *grains)
+{
+    if (!b->floor_grains) return 0;
+    const double r = b->radius_mean, reach = b->floor == SWEEP_FLOOR_EXTENDS ? 3.0 * b->W : b->W;
+    const size_t n = (size_t)lround(reach / (2.0 * r));
+    for (size_t i = 0; grains && i < n; i++)
+        grains[i] = (dem_grain){.x = (2.0 * (double)i + 1.0) * r,
+                                .y = -r,
+                                .r = r,
+                                .m = dem_mass(b->shape, b->density, r),
+                                .fixed = true};
+    return n;
 }
 
 rp_status sweep_box_check(const sweep_box *b, double drop)
@@ -54,8 +70,13 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);
+    if (b->rotation && b->integrator == DEM_GEAR5)
+        return rp_fail(RP_BAD_INPUT, "rotation = true: needs integrator = \"verlet\"");
     if (b->mu_roll > 0.0 && !b->rotation)
         return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", b->mu_roll);
+    if (b->floor_grains && b->mu_floor >= 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_floor = %g: a floor of grains has their friction mu = %g",
+                       b->mu_floor, b->mu);
     /* the lightest grain that can be drawn, falling from the top */
     dem_scene scene;
     sweep_box_scene(b, &scene);
@@ -94,6 +115,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
 rp_status sweep_box_end(sweep_box_run *run, rp_status status)
 {
     dem_free(run->sim);
+    free(run->scene.grains);
     free(run->states);
     free(run->work);
     /* a status word was given: physics without a result, which is an answer */
@@ -165,15 +187,17 @@ ang_options sweep_box_options(const sweep_box *b)
 
 rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface)
 {
-    const size_t n = dem_count(run->sim);
-    double *x = run->work, *y = x + n, *r = y + n;
+    const size_t n_all = dem_count(run->sim);
+    double *x = run->work, *y = x + n_all, *r = y + n_all;
     *surface = (ang_surface){0};
     rp_status status = dem_states(run->sim, run->states);
     if (status) return status;
-    for (size_t i = 0; i < n; i++) {
-        x[i] = run->states[i].x;
-        y[i] = run->states[i].y;
-        r[i] = run->states[i].r;
+    size_t n = 0;
+    for (size_t i = 0; i < n_all; i++) {
+        if (run->states[i].fixed) continue;
+        x[n] = run->states[i].x;
+        y[n] = run->states[i].y;
+        r[n++] = run->states[i].r;
     }
     status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
     run->cells = (double)surface->n_occupied;

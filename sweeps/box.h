@@ -18,7 +18,7 @@ typedef struct {
     double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
     double rest_energy, rest_force;
     int shape, integrator, slip, damping, floor, height, empty, parabola;
-    bool tension, rotation;
+    bool tension, rotation, floor_grains;
 } sweep_box;
 
 /* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
@@ -47,7 +47,8 @@ typedef struct {
     R(radius_max, "cm", RP_REAL, "0.13", "(0, inf)", "drawn again above")                                    \
     R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")                                                  \
     R(dt, "s", RP_REAL, "5e-5", "(0, inf)", "time step")                                                     \
-    R(integrator, "", RP_CHOICE, "verlet", "verlet", "time integration")                                     \
+    R(integrator, "", RP_CHOICE, "verlet", "verlet | gear5",                                                 \
+      "velocity Verlet, or Gear's predictor-corrector of fifth order")                                       \
     R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
       "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
     R(damping, "", RP_CHOICE, "outside", "outside | inside",                                                 \
@@ -60,6 +61,8 @@ typedef struct {
 #define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
     R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
       "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")           \
+    R(floor_grains, "", RP_BOOL, "false", "",                                                                \
+      "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")     \
     R(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant", "speed at which the right wall is lifted")
 
 #define SWEEP_BOX_REST_ROWS(R)                                                                               \
@@ -72,8 +75,13 @@ typedef struct {
     R(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")                   \
     R(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
 
-/* The scene of the box, closed, empty and without a fill. */
+/* The scene of the box, closed, empty and without a fill. Where the floor is of grains, its wall lies below
+ * them; the protocol adds them. */
 void sweep_box_scene(const sweep_box *box, dem_scene *scene);
+
+/* The grains of such a floor, from x = 0 to where it ends, as many as fit to the nearest; 0 without.
+ * `grains` may be NULL, to count them. */
+size_t sweep_box_floor(const sweep_box *box, dem_grain *grains);
 
 /* Refuse a box that cannot work. `drop`: greatest height that a grain falls from.
  * Errors: RP_BAD_INPUT. */
@@ -84,7 +92,7 @@ typedef struct {
     const sweep_box *box;
     const sweep_tables *tables; /* NULL: none */
     sweep_result *result;
-    dem_scene scene;   /* from sweep_box_scene; the protocol adds its fill */
+    dem_scene scene;   /* from sweep_box_scene; the protocol adds fill or grains, freed by sweep_box_end */
     dem_sim *sim;      /* NULL until the protocol starts it */
     double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
     long max_steps;    /* most steps that sweep_box_settle waits */
@@ -119,7 +127,7 @@ rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watc
 /* How the box's parameters say that a surface is measured. */
 ang_options sweep_box_options(const sweep_box *box);
 
-/* The surface of the present state. Afterwards ang_surface_free, also after an error.
+/* The surface of the present state, fixed grains left out. Afterwards ang_surface_free, also after an error.
  * Errors: RP_NO_RESULT with the word no_pile. */
 rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface);
 

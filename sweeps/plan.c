@@ -225,6 +225,21 @@ static rp_status refuse_twins(const char *file, const sweep_plan *plan)
     return status;
 }
 
+static rp_status make_keys(sweep_plan *plan)
+{
+    char model[64], fingerprint[33] = "";
+    plan->n_runs = plan->n_points * plan->replicas;
+    free(plan->keys);
+    plan->keys = calloc(plan->n_runs, sizeof *plan->keys);
+    if (!plan->keys) return rp_fail(RP_NO_MEMORY, "%zu runs: out of memory", plan->n_runs);
+    rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
+    snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);
+    for (size_t r = 0; !status && r < plan->n_runs; r++)
+        rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed,
+                       sweep_plan_pile(plan, r), model, plan->keys[r]);
+    return status;
+}
+
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan)
 {
     *plan = (sweep_plan){0};
@@ -240,7 +255,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     if (!status && grid && !config_setting_is_list(grid)) status = find_group(root, "grid", &grid);
     if (status) return status;
     plan->protocol = protocols[h.protocol];
-    plan->replicas = (size_t)h.replicas;
+    plan->replicas = plan->block = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;
     axis_list lists[MAX_AXES];
@@ -248,21 +263,22 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     status = find_lists(&h, grid, lists, &n_lists);
     if (!status) status = read_axes(plan, lists, n_lists, fixed);
     if (status) return status;
-    plan->n_runs = plan->n_points * plan->replicas;
     plan->points = calloc(plan->n_points, plan->protocol->params_size);
-    plan->keys = calloc(plan->n_runs, sizeof *plan->keys);
-    if (!plan->points || !plan->keys)
-        return rp_fail(RP_NO_MEMORY, "%s: %zu runs: out of memory", file, plan->n_runs);
+    if (!plan->points) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     status = read_fixed(plan, fixed, plan->points);
     if (!status) status = check_required(file, plan, fixed);
     if (!status) status = expand(file, plan, lists);
-    char model[64], fingerprint[33] = "";
-    if (!status && plan->protocol->fingerprint) status = plan->protocol->fingerprint(fingerprint);
-    snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);
-    for (size_t r = 0; !status && r < plan->n_runs; r++)
-        rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed,
-                       sweep_plan_pile(plan, r), model, plan->keys[r]);
+    if (!status) status = make_keys(plan);
     return status || !plan->shared_piles ? status : refuse_twins(file, plan);
+}
+
+rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
+{
+    if (replicas < 1 || replicas > MAX_RUNS / plan->n_points)
+        return rp_fail(RP_BAD_INPUT, "replicas = %zu: out of range for %zu grid points, allowed: [1, %zu]",
+                       replicas, plan->n_points, MAX_RUNS / plan->n_points);
+    plan->replicas = replicas;
+    return make_keys(plan);
 }
 
 void sweep_plan_free(sweep_plan *plan)
@@ -280,7 +296,10 @@ const void *sweep_plan_point(const sweep_plan *plan, size_t point)
 
 unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run)
 {
-    return plan->shared_piles ? run % plan->replicas : run;
+    const size_t point = run / plan->replicas, replica = run % plan->replicas;
+    if (plan->shared_piles) return replica;
+    /* blocks of the file's number of replicas, so that asking for more keeps the piles that there are */
+    return (replica / plan->block * plan->n_points + point) * plan->block + replica % plan->block;
 }
 
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size)

@@ -12,6 +12,7 @@ typedef struct {
     unsigned long seed;
     bool shared_piles;
     size_t replicas, n_points, n_runs, n_axes;
+    size_t block;          /* replicas as the file says */
     const rp_param **axes; /* the parameters under `grid`, in the order of the file */
     char *points;          /* n_points structures of protocol->params_size bytes */
     char (*keys)[33];      /* of the runs */
@@ -31,6 +32,10 @@ typedef struct sweep_store sweep_store;
 /* Read and check a sweep file. Afterwards sweep_plan_free, also after an error. */
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan);
 void sweep_plan_free(sweep_plan *plan);
+
+/* Another number of replicas than the file's. Those that both numbers have keep their piles and keys.
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas);
 
 /* Parameters of a grid point. */
 const void *sweep_plan_point(const sweep_plan *plan, size_t point);
@@ -55,6 +60,9 @@ rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, con
 
 /* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
 rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
+
+/* Replicas of the stored plan. */
+rp_status sweep_store_replicas(sweep_store *store, size_t *replicas);
 
 /* The sweep file's name as it was given. */
 rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size);

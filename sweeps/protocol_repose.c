@@ -11,14 +11,16 @@
 #include "core/table.h"
 #include "sweeps/box.h"
 
+enum { FILL_DROP, FILL_RAMP };
 enum { STOP_REST, STOP_STEPS };
+enum { TILT_GRAVITY, TILT_BOX };
 enum { MEASURE_THETA_R = 1, MEASURE_THETA_T = 2, MEASURE_THETA_T_STATIC = 4 };
 
 typedef struct {
     sweep_box box;
     double H, tilt_rate_deg;
     long N, fill_steps, relax_steps, max_steps;
-    int stop, tilt;
+    int fill, stop, tilt;
     unsigned measure;
 } repose_params;
 
@@ -32,6 +34,8 @@ static const rp_param schema[] = {
     {"N", "", RP_INT, AT(N), "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2"},
     SWEEP_BOX_GRAIN_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
+    {"fill", "", RP_CHOICE, AT(fill), "drop", "drop | ramp",
+     "gravity from the start, or growing from 0 in the first half of fill_steps"},
     {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
@@ -42,8 +46,9 @@ static const rp_param schema[] = {
      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1"},
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
      "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
-    {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity", "what turns"},
-    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
+    {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity | box",
+     "what turns: gravity, or the walls about the origin, as in the paper"},
+    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
     SWEEP_BOX_SURFACE_ROWS(BOX)
     {0}};
 /* clang-format on */
@@ -153,15 +158,45 @@ static rp_status check(const void *params)
     if (p->stop == STOP_STEPS && p->measure & MEASURE_THETA_T_STATIC)
         return rp_fail(RP_BAD_INPUT,
                        "measure = theta_t_static: goes from rest to rest; needs stop = \"rest\"");
+    if (p->box.floor_grains && p->tilt == TILT_BOX && p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC))
+        return rp_fail(RP_BAD_INPUT,
+                       "tilt = \"box\": a floor of fixed grains cannot turn; needs tilt = \"gravity\"");
     return RP_OK;
+}
+
+/* The grains that fall, then those of the floor. */
+static rp_status place_grains(experiment *e)
+{
+    dem_scene *s = &e->box.scene;
+    const size_t n = (size_t)s->fill.N, n_floor = sweep_box_floor(&e->p->box, NULL);
+    if (n_floor == 0) return RP_OK; /* the scene's own fill */
+    s->grains = malloc((n + n_floor) * sizeof *s->grains);
+    if (!s->grains) return rp_fail(RP_NO_MEMORY, "fill: out of memory");
+    s->has_fill = false;
+    s->def.grains = s->grains;
+    s->def.n_grains = n + sweep_box_floor(&e->p->box, s->grains + n);
+    return dem_fill_random(&s->fill, s->grains);
+}
+
+static rp_status ramp_gravity(experiment *e, long steps)
+{
+    rp_status status = RP_OK;
+    for (long k = 1; !status && k <= steps; k++) {
+        dem_gravity_set(e->box.sim, (double[]){0.0, -e->p->box.g * (double)k / (double)steps});
+        status = sweep_box_advance(&e->box, 1);
+    }
+    return status;
 }
 
 static rp_status fill_box(experiment *e)
 {
-    rp_status status = dem_scene_start(&e->box.scene, &e->box.sim);
+    const long ramp = e->p->fill == FILL_RAMP ? e->p->fill_steps / 2 : 0;
+    rp_status status = place_grains(e);
+    if (!status) status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
     if (status) return status;
-    status = sweep_box_advance(&e->box, e->p->fill_steps);
+    status = ramp_gravity(e, ramp);
+    if (!status) status = sweep_box_advance(&e->box, e->p->fill_steps - ramp);
     if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
     e->values[OUT_FILL_STEPS] = (double)dem_step(e->box.sim);
     dem_rest rest;
@@ -269,7 +304,7 @@ static rp_status measure_pile(experiment *e)
     rp_status status = note_state(e);
     if (status) return status;
     /* what lies flat on a smooth floor is no pile of angle 0: any slope would have flowed out */
-    if (e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0) {
+    if (e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0 && !e->p->box.floor_grains) {
         sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
         return RP_NO_RESULT;
     }
@@ -287,13 +322,13 @@ static rp_status measure_pile(experiment *e)
 /* Where the grains of the pile were, by id; and how far from there they are. */
 typedef struct {
     size_t n, n_all; /* in the pile; of all grains */
-    double *x, *y;   /* by id, from 1; NaN for grains outside the pile */
+    double *x, *y;   /* in the box's frame, by id, from 1; NaN for grains outside the pile */
 } places;
 
 static rp_status places_note(experiment *e, places *at)
 {
     at->n = 0;
-    at->n_all = (size_t)e->box.scene.fill.N;
+    at->n_all = (size_t)e->box.scene.fill.N + sweep_box_floor(&e->p->box, NULL);
     at->x = malloc((at->n_all + 1) * sizeof *at->x);
     at->y = malloc((at->n_all + 1) * sizeof *at->y);
     if (!at->x || !at->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
@@ -301,7 +336,7 @@ static rp_status places_note(experiment *e, places *at)
     rp_status status = dem_states(e->box.sim, e->box.states);
     for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
         const dem_state *s = &e->box.states[i];
-        if (!(s->x > 0.0 && s->x < e->p->box.W)) continue;
+        if (!(s->x > 0.0 && s->x < e->p->box.W) || s->fixed) continue;
         at->x[s->id] = s->x;
         at->y[s->id] = s->y;
         at->n++;
@@ -326,15 +361,22 @@ static rp_status places_moved(experiment *e, const places *at, double reach, int
         const dem_state *s = &e->box.states[i];
         if (isnan(at->x[s->id])) continue;
         seen++;
-        double dx = s->x - at->x[s->id], dy = s->y - at->y[s->id];
+        double x = s->x, y = s->y;
+        dem_box_frame(e->box.sim, &x, &y);
+        double dx = x - at->x[s->id], dy = y - at->y[s->id];
         *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
     }
     *moved += at->n - seen;
     return status;
 }
 
-/* Gravity turns at a constant rate; onset by displacement and by energy (protocol "Tilt"). The elastic sway
- * that the start of the turn excites is the largest mean energy within the first half degree. */
+static void turn(experiment *e, double deg_per_step)
+{
+    (e->p->tilt == TILT_BOX ? dem_box_turn : dem_gravity_turn)(e->box.sim, deg_per_step * (M_PI / 180.0));
+}
+
+/* Gravity, or the box, turns at a constant rate; onset by displacement and by energy (protocol "Tilt"). The
+ * elastic sway that the start of the turn excites is the largest mean energy within the first half degree. */
 static rp_status tilt_at_rate(experiment *e)
 {
     const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
@@ -342,7 +384,7 @@ static rp_status tilt_at_rate(experiment *e)
     double *v = e->values, sway = 0.0;
     places at = {0};
     rp_status status = places_note(e, &at);
-    dem_gravity_turn(e->box.sim, e->p->tilt_rate_deg * (M_PI / 180.0));
+    turn(e, e->p->tilt_rate_deg);
     for (double turned = 0.0; !status && turned < most_deg;) {
         status = sweep_box_advance(&e->box, every);
         if (status) break;
@@ -368,7 +410,7 @@ static rp_status tilt_at_rate(experiment *e)
     return status;
 }
 
-/* Gravity turns by 0.1 degree at the same rate, then waits for rest; the last angle at which no grain with
+/* It turns by 0.1 degree at the same rate, then waits for rest; the last angle at which no grain with
  * two contacts had moved half a diameter. */
 static rp_status tilt_quasi_static(experiment *e)
 {
@@ -378,9 +420,9 @@ static rp_status tilt_quasi_static(experiment *e)
     places at = {0};
     rp_status status = places_note(e, &at);
     for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
-        dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
+        turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
-        dem_gravity_turn(e->box.sim, 0.0);
+        turn(e, 0.0);
         if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", NULL, NULL);
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
@@ -414,7 +456,7 @@ static rp_status write_scene(experiment *e)
 {
     char path[4096];
     FILE *out;
-    if (!e->box.tables) return RP_OK;
+    if (!e->box.tables || e->p->fill == FILL_RAMP) return RP_OK; /* no scene has a ramp */
     rp_status status = sweep_box_table(e->box.tables, "scene.cfg", path, sizeof path, &out);
     if (status) return status;
     e->box.scene.steps = dem_step(e->box.sim);
@@ -450,7 +492,7 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     const sweep_box *b = &p->box;
     const long n = grain_number(p);
     experiment e = {.p = p, .values = result->values};
-    rp_status status = sweep_box_begin(&e.box, b, (size_t)n, tables, result);
+    rp_status status = sweep_box_begin(&e.box, b, (size_t)n + sweep_box_floor(b, NULL), tables, result);
     e.box.scene.has_fill = true;
     e.box.scene.fill = (dem_fill){
         n,          b->W,     2.0 * p->H, b->radius_mean, b->radius_width, b->radius_min, b->radius_max,
@@ -468,23 +510,34 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return trace(params, seed, run, NULL, result);
 }
 
-/* Two short runs that between them use both springs, two floors, both masses and all phases but the tilt. */
+/* Four short runs that between them use every law, integrator and mass, all floors but one and all phases but
+ * the quasi-static tilt. */
 static rp_status fingerprint(char digits[33])
 {
-    repose_params p[2];
-    sweep_result results[2];
-    double bits[2][N_OUTPUTS];
-    for (int k = 0; k < 2; k++) {
+    enum { N_RUNS = 4 };
+    repose_params p[N_RUNS];
+    sweep_result results[N_RUNS];
+    double bits[N_RUNS][N_OUTPUTS];
+    for (int k = 0; k < N_RUNS; k++) {
         rp_params_defaults(schema, &p[k]);
         p[k].box.W = p[k].H = 1.0;
         p[k].stop = STOP_STEPS;
         p[k].fill_steps = p[k].relax_steps = 1500;
+        p[k].measure = MEASURE_THETA_R | MEASURE_THETA_T;
+        p[k].tilt_rate_deg = 0.01;
     }
     p[1].box.slip = DEM_TOTAL;
     p[1].box.floor = SWEEP_FLOOR_ENDS;
     p[1].box.shape = DEM_DISK;
     p[1].box.tension = false;
-    for (int k = 0; k < 2; k++) {
+    p[1].tilt = TILT_BOX;
+    p[2].box.integrator = DEM_GEAR5;
+    p[2].box.floor_grains = true;
+    p[2].fill = FILL_RAMP;
+    p[3].box.damping = DEM_DAMPING_INSIDE;
+    p[3].box.rotation = true;
+    p[3].box.mu_roll = 0.1;
+    for (int k = 0; k < N_RUNS; k++) {
         rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
         if (status) return status;
         /* angles to a millionth of a degree: the C library's atan may differ in its last digits */

@@ -101,6 +101,14 @@ rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size)
     return get_note(store, "file", buffer, size);
 }
 
+rp_status sweep_store_replicas(sweep_store *store, size_t *replicas)
+{
+    char text[32];
+    rp_status status = get_note(store, "replicas", text, sizeof text);
+    *replicas = strtoul(text, NULL, 10);
+    return status;
+}
+
 /* A column of `runs`, unless it is there already. */
 static rp_status add_column(sweep_store *s, const char *name, const char *type)
 {

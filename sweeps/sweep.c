@@ -35,6 +35,10 @@ rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protoc
     if (!status) status = sweep_plan_read(path, protocols, &folder->plan);
     if (!status) status = sweep_store_open(dir, false, &folder->store);
     if (!status && !write) status = sweep_store_freeze(folder->store);
+    size_t replicas = 0;
+    if (!status) status = sweep_store_replicas(folder->store, &replicas);
+    if (!status && replicas > 0 && replicas != folder->plan.replicas)
+        status = sweep_plan_replicate(&folder->plan, replicas);
     return status ? status : sweep_store_check_plan(folder->store, &folder->plan);
 }
 
@@ -60,12 +64,13 @@ static rp_status copy_file(const char *from, const char *to)
     return status;
 }
 
-rp_status sweep_prepare(const char *file, const char *dir, const sweep_protocol *const *protocols,
-                        sweep_counts *counts)
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, sweep_counts *counts)
 {
     sweep_folder f = {.lock = -1};
     char path[4096];
     rp_status status = sweep_plan_read(file, protocols, &f.plan);
+    if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = take_lock(dir, &f.lock);
     if (!status) status = sweep_store_open(dir, true, &f.store);

@@ -49,9 +49,10 @@ typedef struct {
 } sweep_options;
 
 /* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
- * Nothing is made unless the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
-rp_status sweep_prepare(const char *file, const char *dir, const sweep_protocol *const *protocols,
-                        sweep_counts *counts);
+ * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
+ * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and

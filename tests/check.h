@@ -15,6 +15,7 @@
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_forensics)                                                                                       \
+    X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
     X(suite_scene)                                                                                           \

@@ -735,6 +735,36 @@ static void added_one_by_one(void)
     free(grains);
 }
 
+/* By Gear's scheme the parabola is exact too; where grains rotate, the new one keeps its spin. */
+static void added_by_either_scheme(void)
+{
+    const double g = 981.0;
+    dem_grain one = {.y = 1.0, .r = 0.1, .m = 0.004};
+    dem_state s[2];
+    for (int gear = 0; gear < 2; gear++) {
+        dem_definition def = dem_definition_default();
+        def.grains = &one;
+        def.n_grains = 1;
+        def.integrator = gear ? DEM_GEAR5 : DEM_VERLET;
+        def.rotation = !gear;
+        def.dt = 2e-5; /* Gear's limit is the lower */
+        const double omega = gear ? 0.0 : 2.385, t = 300 * def.dt;
+        dem_sim *sim = start(&def);
+        CHECK_OK(dem_run(sim, 100));
+        CHECK_OK(dem_add(
+            sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
+        CHECK_OK(dem_run(sim, 300));
+        CHECK_OK(dem_states(sim, s));
+        CHECK_NEAR(s[1].y, 2.0 - 7.0 * t - 0.5 * g * t * t, 1e-12); /* round-off of 300 steps */
+        CHECK_NEAR(s[1].vy, -7.0 - g * t, 1e-11);
+        CHECK_NEAR(s[1].angle, omega * t, 1e-13);
+        CU_ASSERT(s[1].omega == omega);
+        CHECK_FAILS(dem_add(sim, &(dem_grain){.x = 9.0, .r = 0.1, .m = 0.004, .fixed = true}, NULL),
+                    RP_BAD_INPUT, "must be there from the start");
+        dem_free(sim);
+    }
+}
+
 /* Names are not given twice, and a grain that can't be put in leaves all as it was. */
 static void added_names_and_errors(void)
 {
@@ -918,6 +948,7 @@ void suite_dem(void)
                                        {"random filling", filling},
                                        {"a grain put in far away", added_far_away},
                                        {"grains put in one by one", added_one_by_one},
+                                       {"a grain put in by either scheme", added_by_either_scheme},
                                        {"names and errors of a grain put in", added_names_and_errors},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},

@@ -317,16 +317,172 @@ static void test_contact_choices(void)
     clean();
 }
 
+/* Few grains without any friction: the row of 11 holds some of them, and is no part of the pile itself. */
+static void test_floor_of_grains(void)
+{
+    sweep_result result;
+    traced_run((const setting[]){{"W", "2.2"},
+                                 {"N", "16"},
+                                 {"mu", "0"},
+                                 {"floor", "absorbs"},
+                                 {"floor_grains", "true"},
+                                 {"stop", "steps"},
+                                 {"fill_steps", "4000"},
+                                 {"relax_steps", "4000"},
+                                 {0}},
+               &result);
+    CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    check_scene(&scene, &sim);
+    size_t n_fixed = 0, n_low = 0, n_over = 0, n_cells = 0;
+    dem_state states[256];
+    bool occupied[11] = {false};
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < dem_count(sim); i++) {
+        const dem_state *s = &states[i];
+        if (s->fixed) {
+            CU_ASSERT(s->id == 17 + n_fixed && s->r == 0.1 && s->y == -0.1);
+            CHECK_NEAR(s->x, 0.1 + 0.2 * (double)n_fixed, 1e-15 * 11.0);
+            n_fixed++;
+            continue;
+        }
+        n_low += s->y < s->r;  /* lower than on a flat floor */
+        CU_ASSERT(s->y > 0.0); /* but not between two of the row */
+        n_over += s->x > 0.0 && s->x < 2.2;
+        n_cells += !occupied[(int)(s->x / 0.2)];
+        occupied[(int)(s->x / 0.2)] = true;
+    }
+    CU_ASSERT(n_fixed == 11 && n_low > 0);
+    CU_ASSERT(output(&result, "grains") == (double)n_over);
+    CU_ASSERT(n_cells < 11 && output(&result, "cells") == (double)n_cells);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    clean();
+    /* to 3 W where the floor goes on */
+    CU_ASSERT(sweep_box_floor(&(sweep_box){.W = 2.2, .radius_mean = 0.1, .floor_grains = true}, NULL) == 33);
+}
+
+/* Gravity grows as t/T to t = T, and stays to 2 T: a grain falls by (1/6 + 1/2 + 1/2) g T^2. Steps of T/400
+ * take gravity at their end. */
+static void test_ramp(void)
+{
+    sweep_result result;
+    rp_table start, full;
+    const setting settings[] = {
+        {"W", "1"},        {"H", "4"},          {"N", "1"},           {"fill", "ramp"},
+        {"stop", "steps"}, {"fill_steps", "2"}, {"relax_steps", "1"}, {0}};
+    double y[2];
+    for (int k = 0; k < 2; k++) {
+        setting s[8];
+        memcpy(s, settings, sizeof s);
+        if (k == 1) s[5].value = "800";
+        traced_run(s, &result);
+        rp_table *t = k == 0 ? &start : &full;
+        CHECK_OK(rp_table_read(path_of("filled_grains.tsv"), t));
+        CHECK_OK(rp_table_number(t, 0, rp_table_column(t, "y"), 0, &y[k]));
+        CU_ASSERT(access(path_of("scene.cfg"), F_OK) != 0); /* a scene has no ramp */
+        rp_table_free(t);
+        clean();
+    }
+    const double T = 400 * 5e-5, fall = 7.0 / 6.0 * 981.0 * T * T;
+    CHECK_NEAR(y[0] - y[1], fall, fall * 2.0 / 400.0);
+}
+
+/* A grain at rest in a box that turns: its velocity there is the angular velocity times its distance from the
+ * origin, it spins, and its place, after a quarter turn clockwise, has x and y exchanged. */
+static void test_rest_in_turning_box(void)
+{
+    dem_definition def = dem_definition_default();
+    const dem_grain grain = {.x = 0.3, .y = 1.5, .r = 0.1, .m = 2.0};
+    const double turn = M_PI / 4000.0;
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    def.grains = &grain;
+    def.n_grains = 1;
+    dem_sim *sim = NULL;
+    dem_rest rest;
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
+    CU_ASSERT(rest.n == 1 && rest.kinetic_energy == 0.0);
+    dem_box_turn(sim, turn);
+    CHECK_OK(dem_run(sim, 2000));
+    /* 2 g: the square of the speed, and the spin that it has there of 0.4 r^2 */
+    const double v2 = turn * turn * (0.3 * 0.3 + 1.5 * 1.5 + 0.4 * 0.1 * 0.1) / (def.dt * def.dt);
+    CHECK_OK(dem_rest_state(sim, -1.6, -1.4, &rest));
+    CU_ASSERT(rest.n == 1);
+    CHECK_NEAR(rest.kinetic_energy, v2, v2 * turn * turn); /* a chord for an arc */
+    dem_box_turn(sim, 0.0);
+    CHECK_OK(dem_run(sim, 1));
+    CHECK_OK(dem_rest_state(sim, -1.6, -1.4, &rest));
+    CU_ASSERT(rest.n == 1 && rest.kinetic_energy == 0.0);
+    dem_free(sim);
+}
+
+/* The tilt at which 5 % of the grains over the floor are 0.1 d from their places in the box. */
+static double onset(dem_sim *sim, double W, bool box, double deg_per_step)
+{
+    dem_state at[256], now[256];
+    const size_t n = dem_count(sim);
+    CHECK_OK(dem_states(sim, at));
+    (box ? dem_box_turn : dem_gravity_turn)(sim, deg_per_step / RADIAN_DEG);
+    for (long step = 10; step < 60000; step += 10) {
+        const double angle = box ? (double)step * deg_per_step / RADIAN_DEG : 0.0;
+        size_t pile = 0, moved = 0;
+        CHECK_OK(dem_run(sim, 10));
+        CU_ASSERT_FATAL(dem_count(sim) == n);
+        CHECK_OK(dem_states(sim, now));
+        for (size_t i = 0; i < n; i++) {
+            if (!(at[i].x > 0.0 && at[i].x < W)) continue;
+            double dx = now[i].x * cos(angle) - now[i].y * sin(angle) - at[i].x;
+            double dy = now[i].x * sin(angle) + now[i].y * cos(angle) - at[i].y;
+            pile++;
+            moved += dx * dx + dy * dy > 0.02 * 0.02;
+        }
+        if ((double)moved >= 0.05 * (double)pile) return (double)step * deg_per_step;
+    }
+    return NAN;
+}
+
+static void test_tilts(void)
+{
+    if (check_fast()) return;
+    double theta_t[2];
+    for (int box = 0; box < 2; box++) {
+        sweep_result result;
+        traced_run(
+            (const setting[]){
+                {"W", "2"}, {"H", "2"}, {"measure", "theta_t"}, {"tilt", box ? "box" : "gravity"}, {0}},
+            &result);
+        CU_ASSERT_STRING_EQUAL(result.status, "ok");
+        dem_scene scene;
+        dem_sim *sim = NULL;
+        check_scene(&scene, &sim);
+        theta_t[box] = output(&result, "theta_t_displacement_deg");
+        CHECK_NEAR(theta_t[box], onset(sim, 2.0, box, 1e-3), ANGLE_TOLERANCE_DEG);
+        CU_ASSERT(output(&result, "theta_t_energy_deg") > 0.5);
+        dem_free(sim);
+        dem_scene_free(&scene);
+        clean();
+    }
+    CU_ASSERT(theta_t[0] != theta_t[1]); /* or the test would show nothing */
+}
+
 static void test_refusals(void)
 {
     static const struct {
         setting settings[4];
         const char *message;
     } cases[] = {
+        {{{"floor_grains", "true"}, {"mu_floor", "0.3"}, {0}}, "mu_floor = 0.3: a floor of grains"},
+        {{{"floor_grains", "true"}, {"tilt", "box"}, {"measure", "theta_t"}, {0}},
+         "tilt = \"box\": a floor of fixed grains cannot turn"},
+        {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
+        {{{"rotation", "true"}, {"integrator", "gear5"}, {0}}, "rotation = true: needs integrator"},
         {{{"slip", "total"}, {0}}, "needs stop = \"steps\""},
         {{{"stop", "steps"}, {"measure", "theta_t_static"}, {0}}, "needs stop = \"rest\""},
-        {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
         {{{"dt", "2e-4"}, {0}}, "dt = 0.0002: too large"},
+        {{{"integrator", "gear5"}, {"dt", "1e-4"}, {0}}, "dt = 0.0001: too large"},
         {{{"radius_min", "0.11"}, {0}}, "radius_mean = 0.1: must lie between"},
         {{{"W", "0.9"}, {0}}, "W = 0.9: at least five grain diameters"},
     };
@@ -343,6 +499,10 @@ void suite_repose(void)
                                        {"looser criteria of rest", test_other_rests},
                                        {"friction of the floor", test_frictions},
                                        {"choices of contact", test_contact_choices},
+                                       {"floor of grains", test_floor_of_grains},
+                                       {"ramp of gravity", test_ramp},
+                                       {"rest in a turning box", test_rest_in_turning_box},
+                                       {"tilt of gravity and of the box", test_tilts},
                                        {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);

@@ -109,7 +109,7 @@ static void fresh(const char *text)
 static rp_status prepare(sweep_counts *counts)
 {
     sweep_counts ignored;
-    return sweep_prepare(file, dir, toys, counts ? counts : &ignored);
+    return sweep_prepare(file, dir, 0, toys, counts ? counts : &ignored);
 }
 
 static rp_status run(int workers, sweep_counts *counts)
@@ -265,6 +265,37 @@ static void test_shared_piles(void)
     rp_table_free(&t);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run % 3") == 6);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run") == 6);
+    clean();
+}
+
+/* More replicas than the file asks for come as further blocks of runs; those that were stored stay. */
+static void test_more_replicas(void)
+{
+    fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
+    sweep_counts c;
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *three = digest(6);
+    CHECK_OK(sweep_prepare(file, dir, 8, toys, &c));
+    CU_ASSERT(c.planned == 16 && c.stored == 6 && c.replicas == 8);
+    CHECK_OK(run(2, &c));
+    CU_ASSERT(c.stored == 16);
+    rp_table t;
+    char path[128];
+    export_table(false, &t, path, sizeof path);
+    CU_ASSERT_FATAL(t.n_rows == 16);
+    static const unsigned long piles[16] = {0, 1, 2, 6, 7, 8, 12, 13, 3, 4, 5, 9, 10, 11, 15, 16};
+    for (size_t r = 0; r < 16; r++) {
+        CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == piles[r]);
+        CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(r < 8 ? 0.125 : 2.385, 3, 77, piles[r]));
+    }
+    rp_table_free(&t);
+    CHECK_OK(sweep_prepare(file, dir, 2, toys, &c));
+    CU_ASSERT(c.planned == 4 && c.stored == 4);
+    CHECK_OK(prepare(&c));
+    CU_ASSERT(c.planned == 6 && c.stored == 6);
+    CU_ASSERT_STRING_EQUAL(digest(6), three);
+    CHECK_FAILS(sweep_prepare(file, dir, 5000001, toys, &c), RP_BAD_INPUT, "allowed: [1, 5000000]");
     clean();
 }
 
@@ -464,7 +495,7 @@ static void test_plan_again(void)
     sweep_protocol changed = toy_protocol;
     changed.fingerprint = toy_fingerprint;
     write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
-    CHECK_OK(sweep_prepare(file, dir, (const sweep_protocol *const[]){&changed, NULL}, &c));
+    CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 8);
@@ -478,12 +509,12 @@ static void test_plan_again(void)
     write_text(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "plan again");
-    CHECK_OK(sweep_prepare(copy, dir, toys, &c)); /* the folder's own file can be planned */
+    CHECK_OK(sweep_prepare(copy, dir, 0, toys, &c)); /* the folder's own file can be planned */
     CU_ASSERT(c.planned == 2);
     /* an output that the store has no column for yet */
     sql("DELETE FROM runs; ALTER TABLE runs DROP COLUMN never");
     CHECK_FAILS(run(1, NULL), RP_IO, "never");
-    CHECK_OK(sweep_prepare(copy, dir, toys, &c));
+    CHECK_OK(sweep_prepare(copy, dir, 0, toys, &c));
     CHECK_OK(run(1, NULL));
     clean();
 }
@@ -551,7 +582,7 @@ static void test_bad_files(void)
     fresh("");
     unlink(file);
     CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
-    CHECK_FAILS(sweep_prepare(base, dir, toys, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
+    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
     clean();
 }
 
@@ -568,7 +599,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_export(dir, toys, true, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
-    CHECK_FAILS(sweep_prepare(file, below, toys, &c), RP_IO, "cannot make the directory");
+    CHECK_FAILS(sweep_prepare(file, below, 0, toys, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
     const sweep_protocol *protocol;
@@ -590,7 +621,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_IO, "file is not a database");
     CHECK_FAILS(prepare(NULL), RP_IO, "file is not a database");
     write_text(store, "");
-    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: plan");
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: sweep");
     unlink(store);
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
@@ -678,6 +709,7 @@ void suite_sweep(void)
                                        {"zip", test_zip},
                                        {"bundles of lists", test_bundles},
                                        {"shared piles", test_shared_piles},
+                                       {"more replicas", test_more_replicas},
                                        {"reduce", test_reduce},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
                                        {"progress and stop", test_stop},

@@ -181,6 +181,59 @@ rp_status ang_level_off(size_t n, const double v[], size_t *from);
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
 rp_status ang_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
 
+/* ---- trends, and that there is none (trend.c) ---- */
+
+/* An estimate with its standard error and the degrees of freedom of that; infinite: the error is known. */
+typedef struct {
+    double value, se, dof;
+} ang_contrast;
+
+/* Interval that covers the truth in the share `level` of all cases. */
+void ang_contrast_interval(const ang_contrast *c, double level, double *lo, double *hi);
+
+/* Two-sided chance of such a value, or a larger one, if the truth is 0. */
+double ang_contrast_p(const ang_contrast *c);
+
+/* Two one-sided tests (TOST): chance of a value as small if the truth is `margin` or more, either way. Below
+ * 0.05 just where the interval of 90 % lies within the margin. */
+double ang_contrast_p_margin(const ang_contrast *c, double margin);
+
+/* y against x. NaN where there are too few values; `bend` needs three different x. */
+typedef struct {
+    size_t n, n_x;          /* values used, different x */
+    double from, to;        /* least and largest x */
+    ang_contrast slope;     /* of the straight line of least squares */
+    ang_contrast intercept; /* of the same, at x = 0 */
+    ang_contrast bend;      /* coefficient of x^2 of the parabola of least squares */
+    ang_contrast change;    /* of the line over the whole range of x */
+    ang_contrast pair;      /* the largest difference between the means at two x: larger x less smaller x */
+    double p_margin;        /* ang_contrast_p_margin of the change */
+    double p_pairs;         /* the largest ang_contrast_p_margin over all pairs of x */
+} ang_trend;
+
+/* Least squares on n values at two different x or more; errors from the scatter at each x
+ * (Welch-Satterthwaite), so that it may differ between the x, and a curve does not count as scatter. Where
+ * an x has one value only, from the scatter about the line. With `pile` (else NULL), values of the same
+ * pile are compared: each contrast is taken pile by pile and then averaged. Piles that lack a value at one
+ * of the x are left out. Each value has the weight x^power, 0 for ordinary least squares: fixed weights, so
+ * that errors stay exact. margin > 0: the largest change that counts as none.
+ * Errors: RP_NO_RESULT (fewer than 3 values, 2 x, or 2 whole piles), RP_BAD_INPUT (a value that is not
+ * finite, x <= 0 with a power, two values of a pile at one x), RP_NO_MEMORY. */
+rp_status ang_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
+                        double margin, ang_trend *trend);
+
+/* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
+ * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
+ * if none. p_pairs, which asks for far more, has no part in it. */
+const char *ang_trend_word(const ang_trend *trend, double p_value, double level);
+
+/* Holm's correction for n tests; NaN is no test. */
+void ang_holm(size_t n, const double p[], double corrected[]);
+
+/* Coefficient of x^2 of the parabola through points with known errors, as in ang_line_fit.
+ * Errors: those of ang_line_fit, RP_NO_RESULT for fewer than three different x. */
+rp_status ang_bend(size_t n, const double x[], const double y[], const double se[], ang_contrast *bend);
+
 /* ---- piles against theory (compare.c) ---- */
 
 /* Standard errors are bootstrapped over piles. */

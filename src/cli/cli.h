@@ -35,6 +35,14 @@ void cli_table(FILE *out, const rp_param *schema, const void *values);
 /* Read "0.1,0.25,..." into a new array (free it). Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n);
 
+/* Numbers of the columns called names[n]. Errors: RP_BAD_INPUT. */
+rp_status cli_find_columns(const rp_table *table, size_t n, const char *const names[], int columns[]);
+
+/* The columns as new arrays of numbers, one after the other in one block (free it, also after an error). A
+ * column of -1 is skipped and its part unset. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
+                           double **block);
+
 /* The subcommands: name, function, summary. One list makes the dispatcher and the overview. */
 #define CLI_COMMANDS(X)                                                                                      \
     X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \

@@ -1,10 +1,12 @@
 /* repose angle: the angle toolkit on the command line. */
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
+#include "cli/cmd_angle.h"
 #include "core/random.h"
 
 static const double deg = M_PI / 180.0;
@@ -111,32 +113,6 @@ static rp_status tilt(int argc, char **argv)
     return RP_OK;
 }
 
-/* ---- tables in ---- */
-
-/* The columns as new arrays of numbers, one after the other in one block (free it). A column of -1 is
- * skipped and its part unset. */
-static rp_status read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
-                              double **block)
-{
-    *block = malloc((n * table->n_rows + 1) * sizeof **block);
-    if (!*block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    for (size_t c = 0; c < n; c++)
-        for (size_t i = 0; columns[c] >= 0 && i < table->n_rows; i++) {
-            rp_status status =
-                rp_table_number(table, i, columns[c], missing_ok, *block + c * table->n_rows + i);
-            if (status) return status;
-        }
-    return RP_OK;
-}
-
-static rp_status find_columns(const rp_table *table, size_t n, const char *const names[], int columns[])
-{
-    for (size_t c = 0; c < n; c++)
-        if ((columns[c] = rp_table_column(table, names[c])) < 0)
-            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, names[c]);
-    return RP_OK;
-}
-
 /* ---- slope ---- */
 
 typedef struct {
@@ -180,7 +156,7 @@ static rp_status place_columns(const rp_table *table, bool with_r, int columns[3
     }
     int n = with_r ? 3 : 2;
     if (named) {
-        rp_status status = find_columns(table, (size_t)n, names, columns);
+        rp_status status = cli_find_columns(table, (size_t)n, names, columns);
         if (status) return status;
     } else if (table->n_columns < (size_t)n) {
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %d (%s) needed", table->path,
@@ -232,7 +208,7 @@ static rp_status slope_of_table(const rp_table *table, const slope_options *o)
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
     rp_status status = place_columns(table, options.height == ANG_TOP, columns);
     if (!status) status = refuse_several_steps(table);
-    if (!status) status = read_columns(table, 3, columns, 0, &block);
+    if (!status) status = cli_read_columns(table, 3, columns, 0, &block);
     if (!status) {
         status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
                                   o->width, &options, &surface);
@@ -417,8 +393,8 @@ static rp_status compare_table(const rp_table *table, const compare_options *o)
     static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
     int columns[4];
     double *block = NULL;
-    rp_status status = find_columns(table, 4, names, columns);
-    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    rp_status status = cli_find_columns(table, 4, names, columns);
+    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
     pile *piles = malloc((table->n_rows + 1) * sizeof *piles);
     if (!status && !piles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     if (!status) {
@@ -454,7 +430,8 @@ static rp_status compare(int argc, char **argv)
 
 typedef struct {
     const char *x, *y, *se;
-    double from, to;
+    double from, to, level;
+    bool successive;
 } fit_options;
 
 static const rp_param fit_params[] = {
@@ -463,6 +440,10 @@ static const rp_param fit_params[] = {
     {"se", "", RP_TEXT, offsetof(fit_options, se), NULL, "", "column of the standard errors of y"},
     {"from", "", RP_REAL, offsetof(fit_options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},
     {"to", "", RP_REAL, offsetof(fit_options, to), "1e308", "(-inf, inf)", "largest x that is used"},
+    {"successive", "", RP_BOOL, offsetof(fit_options, successive), "false", "",
+     "where linearity ends: one row for the first three points, the first four, ..."},
+    {"level", "", RP_REAL, offsetof(fit_options, level), "0.05", "(0, 1)",
+     "smallest p with which a line is accepted, for --successive"},
     {0}};
 
 static const cli_command fit_command = {
@@ -471,6 +452,10 @@ static const cli_command fit_command = {
     "Straight line through points with standard errors, weights 1/se^2: y = intercept + slope x, and the "
     "line\n"
     "through the origin. Errors follow from se, not rescaled; p_value: chance of a larger chi2.\n"
+    "--successive orders the points by x and adds one after the other. bend: coefficient of x^2 of the\n"
+    "parabola, p_bend its two-sided p. linear_to, bend_free_to (header): largest x up to which every line "
+    "has\n"
+    "p_value, or p_bend, of at least --level; nan if there is none.\n"
     "FILE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left out.",
     "repose angle fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
@@ -492,6 +477,79 @@ static size_t select_points(size_t n, double *block, const fit_options *o, size_
         block[2 * n + used++] = se;
     }
     return used;
+}
+
+/* The points in order of x: blocks of n values, of which `used` count. */
+static rp_status sort_points(size_t n, size_t used, double *block)
+{
+    size_t *order = malloc((used + 1) * sizeof *order);
+    double *sorted = malloc((used + 1) * sizeof *sorted);
+    if (order && sorted) {
+        gsl_sort_index(order, block, 1, used);
+        for (size_t c = 3; c-- > 0;) { /* x last: the order is found from it */
+            for (size_t i = 0; i < used; i++) sorted[i] = block[c * n + order[i]];
+            memcpy(block + c * n, sorted, used * sizeof *sorted);
+        }
+    }
+    rp_status status = order && sorted ? RP_OK : rp_fail(RP_NO_MEMORY, "fit: out of memory");
+    free(order);
+    free(sorted);
+    return status;
+}
+
+typedef struct {
+    ang_line line;
+    ang_contrast bend;
+    double p_bend;
+} prefix_fit;
+
+/* Fits of the first three points, the first four, ...; fits[k] has k + 3 points. */
+static rp_status fit_prefixes(size_t n, const double x[], const double y[], const double se[],
+                              prefix_fit fits[])
+{
+    for (size_t k = 0; k + 3 <= n; k++) {
+        rp_status status = ang_line_fit(k + 3, x, y, se, false, &fits[k].line);
+        if (!status) status = ang_bend(k + 3, x, y, se, &fits[k].bend);
+        if (status) return status;
+        fits[k].p_bend = ang_contrast_p(&fits[k].bend);
+    }
+    return RP_OK;
+}
+
+static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
+                                  double level)
+{
+    static const char *const columns[][2] = {
+        {"x_to", "x"},         {"n", ""},      {"slope", "y/x"}, {"slope_se", "y/x"}, {"intercept", "y"},
+        {"intercept_se", "y"}, {"chi2", ""},   {"dof", ""},      {"p_value", ""},     {"bend", "y/x^2"},
+        {"bend_se", "y/x^2"},  {"p_bend", ""}, {"status", ""}};
+    if (n < 3) return rp_fail(RP_NO_RESULT, "%zu points, at least 3 needed", n);
+    prefix_fit *fits = malloc(n * sizeof *fits);
+    if (!fits) return rp_fail(RP_NO_MEMORY, "fit: out of memory");
+    rp_status status = fit_prefixes(n, x, y, se, fits);
+    double to[2] = {NAN, NAN};
+    bool holds[2] = {true, true};
+    for (size_t k = 0; k + 3 <= n && !status; k++) {
+        const double p[2] = {fits[k].line.p_value, fits[k].p_bend};
+        for (int i = 0; i < 2; i++)
+            if ((holds[i] = holds[i] && p[i] >= level)) to[i] = x[k + 2];
+    }
+    if (!status) {
+        rp_table_note(stdout, "linear_to", "%g", to[0]);
+        rp_table_note(stdout, "bend_free_to", "%g", to[1]);
+        rp_table_columns(stdout, N_OF(columns), columns);
+    }
+    for (size_t k = 0; k + 3 <= n && !status; k++) {
+        const ang_line *l = &fits[k].line;
+        const ang_contrast *bend = &fits[k].bend;
+        rp_table_row_word(stdout, N_OF(columns) - 1,
+                          (double[]){x[k + 2], (double)l->n, l->slope, l->slope_se, l->intercept,
+                                     l->intercept_se, l->chi2, (double)l->dof, l->p_value, bend->value,
+                                     bend->se, fits[k].p_bend},
+                          l->p_value < level || fits[k].p_bend < level ? "curved" : "ok");
+    }
+    free(fits);
+    return status;
 }
 
 static rp_status print_fit(size_t n, const double x[], const double y[], const double se[])
@@ -523,14 +581,17 @@ static rp_status fit_table(const rp_table *table, const fit_options *o)
     int columns[3];
     double *block = NULL;
     size_t n = table->n_rows, missing;
-    rp_status status = find_columns(table, 3, names, columns);
-    if (!status) status = read_columns(table, 3, columns, 1, &block);
+    rp_status status = cli_find_columns(table, 3, names, columns);
+    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
     if (!status) {
         size_t used = select_points(n, block, o, &missing);
         cli_table(stdout, fit_params, o);
         rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", used,
                       missing, n - used - missing);
-        status = print_fit(used, block, block + n, block + 2 * n);
+        if (o->successive) status = sort_points(n, used, block);
+        if (!status)
+            status = o->successive ? print_successive(used, block, block + n, block + 2 * n, o->level)
+                                   : print_fit(used, block, block + n, block + 2 * n);
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     free(block);
@@ -606,8 +667,8 @@ static rp_status maximum_of_table(const rp_table *table, const maximum_options *
 {
     int column;
     double *values = NULL;
-    rp_status status = find_columns(table, 1, &o->column, &column);
-    if (!status) status = read_columns(table, 1, &column, 1, &values);
+    rp_status status = cli_find_columns(table, 1, &o->column, &column);
+    if (!status) status = cli_read_columns(table, 1, &column, 1, &values);
     double *work = malloc((2 * table->n_rows + (size_t)o->bootstrap) * sizeof *work);
     if (!status && !work) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     if (!status) {
@@ -652,6 +713,8 @@ static const struct {
     {"compare", compare, "measured angles against (3) and (4)"},
     {"fit", fit, "weighted straight line through a table"},
     {"maximum", maximum, "expected largest of a number of values"},
+    {"trend", cmd_angle_trend, "does a column of a table of runs depend on another?"},
+    {"size", cmd_angle_size, "limit of infinite size, from a table of runs"},
 };
 
 rp_status cmd_angle(int argc, char **argv)

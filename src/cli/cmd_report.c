@@ -9,6 +9,8 @@
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
+ *   {{holds T k=v COL TEXT}}       verdict on a word: does the cell contain TEXT? undecided and no_result
+ * stay
  *   {{note T KEY}}                 a header line of the table
  * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
  */
@@ -34,7 +36,7 @@ static const cli_command command = {
     "report",
     "TEMPLATE [--tables DIR] [-o FILE]",
     "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
-    "below, least, note. A verdict compares with two standard errors.",
+    "below, least, most, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,
@@ -131,11 +133,12 @@ static rp_status print_verdict(const place *p, int next, const rp_table *t, size
         status = number_word(p, next + 1, &limit);
     }
     if (status) return status;
-    if (strcmp(p->words[0], "least") == 0) {
+    const bool most = strcmp(p->words[0], "most") == 0;
+    if (most || strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
         status = rp_table_number(t, row, column, 0, &value);
-        if (!status) fputs(value >= limit ? "reproduced" : "not reproduced", out);
+        if (!status) fputs((most ? value <= limit : value >= limit) ? "reproduced" : "not reproduced", out);
         return status;
     }
     status = find_value(t, row, p->words[next], &value, &se);
@@ -152,6 +155,20 @@ static rp_status print_verdict(const place *p, int next, const rp_table *t, size
                                                  : "undecided",
               out);
     }
+    return RP_OK;
+}
+
+static rp_status print_holds(const place *p, int next, const rp_table *t, size_t row, FILE *out)
+{
+    int column = rp_table_column(t, p->words[next]);
+    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
+    if (next + 1 >= p->n) return rp_fail(RP_BAD_INPUT, "{{holds ...}}: a text is missing");
+    const char *cell = t->cells[row * t->n_columns + (size_t)column];
+    fputs(strstr(cell, p->words[next + 1]) ? "reproduced"
+          : strcmp(cell, "undecided") == 0 ? cell
+          : strcmp(cell, "no_result") == 0 ? "can't be tested: no result"
+                                           : "not reproduced",
+          out);
     return RP_OK;
 }
 
@@ -194,7 +211,7 @@ static rp_status print_note(const place *p, FILE *out)
 
 static rp_status fill_place(const place *p, FILE *out)
 {
-    static const char *const verdicts[] = {"agree", "above", "below", "least"};
+    static const char *const verdicts[] = {"agree", "above", "below", "least", "most"};
     if (p->n > 0 && strcmp(p->words[0], "note") == 0) return print_note(p, out);
     char path[4096];
     rp_table table = {0};
@@ -211,6 +228,8 @@ static rp_status fill_place(const place *p, FILE *out)
         double value, se;
         if (known)
             status = print_verdict(p, next, &table, row, out);
+        else if (strcmp(p->words[0], "holds") == 0)
+            status = print_holds(p, next, &table, row, out);
         else if (strcmp(p->words[0], "cell") == 0)
             status = print_cell(p, next, &table, row, out);
         else if (strcmp(p->words[0], "value") != 0)

@@ -20,7 +20,7 @@ static void print_counts(const sweep_counts *counts)
 typedef struct {
     const char *argument; /* FILE or DIR */
     const char *o;
-    long j;
+    long j, replicas;
     bool reduce;
 } options;
 
@@ -36,12 +36,15 @@ static rp_status plan(int argc, char **argv)
 {
     static const rp_param schema[] = {
         {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; made if there is none"},
+        {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
+         "runs of a grid point; auto: as the file says"},
         {0}};
     static const cli_command command = {
         "sweep plan",
-        "FILE -o DIR",
+        "FILE -o DIR [--replicas N]",
         "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-        "after a change keeps what is stored and reuses what fits. The file (libconfig syntax):\n\n"
+        "after a change, or for more replicas, keeps what is stored and reuses what fits. The file "
+        "(libconfig syntax):\n\n"
         "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs of a grid point; 0 to 2147483647\n"
         "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
         "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
@@ -55,7 +58,8 @@ static rp_status plan(int argc, char **argv)
     rp_status status = parse(&command, argc, argv, &o, &done);
     if (status || done) return status;
     sweep_counts counts;
-    status = sweep_prepare(o.argument, o.o, sweep_protocols, &counts);
+    status =
+        sweep_prepare(o.argument, o.o, o.replicas > 0 ? (size_t)o.replicas : 0, sweep_protocols, &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o.o, counts.planned,
                counts.points, counts.replicas, counts.stored);

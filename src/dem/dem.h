@@ -199,7 +199,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
-/* How far from rest the grains with lo < x < hi are, fixed ones left out. */
+/* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that
+ * turns. */
 typedef struct {
     size_t n;              /* grains in the region */
     double kinetic_energy; /* mean over them, of translation and rotation */

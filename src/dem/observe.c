@@ -30,10 +30,12 @@ static double omega(const dem_sim *sim, size_t i)
     return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
 }
 
-static double rotational_energy(const dem_sim *sim, size_t i)
+/* In a frame that spins itself. */
+static double rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
-    const double inertia = dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]);
-    return sim->spin ? 0.5 * inertia * omega(sim, i) * omega(sim, i) : 0.0;
+    if (!sim->spin || is_fixed(sim, i)) return 0.0;
+    const double spin = omega(sim, i) - frame;
+    return 0.5 * dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]) * spin * spin;
 }
 
 static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
@@ -182,7 +184,7 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
         dem_vec v = velocity(sim, i);
         energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
-        energy->rotational += rotational_energy(sim, i);
+        energy->rotational += rotational_energy(sim, i, 0.0);
     }
     for (size_t t = 0; t < sim->n_touching; t++) {
         dem_contact contact = pair_contact(sim, sim->touching[t]);
@@ -211,11 +213,13 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
     double force2 = 0.0;
     for (size_t i = 0; i < sim->n; i++) {
-        double x = sim->grain[i].x[0];
+        double x = dem_to_box(sim, sim->grain[i].x)[0];
         if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
-        dem_vec v = velocity(sim, i), f = sim->mass[i] * acceleration(sim, i);
+        dem_vec v = velocity(sim, i) - dem_box_velocity(sim, sim->grain[i].x);
+        dem_vec f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
-        rest->kinetic_energy += 0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i);
+        rest->kinetic_energy +=
+            0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i, -sim->box_swing[1]);
         rest->contact_number += contacts[i];
         if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
     }

@@ -108,6 +108,12 @@ static inline dem_vec dem_to_box(const dem_sim *sim, dem_vec x)
     return sim->box[0] * x - sim->box[1] * dem_clockwise(x);
 }
 
+/* Velocity of a point at x that turns with the walls. */
+static inline dem_vec dem_box_velocity(const dem_sim *sim, dem_vec x)
+{
+    return sim->box_swing[0] * x + sim->box_swing[1] * dem_clockwise(x);
+}
+
 /* A grain at x has left; false for NaN. */
 static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
 {

@@ -57,7 +57,7 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
     }
     if (sim->box_swing[1] != 0.0) {
         dem_vec p = sim->grain[slot->grain].x - (sim->radius[slot->grain] - *overlap) * *normal;
-        *velocity += sim->box_swing[0] * p + sim->box_swing[1] * dem_clockwise(p);
+        *velocity += dem_box_velocity(sim, p);
     }
     return true;
 }

@@ -1,0 +1,11 @@
+/* The parts of `repose angle` that have files of their own. */
+#ifndef CMD_ANGLE_H
+#define CMD_ANGLE_H
+
+#include "core/status.h"
+
+/* cmd_angle_trend.c */
+rp_status cmd_angle_trend(int argc, char **argv);
+rp_status cmd_angle_size(int argc, char **argv);
+
+#endif

@@ -1,0 +1,324 @@
+/* repose angle trend, repose angle size: how a column of a table of runs depends on another. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "cli/cli.h"
+#include "cli/cmd_angle.h"
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+
+enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
+
+typedef struct {
+    const char *x, *y, *by;
+    double from, to, margin, level, power;
+    int scale;
+    bool pair;
+} options;
+
+/* clang-format off */
+#define COLUMN_PARAMS(POWER)                                                                                 \
+    {"x", "", RP_TEXT, offsetof(options, x), NULL, "", "column of x"},                                       \
+    {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                       \
+    {"by", "", RP_TEXT, offsetof(options, by), "none", "", "column whose different cells make the groups"},  \
+    {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
+    {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
+    {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
+     "weights x^power: 2 where scatter falls as 1/x"}
+
+#define TABLE_HELP                                                                                           \
+    "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if\n"    \
+    "there is such a column) does not start with ok, or with nan in a column, are left out and counted.\n"
+/* clang-format on */
+
+static const rp_param trend_params[] = {
+    COLUMN_PARAMS("0"),
+    {"scale", "", RP_CHOICE, offsetof(options, scale), "linear", "linear | log",
+     "straight line in x, or in log10 x"},
+    {"margin", "y", RP_REAL, offsetof(options, margin), "1", "(0, inf)",
+     "largest change that counts as none"},
+    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
+    {"pair", "", RP_BOOL, offsetof(options, pair), "false", "",
+     "compare rows of the same pile (column pile)"},
+    {0}};
+
+static const cli_command trend_command = {
+    "angle trend",
+    "TABLE --x COLUMN --y COLUMN [options]",
+    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
+    "--pair: of the slopes of single piles that have a row at every x).\n"
+    "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of 90 "
+    "%;\n"
+    "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
+    "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest difference "
+    "of\n"
+    "the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for far more.\n"
+    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
+    "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
+    "repose angle trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
+    trend_params,
+    1,
+    1};
+
+static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
+
+static const cli_command size_command = {
+    "angle size",
+    "TABLE --x COLUMN --y COLUMN [options]",
+    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at "
+    "each\n"
+    "x; lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number "
+    "of\n"
+    "groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n" TABLE_HELP,
+    "repose angle size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
+    size_params,
+    1,
+    1};
+
+/* What is printed of a trend. */
+static const char *const trend_columns[][2] = {
+    {"n", ""},       {"n_left", ""},       {"n_x", ""},          {"x_from", "x"},
+    {"x_to", "x"},   {"slope", "y/x"},     {"slope_se", "y/x"},  {"dof", ""},
+    {"change", "y"}, {"change_se", "y"},   {"change_lo", "y"},   {"change_hi", "y"},
+    {"p_value", ""}, {"p_holm", ""},       {"bend", "y/x^2"},    {"bend_se", "y/x^2"},
+    {"p_bend", ""},  {"change_lo90", "y"}, {"change_hi90", "y"}, {"p_margin", ""},
+    {"pair", "y"},   {"pair_se", "y"},     {"p_pairs", ""}};
+static const char *const size_columns[][2] = {
+    {"n", ""},         {"n_x", ""},       {"x_from", "x"},   {"x_to", "x"},  {"limit", "y"},
+    {"limit_se", "y"}, {"limit_lo", "y"}, {"limit_hi", "y"}, {"c", "x y"},   {"c_se", "x y"},
+    {"c_lo", "x y"},   {"c_hi", "x y"},   {"p_value", ""},   {"p_holm", ""}, {"p_bend", ""}};
+
+static bool grouped(const options *o)
+{
+    return strcmp(o->by, "none") != 0;
+}
+
+/* The rows that count, ordered by group. */
+typedef struct {
+    size_t n, n_failed, n_nan, n_outside, n_groups;
+    double *block, *x, *y, *pile; /* in order of the groups; pile is NULL if piles are not compared */
+    const char **words;           /* of the groups */
+    size_t *first;                /* of the rows of each group; n_groups + 1 of them */
+} rows;
+
+static void rows_free(rows *r)
+{
+    free(r->block);
+    free(r->words);
+    free(r->first);
+}
+
+static double scaled(int scale, double x)
+{
+    return scale == SCALE_LOG ? log10(x) : scale == SCALE_INVERSE ? 1.0 / x : x;
+}
+
+/* Is this row left out? Count why. x, y and pile are its cells. */
+static bool left_out(rows *r, const char *word, double x, double y, double pile, const options *o)
+{
+    const bool failed = strncmp(word, "ok", 2) != 0, missing = isnan(x) || isnan(y) || isnan(pile);
+    const bool outside = x < o->from || x > o->to;
+    r->n_failed += failed;
+    r->n_nan += !failed && missing;
+    r->n_outside += !failed && !missing && outside;
+    return failed || missing || outside;
+}
+
+static size_t find_group(rows *r, const char *word)
+{
+    size_t g = 0;
+    while (g < r->n_groups && strcmp(r->words[g], word) != 0) g++;
+    if (g == r->n_groups) r->words[r->n_groups++] = word;
+    return g;
+}
+
+/* Cells of the columns x, y, pile, by, status; by and status may be -1. Groups are numbered as they appear,
+ * also those without a row that counts. */
+static rp_status select_rows(const rp_table *t, const double *cells, const int columns[5], const options *o,
+                             rows *r)
+{
+    const size_t n = t->n_rows;
+    size_t *group = malloc((n + 1) * sizeof *group);
+    r->block = malloc((3 * n + 1) * sizeof *r->block);
+    r->words = malloc((n + 1) * sizeof *r->words);
+    r->first = calloc(n + 2, sizeof *r->first);
+    rp_status status =
+        group && r->block && r->words && r->first ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    for (size_t i = 0; i < n && !status; i++) {
+        const double x = cells[i];
+        char **words = t->cells + i * t->n_columns;
+        group[i] = find_group(r, columns[3] < 0 ? "" : words[columns[3]]);
+        if (left_out(r, columns[4] < 0 ? "ok" : words[columns[4]], x, cells[n + i],
+                     o->pair ? cells[2 * n + i] : 0.0, o))
+            group[i] = n; /* no group */
+        else if (o->scale != SCALE_LINEAR && !(x > 0.0))
+            status = rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
+                             t->path, t->lines[i], o->x, x);
+    }
+    r->x = r->block;
+    r->y = r->block + n;
+    r->pile = o->pair ? r->block + 2 * n : NULL;
+    for (size_t g = 0; g < r->n_groups && !status; g++) {
+        r->first[g] = r->n;
+        for (size_t i = 0; i < n; i++) {
+            if (group[i] != g) continue;
+            r->x[r->n] = scaled(o->scale, cells[i]);
+            r->y[r->n] = cells[n + i];
+            if (o->pair) r->pile[r->n] = cells[2 * n + i];
+            r->n++;
+        }
+    }
+    if (!status) r->first[r->n_groups] = r->n;
+    free(group);
+    return status;
+}
+
+static rp_status load_rows(const rp_table *t, const options *o, rows *r)
+{
+    const char *const names[] = {o->x, o->y, o->pair ? "pile" : o->y, grouped(o) ? o->by : o->y};
+    int columns[5];
+    double *cells = NULL;
+    rp_status status = cli_find_columns(t, N_OF(names), names, columns);
+    if (!grouped(o)) columns[3] = -1;
+    columns[4] = rp_table_column(t, "status");
+    if (!status) status = cli_read_columns(t, 3, columns, 1, &cells);
+    if (!status) status = select_rows(t, cells, columns, o, r);
+    free(cells);
+    return status;
+}
+
+/* Back from what the line is straight in. */
+static double unscaled(int scale, double u)
+{
+    return scale == SCALE_LOG ? pow(10.0, u) : scale == SCALE_INVERSE ? 1.0 / u : u;
+}
+
+static void print_trend(const ang_trend *t, size_t n_rows, double p_holm, const options *o)
+{
+    double lo[2], hi[2];
+    ang_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
+    ang_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
+    rp_table_row_word(stdout, N_OF(trend_columns),
+                      (double[]){(double)t->n,
+                                 (double)(n_rows - t->n),
+                                 (double)t->n_x,
+                                 unscaled(o->scale, t->from),
+                                 unscaled(o->scale, t->to),
+                                 t->slope.value,
+                                 t->slope.se,
+                                 t->slope.dof,
+                                 t->change.value,
+                                 t->change.se,
+                                 lo[0],
+                                 hi[0],
+                                 ang_contrast_p(&t->change),
+                                 p_holm,
+                                 t->bend.value,
+                                 t->bend.se,
+                                 ang_contrast_p(&t->bend),
+                                 lo[1],
+                                 hi[1],
+                                 t->p_margin,
+                                 t->pair.value,
+                                 t->pair.se,
+                                 t->p_pairs},
+                      isnan(p_holm) ? "no_result" : ang_trend_word(t, p_holm, o->level));
+}
+
+static void print_size(const ang_trend *t, double p_holm)
+{
+    double lo[2], hi[2];
+    ang_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
+    ang_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
+    rp_table_row_word(stdout, N_OF(size_columns),
+                      (double[]){(double)t->n, (double)t->n_x, 1.0 / t->to, 1.0 / t->from, t->intercept.value,
+                                 t->intercept.se, lo[0], hi[0], t->slope.value, t->slope.se, lo[1], hi[1],
+                                 ang_contrast_p(&t->slope), p_holm, ang_contrast_p(&t->bend)},
+                      isnan(p_holm) ? "no_result" : "ok");
+}
+
+static void print_header(const rows *r, const options *o, bool size)
+{
+    const char *columns[N_OF(trend_columns) + 2][2] = {{o->by, ""}};
+    size_t n = grouped(o) ? 1 : 0, own = size ? N_OF(size_columns) : N_OF(trend_columns);
+    memcpy(columns + n, size ? size_columns : trend_columns, own * sizeof *columns);
+    n += own;
+    columns[n][0] = size ? "status" : "verdict";
+    columns[n][1] = "";
+    cli_table(stdout, size ? size_params : trend_params, o);
+    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
+                  r->n, r->n_failed, r->n_nan, r->n_outside);
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+}
+
+static rp_status fit_groups(const rows *r, const options *o, bool size)
+{
+    ang_trend *trends = malloc((r->n_groups + 1) * sizeof *trends);
+    double *p = malloc((2 * r->n_groups + 1) * sizeof *p);
+    rp_status status = trends && p ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory"), group = RP_OK;
+    size_t with_result = 0;
+    for (size_t g = 0; g < r->n_groups && !status; g++) {
+        const size_t first = r->first[g];
+        group = ang_trend_fit(r->first[g + 1] - first, r->x + first, r->y + first,
+                              r->pile ? r->pile + first : NULL, size ? -o->power : o->power, o->margin,
+                              &trends[g]);
+        with_result += group == RP_OK;
+        p[g] = group ? NAN : ang_contrast_p(&trends[g].change);
+        if (group && group != RP_NO_RESULT)
+            status = rp_prefix(group, "%s%s", r->words[g], grouped(o) ? ": " : "");
+    }
+    if (!status && with_result == 0) status = r->n_groups ? group : rp_fail(RP_NO_RESULT, "no rows");
+    if (!status) {
+        ang_holm(r->n_groups, p, p + r->n_groups);
+        print_header(r, o, size);
+    }
+    for (size_t g = 0; g < r->n_groups && !status; g++) {
+        if (grouped(o)) printf("%s\t", r->words[g]);
+        if (size)
+            print_size(&trends[g], p[r->n_groups + g]);
+        else
+            print_trend(&trends[g], r->first[g + 1] - r->first[g], p[r->n_groups + g], o);
+    }
+    free(trends);
+    free(p);
+    return status;
+}
+
+static rp_status run(const cli_command *command, int argc, char **argv, bool size)
+{
+    options o = {0};
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rows r = {0};
+    rp_status status = cli_parse(command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    if (o.scale == SCALE_LOG && o.power != 0.0)
+        return rp_fail(RP_USAGE, "--power weighs with x itself; give --scale log or --power, not both");
+    if (size) {
+        o.scale = SCALE_INVERSE;
+        o.margin = 1.0; /* of a test that is not printed */
+    }
+    status = rp_table_read(file, &table);
+    if (!status) status = load_rows(&table, &o, &r);
+    if (!status) {
+        status = fit_groups(&r, &o, size);
+        if (status) rp_prefix(status, "%s: ", file);
+    }
+    rows_free(&r);
+    rp_table_free(&table);
+    return status;
+}
+
+rp_status cmd_angle_trend(int argc, char **argv)
+{
+    return run(&trend_command, argc, argv, false);
+}
+
+rp_status cmd_angle_size(int argc, char **argv)
+{
+    return run(&size_command, argc, argv, true);
+}

@@ -1,0 +1,279 @@
+/* Trends and their absence: closed forms, GSL's fits, and planted cases. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_multifit.h>
+#include <gsl/gsl_randist.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "core/random.h"
+#include "tests/check.h"
+
+/* sums of some 30 terms of order 1 to 10 and what cancels in them */
+static const double sum_error = 1e-12;
+/* a share of planted cases against its expectation: 4 of its standard errors; seeds are fixed */
+static const double sigmas = 4.0;
+
+static double share_error(double share, int cases)
+{
+    return sigmas * sqrt(share * (1.0 - share) / cases);
+}
+
+enum { N = 11 };
+static const double xs[N] = {1.5, 2.385, 2.5, 3.1, 3.485, 4.0, 4.77, 5.1, 6.2, 7.31, 8.0};
+static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 15.1, 16.4, 15.9};
+
+/* One value an x: the textbook's straight line and parabola. */
+static void test_single_values(void)
+{
+    ang_trend t;
+    double c0, c1, v00, v01, v11, rest, chi2;
+    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 0.0, 1.0, &t));
+    gsl_fit_linear(xs, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &rest);
+    CHECK_NEAR(t.slope.value, c1, sum_error);
+    CHECK_NEAR(t.slope.se, sqrt(v11), sum_error);
+    CHECK_NEAR(t.intercept.value, c0, sum_error);
+    CHECK_NEAR(t.intercept.se, sqrt(v00), sum_error);
+    CHECK_NEAR(t.slope.dof, N - 2.0, 0.0);
+    CHECK_NEAR(t.change.value, 6.5 * c1, 10.0 * sum_error);
+    CHECK_NEAR(ang_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c1 / sqrt(v11), N - 2.0), sum_error);
+    gsl_matrix *terms = gsl_matrix_alloc(N, 3), *cov = gsl_matrix_alloc(3, 3);
+    gsl_vector *y = gsl_vector_alloc(N), *w = gsl_vector_alloc(N), *c = gsl_vector_alloc(3);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(N, 3);
+    double se[N];
+    for (size_t i = 0; i < N; i++) {
+        for (size_t k = 0; k < 3; k++) gsl_matrix_set(terms, i, k, pow(xs[i], (double)k));
+        se[i] = 0.1 + 0.0385 * (double)i;
+        gsl_vector_set(y, i, ys[i]);
+        gsl_vector_set(w, i, 1.0 / (se[i] * se[i]));
+    }
+    gsl_multifit_linear(terms, y, c, cov, &chi2, work);
+    CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
+    gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
+    ang_contrast bend;
+    CHECK_OK(ang_bend(N, xs, ys, se, &bend));
+    CHECK_NEAR(bend.value, gsl_vector_get(c, 2), sum_error);
+    CHECK_NEAR(bend.se, sqrt(gsl_matrix_get(cov, 2, 2)), sum_error);
+    CHECK_NEAR(ang_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
+    double weights[N];
+    for (size_t i = 0; i < N; i++) weights[i] = xs[i] * xs[i];
+    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 2.0, 1.0, &t));
+    gsl_fit_wlinear(xs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
+    CHECK_NEAR(t.slope.value, c1, sum_error);
+    CHECK_NEAR(t.intercept.value, c0, sum_error);
+    for (size_t i = 0; i < N; i++) gsl_vector_set(w, i, weights[i]);
+    gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
+    CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
+    gsl_multifit_linear_free(work);
+    gsl_vector_free(y);
+    gsl_vector_free(w);
+    gsl_vector_free(c);
+    gsl_matrix_free(terms);
+    gsl_matrix_free(cov);
+}
+
+/* Two x: Welch's test, and the paired one. The order of the values plays no part. */
+static void test_two_x(void)
+{
+    const double x[] = {4, 2, 4, 2, 2, 4, 2}, y[] = {18.1, 17.2, 19.9, 16.1, 18.4, 18.8, 19.3};
+    const double pile[] = {0, 2, 7, 7, 0, 2, 5}; /* 5 has no value at x = 4 */
+    const double low[] = {17.2, 16.1, 18.4, 19.3}, high[] = {18.1, 19.9, 18.8};
+    const double low_paired[] = {18.4, 17.2, 16.1}, high_paired[] = {18.1, 18.8, 19.9};
+    ang_trend t;
+    ang_stats a, b, d;
+    CHECK_OK(ang_trend_fit(7, x, y, NULL, 0.0, 1.0, &t));
+    CHECK_OK(ang_mean(4, low, &a));
+    CHECK_OK(ang_mean(3, high, &b));
+    const double va = a.se * a.se, vb = b.se * b.se;
+    CHECK_NEAR(t.change.value, b.mean - a.mean, sum_error);
+    CHECK_NEAR(t.change.se, sqrt(va + vb), sum_error);
+    CHECK_NEAR(t.change.dof, (va + vb) * (va + vb) / (va * va / 3.0 + vb * vb / 2.0), 1e2 * sum_error);
+    CHECK_NEAR(t.intercept.value, a.mean - 2.0 * t.slope.value, sum_error);
+    CHECK_NEAR(t.pair.value, t.change.value, sum_error);
+    CHECK_NEAR(t.p_pairs, t.p_margin, sum_error);
+    CU_ASSERT(t.n == 7 && t.n_x == 2 && t.from == 2.0 && t.to == 4.0 && isnan(t.bend.value));
+    CHECK_OK(ang_trend_fit(7, x, y, pile, 0.0, 1.0, &t));
+    CHECK_OK(ang_paired(3, high_paired, -1.0, low_paired, &d));
+    CHECK_NEAR(t.change.value, d.mean, sum_error);
+    CHECK_NEAR(t.change.se, d.se, sum_error);
+    CHECK_NEAR(t.change.dof, 2.0, 0.0);
+    double lo, hi;
+    ang_contrast_interval(&t.change, 0.95, &lo, &hi);
+    CHECK_NEAR(lo, d.lo, sum_error);
+    CHECK_NEAR(hi, d.hi, sum_error);
+    CU_ASSERT(t.n == 6);
+}
+
+/* TOST and the interval of 90 % are one thing. */
+static void test_tost_is_interval(void)
+{
+    for (double value = -2.1; value < 2.1; value += 0.0385)
+        for (double dof = 2.0; dof < 40.0; dof += 7.1) {
+            const ang_contrast c = {value, 0.385, dof};
+            double lo, hi;
+            ang_contrast_interval(&c, 0.9, &lo, &hi);
+            CU_ASSERT((ang_contrast_p_margin(&c, 1.0) < 0.05) == (lo > -1.0 && hi < 1.0));
+            ang_contrast_interval(&c, 0.95, &lo, &hi);
+            CU_ASSERT((ang_contrast_p(&c) < 0.05) == (lo > 0.0 || hi < 0.0));
+        }
+    const ang_contrast none = {0.0, 0.0, 3.0}, certain = {-1.2, 0.0, 3.0}; /* no scatter at all */
+    CHECK_NEAR(ang_contrast_p(&none), 1.0, 0.0);
+    CHECK_NEAR(ang_contrast_p_margin(&none, 1.0), 0.0, 0.0);
+    CHECK_NEAR(ang_contrast_p(&certain), 0.0, 0.0);
+    CHECK_NEAR(ang_contrast_p_margin(&certain, 1.0), 1.0, 0.0);
+}
+
+enum { X = 4, PILES = 7, CASES = 1000 };
+enum { BY_X, SINGLE, PAIRED, WEIGHTED, N_KINDS };
+
+/* One planted set: a straight line of the given change over 2..8, scatter that triples from the smallest to
+ * the largest x (SINGLE: the same everywhere), and, PAIRED, piles that differ by far more. `hump` is added at
+ * x = 4. */
+static void plant(gsl_rng *rng, int kind, double change, double hump, ang_trend *t)
+{
+    double x[X * PILES], y[X * PILES], pile[X * PILES];
+    const size_t piles = kind == SINGLE ? 2 : PILES;
+    size_t n = 0;
+    for (size_t k = 0; k < piles; k++) {
+        const double offset = kind == PAIRED ? 20.0 * gsl_ran_ugaussian(rng) : 0.0;
+        for (size_t j = 0; j < X; j++, n++) {
+            x[n] = 2.0 + 2.0 * (double)j + (kind == SINGLE && k == 1 ? 0.01 * (double)(j % 3) : 0.0);
+            y[n] = 18.0 + change * (x[n] - 2.0) / 6.0 + (j == 1 ? hump : 0.0) + offset +
+                   (kind == SINGLE ? 0.385 : 0.3 * x[n] - 0.3) * gsl_ran_ugaussian(rng);
+            pile[n] = (double)k;
+        }
+    }
+    CHECK_OK(ang_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, 1.0, t));
+}
+
+static void test_coverage(void)
+{
+    gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
+    for (int kind = 0; kind < N_KINDS; kind++) {
+        int covered[2] = {0, 0}, found = 0;
+        for (int i = 0; i < CASES; i++) {
+            ang_trend t;
+            double lo, hi;
+            plant(rng, kind, 1.385, 0.0, &t);
+            ang_contrast_interval(&t.change, 0.95, &lo, &hi);
+            covered[0] += lo <= 1.385 * (t.to - t.from) / 6.0 && hi >= 1.385 * (t.to - t.from) / 6.0;
+            ang_contrast_interval(&t.intercept, 0.95, &lo, &hi);
+            covered[1] += lo <= 18.0 - 1.385 / 3.0 && hi >= 18.0 - 1.385 / 3.0;
+            plant(rng, kind, 0.0, 0.0, &t);
+            found += ang_contrast_p(&t.change) < 0.05;
+        }
+        /* PAIRED: the intercept is known through the piles' offsets only, but covered as well */
+        CHECK_NEAR((double)covered[0] / CASES, 0.95, share_error(0.95, CASES));
+        CHECK_NEAR((double)covered[1] / CASES, 0.95, share_error(0.95, CASES));
+        CHECK_NEAR((double)found / CASES, 0.05, share_error(0.05, CASES));
+    }
+    gsl_rng_free(rng);
+}
+
+/* The largest of all pairs counts, wherever it is, and its sign is that of the larger x. */
+static void test_pairs(void)
+{
+    const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
+    ang_trend t;
+    CHECK_OK(ang_trend_fit(6, x, y, NULL, 0.0, 1.0, &t));
+    CHECK_NEAR(t.pair.value, -1.4, sum_error);
+    CHECK_NEAR(t.pair.se, sqrt(0.02), sum_error);
+    CHECK_NEAR(t.p_pairs, ang_contrast_p_margin(&t.pair, 1.0), sum_error);
+    CU_ASSERT(t.p_pairs > 0.9 && t.p_margin < 0.05);
+}
+
+/* At the margin TOST says "no dependence" in no more than 5 % of the cases, with a trend as with a hump. */
+static void test_tost_size(void)
+{
+    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
+    for (int kind = 0; kind < N_KINDS; kind += PAIRED) {
+        int trend = 0, pairs = 0, flat = 0;
+        for (int i = 0; i < CASES; i++) {
+            ang_trend t;
+            plant(rng, kind, i % 2 ? 1.0 : -1.0, 0.0, &t);
+            trend += t.p_margin < 0.05;
+            plant(rng, kind, 0.0, 1.0, &t);
+            pairs += t.p_pairs < 0.05;
+            plant(rng, kind, 0.0, 0.0, &t);
+            flat += t.p_margin < 0.05;
+        }
+        CU_ASSERT(trend <= CASES * (0.05 + share_error(0.05, CASES)));
+        CU_ASSERT(pairs <= CASES * (0.05 + share_error(0.05, CASES)));
+        CU_ASSERT(flat > trend);
+    }
+    gsl_rng_free(rng);
+}
+
+static void test_holm(void)
+{
+    const double p[] = {0.01, 0.04, NAN, 0.03, 0.005}, expected[] = {0.03, 0.06, NAN, 0.06, 0.02};
+    const double ties[] = {0.02, 0.02, 0.9}, raised[] = {0.06, 0.06, 0.9};
+    double corrected[5];
+    ang_holm(5, p, corrected);
+    for (int i = 0; i < 5; i++)
+        if (i == 2)
+            CU_ASSERT(isnan(corrected[i]))
+        else
+            CHECK_NEAR(corrected[i], expected[i], sum_error);
+    ang_holm(3, ties, corrected);
+    for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], raised[i], sum_error);
+}
+
+static void test_words(void)
+{
+    static const struct {
+        double change, p, p_margin;
+        const char *word;
+    } cases[] = {{-3.0, 0.01, 0.9, "falls"},
+                 {3.0, 0.01, 0.9, "rises"},
+                 {-0.3, 0.01, 0.01, "falls_within_margin"},
+                 {0.3, 0.01, 0.01, "rises_within_margin"},
+                 {0.1, 0.4, 0.01, "no_dependence_within_margin"},
+                 {0.1, 0.4, 0.2, "undecided"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const ang_trend t = {.change = {cases[i].change, 1.0, 9.0}, .p_margin = cases[i].p_margin};
+        CU_ASSERT_STRING_EQUAL(ang_trend_word(&t, cases[i].p, 0.05), cases[i].word);
+    }
+}
+
+static void test_trend_errors(void)
+{
+    const double twice[] = {2, 2, 4, 4}, same[] = {2, 2, 2, 2}, y[] = {1, 2, 3, 4.5}, piles[] = {0, 1, 0, 1};
+    const double repeated[] = {0, 0, 0, 1}, apart[] = {0, 1, 2, 3}, bad[] = {1, INFINITY, 3, 4},
+                 se[] = {1, 1, 1, 1};
+    ang_trend t;
+    ang_contrast bend;
+    CHECK_FAILS(ang_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(ang_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
+    CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
+    CHECK_FAILS(ang_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
+    CHECK_FAILS(ang_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(ang_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
+                "pile 0: two values at x = 2");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
+    CHECK_FAILS(ang_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_OK(ang_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
+    CHECK_FAILS(ang_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
+    CHECK_FAILS(ang_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
+    CHECK_FAILS(ang_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
+}
+
+void suite_trend(void)
+{
+    static const check_case cases[] = {
+        {"one value an x, against GSL", test_single_values},
+        {"two x: Welch and paired", test_two_x},
+        {"TOST is an interval", test_tost_is_interval},
+        {"planted trends: coverage, false alarms", test_coverage},
+        {"largest pair", test_pairs},
+        {"planted trends: size of TOST", test_tost_size},
+        {"Holm's correction", test_holm},
+        {"verdicts", test_words},
+        {"errors of trends", test_trend_errors},
+        {NULL, NULL},
+    };
+    check_register("trend", cases);
+}
