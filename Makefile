@@ -148,6 +148,8 @@ $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 
 $(T)/%_linear.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --successive >$@
+$(T)/%_linear_theta_t.tsv: $(T)/%.tsv
+	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --successive >$@
 # Trends of theta_R, and of what else is named, over what a sweep varies; margin 1 degree.
 TREND_lh2a := --x H --by mu
 TREND_lh2b_all := --x W --by mu --power 2

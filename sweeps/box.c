@@ -36,7 +36,7 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
     wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
     wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
     dem_box_walls(&def, b->W, &wall);
-    if (b->mu_floor >= 0.0) def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor;
+    def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor < 0.0 ? b->mu : b->mu_floor;
     def.walls[DEM_BOX_RIGHT].open_speed = b->open;
     if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
     def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;

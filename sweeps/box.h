@@ -31,16 +31,16 @@ typedef struct {
 
 #define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
     R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
-    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto",                                            \
-      "of the walls, and of the floor unless mu_floor is given; auto: mu")                                   \
-    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu_wall")            \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the side walls; auto: mu")             \
+    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu")                 \
     R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
     R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
     R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
     R(gamma_n, "1/s", RP_REAL, "500.0", "[0, inf)", "normal damping")                                        \
     R(gamma_s, "1/s", RP_REAL, "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100")                \
     R(density, "g/cm^3", RP_REAL, "1.0", "(0, inf)", "of the grains (disk: g/cm^2)")                         \
-    R(shape, "", RP_CHOICE, "sphere", "sphere | disk", "gives the mass from the density")                    \
+    R(shape, "", RP_CHOICE, "sphere", "sphere | disk",                                                       \
+      "gives mass (from the density) and moment of inertia")                                                 \
     R(radius_mean, "cm", RP_REAL, "0.1", "(0, inf)", "of the Gaussian; d is twice this")                     \
     R(radius_width, "cm", RP_REAL, "0.02", "[0, inf)", "standard deviation before the cut")                  \
     R(radius_min, "cm", RP_REAL, "0.07", "(0, inf)", "drawn again below")                                    \

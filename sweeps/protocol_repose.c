@@ -11,7 +11,7 @@
 #include "core/table.h"
 #include "sweeps/box.h"
 
-enum { FILL_DROP, FILL_RAMP };
+enum { FILL_DROP, FILL_RAMP, FILL_AUTO };
 enum { STOP_REST, STOP_STEPS };
 enum { TILT_GRAVITY, TILT_BOX };
 enum { MEASURE_THETA_R = 1, MEASURE_THETA_T = 2, MEASURE_THETA_T_STATIC = 4 };
@@ -34,8 +34,9 @@ static const rp_param schema[] = {
     {"N", "", RP_INT, AT(N), "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2"},
     SWEEP_BOX_GRAIN_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
-    {"fill", "", RP_CHOICE, AT(fill), "drop", "drop | ramp",
-     "gravity from the start, or growing from 0 in the first half of fill_steps"},
+    {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
+     "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
+     "would press grains in by half the smallest radius"},
     {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
@@ -178,6 +179,17 @@ static rp_status place_grains(experiment *e)
     return dem_fill_random(&s->fill, s->grains);
 }
 
+/* With `auto` gravity grows where the fall from 2 H would press two grains of the mean radius into each other
+ * by more than half of the smallest radius: (5 m_eff v^2/(4 k_n))^(2/5), without damping. To the power of
+ * five halves, so that no rounding of pow decides. */
+static bool fills_by_ramp(const repose_params *p)
+{
+    const sweep_box *b = &p->box;
+    double m_eff = 0.5 * dem_mass(b->shape, b->density, b->radius_mean), most = 0.5 * b->radius_min;
+    double impact = 5.0 * m_eff * (2.0 * b->g * 2.0 * p->H) / (4.0 * b->k_n);
+    return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > most * most * sqrt(most));
+}
+
 static rp_status ramp_gravity(experiment *e, long steps)
 {
     rp_status status = RP_OK;
@@ -190,7 +202,7 @@ static rp_status ramp_gravity(experiment *e, long steps)
 
 static rp_status fill_box(experiment *e)
 {
-    const long ramp = e->p->fill == FILL_RAMP ? e->p->fill_steps / 2 : 0;
+    const long ramp = fills_by_ramp(e->p) ? e->p->fill_steps / 2 : 0;
     rp_status status = place_grains(e);
     if (!status) status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
@@ -456,7 +468,7 @@ static rp_status write_scene(experiment *e)
 {
     char path[4096];
     FILE *out;
-    if (!e->box.tables || e->p->fill == FILL_RAMP) return RP_OK; /* no scene has a ramp */
+    if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
     rp_status status = sweep_box_table(e->box.tables, "scene.cfg", path, sizeof path, &out);
     if (status) return status;
     e->box.scene.steps = dem_step(e->box.sim);

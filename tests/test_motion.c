@@ -572,33 +572,62 @@ static void outlet_turns(void)
     dem_free(sim);
 }
 
-/* A fixed grain is a wall with a round face: head-on the same course, and the same mass in the damping. */
+/* A fixed grain is a wall with a round face: head-on the same course, and the same mass in the damping. With
+ * gravity down and up, so that either of the two comes first in the list. */
 static void fixed_is_a_wall(void)
 {
-    for (int k = 0; k < 2; k++) {
-        dem_grain grains[2] = {{0.0, 0.35, R, M, 0.0, -10.0}, {0.0, -0.385, 0.385, 3.0 * M, .fixed = true}};
+    for (int k = 0; k < 4; k++) {
+        const double up = k / 2 ? -1.0 : 1.0;
+        dem_grain grains[2] = {{0.0, up * 0.35, R, M, 0.0, up * -10.0},
+                               {0.0, up * -0.385, 0.385, 3.0 * M, .fixed = true}};
         dem_definition def = one_on_floor(grains);
-        def.integrator = integrators[k];
+        def.integrator = integrators[k % 2];
+        def.gravity[1] *= up;
+        def.walls[0].direction[1] = up;
         dem_sim *on_wall = start(&def), *on_grain;
         def.n_walls = 0;
         def.n_grains = 2;
         on_grain = start(&def);
-        CHECK_OK(dem_run(on_wall, 12000));
-        CHECK_OK(dem_run(on_grain, 12000));
         dem_state s[2];
-        CHECK_OK(dem_states(on_grain, s));
-        /* rounding of centres at a distance: 3000 of 1e-16 in the overlap, amplified by nothing */
-        CHECK_NEAR(s[0].y, state_of_one(on_wall).y, 1e-12);
-        CHECK_NEAR(s[0].vy, state_of_one(on_wall).vy, 1e-9);
-        CU_ASSERT(s[1].fixed && !s[0].fixed && s[1].vy == 0.0 && s[1].y == -0.385);
+        for (int part = 0; part < 2; part++) { /* after a bounce, and at rest */
+            CHECK_OK(dem_run(on_wall, part ? 11000 : 1000));
+            CHECK_OK(dem_run(on_grain, part ? 11000 : 1000));
+            CHECK_OK(dem_states(on_grain, s));
+            /* rounding of centres at a distance, 1e-16 in the overlap, damped */
+            CHECK_NEAR(s[0].y, state_of_one(on_wall).y, 1e-12);
+            CHECK_NEAR(s[0].vy, state_of_one(on_wall).vy, 1e-9);
+            CU_ASSERT(part == 1 || fabs(s[0].vy) > 0.1);
+        }
+        CU_ASSERT(s[1].fixed && !s[0].fixed && s[1].vy == 0.0 && s[1].y == up * -0.385);
         /* at rest, or nearly so */
-        CHECK_NEAR(s[1].fy, -M * 981.0, 1e-3 * M * 981.0);
+        CHECK_NEAR(s[1].fy, -up * M * 981.0, 1e-3 * M * 981.0);
         dem_rest rest;
         CHECK_OK(dem_rest_state(on_grain, -1.0, 1.0, &rest));
         CU_ASSERT(rest.n == 1 && rest.net_force < 1e-3 * M * 981.0 && rest.contact_number == 1.0);
+        dem_energy energy;
+        dem_energies(on_grain, &energy);
+        CHECK_NEAR(energy.gravity, M * 981.0 * R, 1e-3 * M * 981.0);
         dem_free(on_wall);
         dem_free(on_grain);
     }
+}
+
+/* Rolling resistance is against the box: without other friction a grain takes over the box's spin. */
+static void rolls_with_box(void)
+{
+    const double rate = 2e-5, depth = pow(M * 981.0 / 1e6, 2.0 / 3.0);
+    dem_grain grain = {0.0, R - depth, R, M};
+    dem_definition def = one_on_floor(&grain);
+    def.rotation = true;
+    def.walls[0].material.mu = def.walls[0].material.gamma_s = 0.0;
+    def.walls[0].material.mu_roll = 0.5;
+    def.walls[0].material.k_roll = 1e4;
+    def.walls[0].material.gamma_roll = 500.0;
+    dem_sim *sim = start(&def);
+    dem_box_turn(sim, rate);
+    CHECK_OK(dem_run(sim, 3000));
+    CHECK_NEAR(state_of_one(sim).omega, -rate / def.dt, 1e-6 * rate / def.dt);
+    dem_free(sim);
 }
 
 /* A rough floor below the floor's line, its grains overlapping: nothing of it moves while a box empties over
@@ -606,14 +635,15 @@ static void fixed_is_a_wall(void)
 static void fixed_stay(void)
 {
     enum { N = 60, FIXED = 18 };
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         dem_grain *fill, grains[N + FIXED];
         dem_definition def = box(N, 2.0, &fill);
         memcpy(grains + FIXED, fill, N * sizeof *fill);
         for (int i = 0; i < FIXED; i++)
             grains[i] = (dem_grain){0.19 * i, -0.06, R, M, 0.0, 0.0, .fixed = true};
         def.walls[DEM_BOX_RIGHT].open_at_step = 4000;
-        def.integrator = integrators[k];
+        def.integrator = integrators[k % 2];
+        def.rotation = k == 2;
         def.dt = 4e-5;
         def.grains = grains;
         def.n_grains = N + FIXED;
@@ -632,7 +662,13 @@ static void fixed_stay(void)
         for (int i = 0; i < FIXED; i++)
             CU_ASSERT(s[i].x == grains[i].x && s[i].y == -0.06 && s[i].vx == 0.0 && s[i].vy == 0.0 &&
                       s[i].fixed);
-        for (size_t i = FIXED; i < dem_count(sim); i++) CU_ASSERT(!s[i].fixed);
+        for (size_t i = 0; i < dem_count(sim); i++) {
+            CU_ASSERT(s[i].fixed == (i < FIXED));
+            CU_ASSERT((s[i].omega != 0.0 || s[i].angle != 0.0) == (k == 2 && i >= FIXED));
+        }
+        dem_energy energy;
+        dem_energies(sim, &energy);
+        CU_ASSERT(isfinite(energy.rotational) && (energy.rotational > 0.0) == (k == 2));
         CU_ASSERT(dem_count(sim) < N + FIXED);
         CHECK_OK(dem_contacts(sim, &contacts, &n));
         for (size_t i = 0; i < n; i++) {
@@ -679,6 +715,13 @@ static void refusals(void)
     def.integrator = DEM_VERLET;
     CHECK_OK(dem_create(&def, &sim));
     dem_free(sim);
+    def.rotation = true;
+    grain.fixed = true;
+    grain.omega = 2.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "omega = 2: must be 0, it is fixed");
+    def.integrator = DEM_GEAR5;
+    grain.omega = 0.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "grains that rotate need the integrator verlet");
 }
 
 void suite_motion(void)
@@ -696,6 +739,7 @@ void suite_motion(void)
                                        {"impulse of turning walls", wall_ledger},
                                        {"list follows turning walls", list_follows_turning_walls},
                                        {"outlet turns with the box", outlet_turns},
+                                       {"rolling with the box", rolls_with_box},
                                        {"a fixed grain is a wall", fixed_is_a_wall},
                                        {"fixed grains stay", fixed_stay},
                                        {"refusals", refusals},

@@ -244,6 +244,7 @@ static void test_trend_errors(void)
     ang_trend t;
     ang_contrast bend;
     CHECK_FAILS(ang_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(ang_trend_fit(0, twice, y, piles, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
     CHECK_FAILS(ang_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
     CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
     CHECK_FAILS(ang_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");

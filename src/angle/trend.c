@@ -210,7 +210,7 @@ static void compare_pairs(sample *s, double margin, ang_trend *trend)
 
 static rp_status analyse(sample *s, double power, double margin, ang_trend *trend)
 {
-    rp_status status = s->paired ? keep_whole_piles(s) : RP_OK;
+    rp_status status = s->paired && s->n > 0 ? keep_whole_piles(s) : RP_OK;
     trend->n = s->n;
     trend->n_x = s->n_x;
     if (status) return status;

@@ -9,8 +9,7 @@
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
- *   {{holds T k=v COL TEXT}}       verdict on a word: does the cell contain TEXT? undecided and no_result
- * stay
+ *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
  * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
  */
@@ -36,7 +35,7 @@ static const cli_command command = {
     "report",
     "TEMPLATE [--tables DIR] [-o FILE]",
     "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
-    "below, least, most, holds, note. A verdict compares with two standard errors.",
+    "below, least, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,
@@ -133,12 +132,11 @@ static rp_status print_verdict(const place *p, int next, const rp_table *t, size
         status = number_word(p, next + 1, &limit);
     }
     if (status) return status;
-    const bool most = strcmp(p->words[0], "most") == 0;
-    if (most || strcmp(p->words[0], "least") == 0) {
+    if (strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
         status = rp_table_number(t, row, column, 0, &value);
-        if (!status) fputs((most ? value <= limit : value >= limit) ? "reproduced" : "not reproduced", out);
+        if (!status) fputs(value >= limit ? "reproduced" : "not reproduced", out);
         return status;
     }
     status = find_value(t, row, p->words[next], &value, &se);
@@ -164,7 +162,11 @@ static rp_status print_holds(const place *p, int next, const rp_table *t, size_t
     if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
     if (next + 1 >= p->n) return rp_fail(RP_BAD_INPUT, "{{holds ...}}: a text is missing");
     const char *cell = t->cells[row * t->n_columns + (size_t)column];
-    fputs(strstr(cell, p->words[next + 1]) ? "reproduced"
+    bool holds = false;
+    for (char *save, *text = strtok_r(p->words[next + 1], "|", &save); text;
+         text = strtok_r(NULL, "|", &save))
+        holds |= strstr(cell, text) != NULL;
+    fputs(holds                            ? "reproduced"
           : strcmp(cell, "undecided") == 0 ? cell
           : strcmp(cell, "no_result") == 0 ? "can't be tested: no result"
                                            : "not reproduced",
@@ -211,7 +213,7 @@ static rp_status print_note(const place *p, FILE *out)
 
 static rp_status fill_place(const place *p, FILE *out)
 {
-    static const char *const verdicts[] = {"agree", "above", "below", "least", "most"};
+    static const char *const verdicts[] = {"agree", "above", "below", "least"};
     if (p->n > 0 && strcmp(p->words[0], "note") == 0) return print_note(p, out);
     char path[4096];
     rp_table table = {0};

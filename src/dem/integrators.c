@@ -10,6 +10,8 @@
  * such place to the next: it is then a function of places, as the overlap is, where the sum of predicted
  * v dt would lead by half a step and add k_s dt/2 of viscous damping. Derivatives 3 to 5 start at 0, which
  * is exact for grains that touch nothing. */
+#include <math.h>
+
 #include "dem/sim.h"
 
 /* Spins and angles by the same leapfrog. */
@@ -57,8 +59,11 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
 
 bool dem_integrate(dem_sim *sim)
 {
+    const bool turned = sim->box_angle != 0.0;
     const double dt = sim->def.dt;
+    const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const double reach = 0.25 * sim->skin * sim->skin; /* a pair closes by at most twice skin/2 */
+    const dem_vec gravity = sim->gravity;
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
@@ -67,16 +72,17 @@ bool dem_integrate(dem_sim *sim)
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
-            grain[i].v += dt * acceleration(sim, i);
+            grain[i].v += dt * (force[i] * sim->inverse_mass[i] + gravity);
             grain[i].x += dt * grain[i].v;
         }
-        dem_vec moved = grain[i].x - sim->ref[i];
+        dem_vec x = grain[i].x, moved = x - sim->ref[i];
         force[i] = (dem_vec){0.0, 0.0};
         /* written so that NaN counts as moved */
-        stale |= !(dem_dot(moved, moved) <= reach) | dem_beyond(sim, grain[i].x);
+        stale |= !(dem_dot(moved, moved) <= reach) | (x[0] > x_max) | (x[1] < y_min);
     }
-    if (sim->spin) integrate_spins(sim);
+    for (size_t i = 0; i < sim->n && turned; i++) stale |= dem_beyond(sim, grain[i].x);
     hold_fixed(sim);
+    if (sim->spin) integrate_spins(sim);
     sim->grain_steps += (double)sim->n;
     return stale;
 }
