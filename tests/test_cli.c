@@ -488,8 +488,8 @@ static void test_broken_output(void)
     slurp("garbage/store.sqlite", out, sizeof out);
     CU_ASSERT(strlen(out) == 4000);
     for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
-        FAILS(74, "cannot write: ", "%s >/dev/full",
-              writers[i]); /* C keeps no reason for long outputs */
+        /* of an output longer than its buffer the reason is lost */
+        FAILS(74, "cannot write: ", "%s >/dev/full", writers[i]);
     leave();
 }
 

@@ -258,12 +258,12 @@ static void ends_without_result(void)
     CU_ASSERT(strstr(result.message, "new particle: dt = ") != NULL);
     free(p);
     static const char *const fast[] = {"dt=1e-3", NULL}, *const smooth[] = {"mu=0", NULL},
-                             *const smooth_wall[] = {"mu_wall=0", NULL}, *const narrow[] = {"W=0.5", NULL};
+                             *const smooth_floor[] = {"mu_floor=0", NULL}, *const narrow[] = {"W=0.5", NULL};
     CHECK_FAILS(protocol->check(p = params(fast)), RP_BAD_INPUT, "dt = 0.001: too large");
     free(p);
     CHECK_FAILS(protocol->check(p = params(smooth)), RP_BAD_INPUT, "nothing holds the first layer");
     free(p);
-    CHECK_FAILS(protocol->check(p = params(smooth_wall)), RP_BAD_INPUT, "nothing holds the first layer");
+    CHECK_FAILS(protocol->check(p = params(smooth_floor)), RP_BAD_INPUT, "nothing holds the first layer");
     free(p);
     CHECK_FAILS(protocol->check(p = params(narrow)), RP_BAD_INPUT, "five grain diameters");
     free(p);
