@@ -18,7 +18,7 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
             librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PC       := pkg-config
-PKGS     := gsl libconfig sqlite3 libxxhash
+PKGS     := gsl nlopt libconfig sqlite3 libxxhash
 LIBS      = $$($(PC) --libs $(PKGS)) -lm
 INCLUDES  = $$($(PC) --cflags $(PKGS))
 
@@ -143,6 +143,10 @@ $(T)/%_runs.tsv: $(T)/%.tsv
 	@$(REPOSE) sweep export $(B)/sweeps/$* >$@
 $(T)/%_compare.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle compare $< >$@
+$(T)/%_phi.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle phi $< >$@
+$(T)/%_critical.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle critical $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 
@@ -214,6 +218,17 @@ $(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh5.cfg $(CODE)
 $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 	@awk -F'\t' '/^#/ { for (i = 1; i <= NF; i++) if ($$i == "floor") f = i; print; next } $$f == "ends"' $< | \
 	  $(REPOSE) angle maximum - --column theta_r3_deg --draws 10 >$@
+
+# The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
+STRESS_ROWS := $(shell seq 40 59)
+$(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
+	@echo "run     lh_stress"
+	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(JOBS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
+	@touch $@
+$(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
+	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@
+$(T)/lh_stress_base.tsv: $(T)/lh_stress_piles
+	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 --base >$@
 
 # Models on paper: the angle, or the tent's outer and inner angle and 100 x_1/B, is in the name.
 $(T)/continuum_%.tsv: $(CODE)

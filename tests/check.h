@@ -19,6 +19,7 @@
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_flux)                                                                                            \

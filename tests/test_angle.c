@@ -4,6 +4,7 @@
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sf_psi.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -795,6 +796,176 @@ static void compare_gain_and_flat_piles(void)
     gsl_rng_free(rng);
 }
 
+/* ---- phi ---- */
+
+/* Standard normal deviates, half of them mirrored, scaled to mean 0 and standard deviation `sd`, so that the
+ * moments of planted piles are known; `shift` makes another set. */
+enum { PHI_PILES = 20 };
+static void spread_out(double sd, int shift, double v[PHI_PILES])
+{
+    double sum = 0.0;
+    for (int i = 0; i < PHI_PILES; i++) {
+        int k = (7 * i + shift) % PHI_PILES;
+        v[i] = (k % 2 ? 1.0 : -1.0) * gsl_cdf_ugaussian_Pinv((k / 2 + 0.5) / PHI_PILES);
+        sum += v[i] * v[i];
+    }
+    for (int i = 0; i < PHI_PILES; i++) v[i] *= sd * sqrt((PHI_PILES - 1) / sum);
+}
+
+/* t = tan theta_r, u = tan theta_t: (3) and (4) solved for tan^2 phi. */
+static double tan2_phi(ang_against against, double mu, double t, double u)
+{
+    if (against == ANG_AGAINST_MARGINAL) return (t + u) / (1.0 - t * u) / mu;
+    if (against == ANG_AGAINST_LATTICE) return t / (mu * (1.0 + u * t) - u);
+    return (mu * (u * u + t * u * (2.0 + u * u)) - u * u * u + t) / ((mu - u) * (1.0 - t * u));
+}
+
+static void test_phi_one_group(void)
+{
+    const double mu = 0.213, r = 19.3 * deg, t = 5.9 * deg, n = PHI_PILES;
+    double theta_r[PHI_PILES], theta_t[PHI_PILES];
+    spread_out(2.3 * deg, 0, theta_r);
+    spread_out(0.9 * deg, 5, theta_t);
+    double var = 0.0;
+    for (int i = 0; i < PHI_PILES; i++) {
+        var += pow(theta_r[i] + theta_t[i], 2.0) / (n - 1.0);
+        theta_r[i] += r;
+        theta_t[i] += t;
+    }
+    const ang_piles piles = {mu, PHI_PILES, theta_r, theta_t};
+    gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST);
+    ang_phi fit[ANG_N_AGAINST];
+    CHECK_OK(ang_phi_fit(1, &piles, 50, rng, fit));
+    for (int a = 0; a < ANG_BALANCED_LESS_MARGINAL; a++) {
+        /* chi2 is some 1e3 to 1e4 (phi - best)^2, so that 1e-16 of round-off hides 1e-7 rad at most */
+        CHECK_NEAR(fit[a].phi, atan(sqrt(tan2_phi((ang_against)a, mu, tan(r), tan(t)))), 1e-7);
+        CHECK_NEAR(fit[a].chi2, 0.0, 1e-9);
+        CU_ASSERT(fit[a].dof == 0 && isnan(fit[a].p_value) && !fit[a].lo_open && !fit[a].hi_open);
+    }
+    /* the ends of the interval of (3): theta_rt -+ its error times t */
+    const double half = 0.5 * n, scale = gsl_sf_psi(half) - gsl_sf_psi(half - 0.5);
+    const double reach = sqrt((n - 1.0) * expm1(gsl_cdf_chisq_Pinv(0.95, 1.0) * scale) * var / n);
+    CHECK_NEAR(fit[0].lo, atan(sqrt(tan(r + t - reach) / mu)), 1e-7);
+    CHECK_NEAR(fit[0].hi, atan(sqrt(tan(r + t + reach) / mu)), 1e-7);
+    CHECK_NEAR(fit[3].phi, fit[1].phi - fit[0].phi, tight);
+    CHECK_NEAR(fit[4].phi, fit[2].phi - fit[0].phi, tight);
+    gsl_rng_free(rng);
+}
+
+/* Where the two equations agree on a pile's friction; see phi.c. */
+static void test_phi_of_both(void)
+{
+    double t = 0.355, u = 0.1, k = (1.0 + 2.0 * t * t + t * u) / (1.0 - t * u), m;
+    CHECK_OK(ang_friction(ANG_LATTICE, atan(t), atan(u), atan(sqrt(k)), &m));
+    CHECK_NEAR(m, tan(atan(t) + atan(u)) / k, tight);
+}
+
+/* Piles of six mu whose theta_t is that of the lattice form at `phi`, with scatter. */
+enum { PHI_GROUPS = 6 };
+static void plant_piles(const double phi[PHI_GROUPS], double scatter, gsl_rng *rng,
+                        double angles[2][PHI_GROUPS][PHI_PILES], ang_piles groups[PHI_GROUPS])
+{
+    for (int g = 0; g < PHI_GROUPS; g++) {
+        const double mu = 0.05 * (g + 1);
+        groups[g] = (ang_piles){mu, PHI_PILES, angles[0][g], angles[1][g]};
+        for (int i = 0; i < PHI_PILES; i++) {
+            double r = 0.6 * atan(mu * pow(tan(phi[g]), 2.0));
+            angles[0][g][i] = r * (1.0 + gsl_ran_gaussian(rng, scatter));
+            angles[1][g][i] =
+                closed_form(ANG_LATTICE, phi[g], mu, r) * (1.0 + gsl_ran_gaussian(rng, scatter));
+        }
+    }
+}
+
+static void test_phi_planted(void)
+{
+    enum { PLANTED = 200 };
+    const int planted = check_fast() ? 20 : PLANTED;
+    double angles[2][PHI_GROUPS][PHI_PILES], phi[PHI_GROUPS], p_mean = 0.0;
+    ang_piles groups[PHI_GROUPS];
+    ang_phi fit[ANG_N_AGAINST];
+    gsl_rng *rng = rp_random_alloc(1993, 1, RP_PURPOSE_TEST);
+    for (int g = 0; g < PHI_GROUPS; g++) phi[g] = 58.3 * deg;
+    int covered = 0;
+    for (int k = 0; k < planted; k++) {
+        plant_piles(phi, 0.15, rng, angles, groups);
+        CHECK_OK(ang_phi_fit(PHI_GROUPS, groups, 2, rng, fit));
+        const ang_phi *f = &fit[ANG_AGAINST_LATTICE];
+        covered += f->lo < phi[0] && phi[0] < f->hi;
+        p_mean += f->p_value / planted;
+        CU_ASSERT(f->dof == PHI_GROUPS - 1);
+    }
+    CHECK_NEAR(covered, 0.95 * planted, sigmas * sqrt(0.95 * 0.05 * planted));
+    CHECK_NEAR(p_mean, 0.5, sigmas / sqrt(12.0 * planted)); /* p is uniform */
+
+    /* the two intervals of one set, whose widths a bootstrap of 400 knows to some 5 % each end */
+    CHECK_OK(ang_phi_fit(PHI_GROUPS, groups, 400, rng, fit));
+    for (int a = 0; a < ANG_BALANCED_LESS_MARGINAL; a++)
+        CHECK_NEAR((fit[a].boot_hi - fit[a].boot_lo) / (fit[a].hi - fit[a].lo), 1.0, 0.25);
+
+    /* a scan instead of NLopt */
+    double chi2, best = INFINITY, at = NAN;
+    for (double x = 40.0; x < 80.0; x += 0.01) {
+        CHECK_OK(ang_phi_misfit(PHI_GROUPS, groups, ANG_AGAINST_BALANCED, x * deg, &chi2));
+        if (chi2 < best) {
+            best = chi2;
+            at = x;
+        }
+    }
+    CHECK_NEAR(fit[ANG_AGAINST_BALANCED].phi, at * deg, 0.01 * deg);
+    CU_ASSERT(fit[ANG_AGAINST_BALANCED].chi2 <= best);
+
+    /* no phi serves rays that turn with mu */
+    for (int g = 0; g < PHI_GROUPS; g++) phi[g] += (g - 3) * 2.0 * deg;
+    plant_piles(phi, 0.15, rng, angles, groups);
+    CHECK_OK(ang_phi_fit(PHI_GROUPS, groups, 2, rng, fit));
+    CU_ASSERT(fit[ANG_AGAINST_LATTICE].p_value < 1e-3);
+    gsl_rng_free(rng);
+}
+
+static void test_phi_not_identified(void)
+{
+    double theta_r[PHI_PILES], theta_t[PHI_PILES], chi2;
+    ang_piles piles = {0.2, PHI_PILES, theta_r, theta_t};
+    gsl_rng *rng = rp_random_alloc(1993, 2, RP_PURPOSE_TEST);
+    ang_phi fit[ANG_N_AGAINST];
+    /* steep rays push least: no balanced pile of mu = 0.2 stands beyond atan mu = 11.3 degrees */
+    spread_out(1.0 * deg, 0, theta_r);
+    spread_out(1.0 * deg, 5, theta_t);
+    for (int i = 0; i < PHI_PILES; i++) {
+        theta_r[i] += 7.0 * deg;
+        theta_t[i] += 14.0 * deg;
+    }
+    CHECK_OK(ang_phi_fit(1, &piles, 20, rng, fit));
+    CU_ASSERT(fit[ANG_AGAINST_BALANCED].hi_open && !fit[ANG_AGAINST_BALANCED].lo_open);
+    CHECK_NEAR(fit[ANG_AGAINST_BALANCED].phi, M_PI_2, 1e-3);
+    CU_ASSERT(!fit[ANG_AGAINST_MARGINAL].hi_open && !fit[ANG_AGAINST_MARGINAL].lo_open);
+    /* one stubborn pile: (5.9 +- 3.4) degrees says nothing between 0 and 12 */
+    for (int i = 0; i < PHI_PILES; i++) theta_t[i] = (i == 4 ? 70.0 : 2.5) * deg;
+    CHECK_OK(ang_phi_fit(1, &piles, 20, rng, fit));
+    CU_ASSERT(fit[ANG_AGAINST_BALANCED].hi_open && fit[ANG_AGAINST_BALANCED].lo_open);
+    piles.n = ANG_PHI_PILES - 1;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "4 piles, at least 5");
+    piles.n = PHI_PILES;
+    piles.mu = 0.0;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "mu = 0: out of range");
+    piles.mu = 0.2;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 1, rng, fit), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(ang_phi_fit(0, &piles, 20, rng, fit), RP_NO_RESULT, "no piles");
+    CHECK_FAILS(ang_phi_misfit(1, &piles, ANG_AGAINST_LATTICE, 0.1, &chi2), RP_BAD_INPUT, "phi = 0.1 rad");
+    CHECK_FAILS(ang_phi_misfit(1, &piles, ANG_LATTICE_LESS_MARGINAL, 1.0, &chi2), RP_BAD_INPUT,
+                "against = 4");
+    theta_t[3] = -0.1;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 4: theta_r");
+    for (int i = 0; i < PHI_PILES; i++) theta_r[i] = theta_t[i] = 0.3;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_NO_RESULT, "all piles the same");
+    spread_out(0.1, 0, theta_r);
+    spread_out(0.1, 5, theta_t);
+    for (int i = 0; i < PHI_PILES; i++) theta_r[i] += 1.0, theta_t[i] += 0.8;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_NO_RESULT, "steeper than any ray");
+    gsl_rng_free(rng);
+}
+
 void suite_angle(void)
 {
     static const check_case cases[] = {
@@ -824,6 +995,10 @@ void suite_angle(void)
         {"expected maximum", test_expected_maximum},
         {"piles against theory", test_compare},
         {"compare: gain, flat piles", compare_gain_and_flat_piles},
+        {"phi: one friction, closed forms", test_phi_one_group},
+        {"phi: where (3) and (4) agree", test_phi_of_both},
+        {"phi: planted piles", test_phi_planted},
+        {"phi: not identified, errors", test_phi_not_identified},
         {NULL, NULL},
     };
     check_register("angle", cases);

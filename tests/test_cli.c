@@ -183,7 +183,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 /* ---- help ---- */
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
-static const char *const without_default[] = {"--help ", "--set ",        "--box ", "--reduce ",
+static const char *const without_default[] = {"--help ", "--set ",        "--box ", "--reduce ", "--base ",
                                               "--pair ", "--successive ", "-o ",    NULL};
 
 static bool option_line_is_whole(const char *line)
@@ -612,6 +612,90 @@ static void test_angle_tables(void)
     FAILS(1, "too few for a maximum of 4", "angle maximum line.tsv --column theta --draws 4");
     FAILS(65, "no column \"theta_r3_deg\"", "angle maximum line.tsv --column theta_r3_deg --draws 2");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
+    FAILS(65, "no column \"theta_r3_deg\"", "angle phi line.tsv");
+    path_of("runs.tsv", path);
+    file = fopen(path, "w");
+    fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0\tnan\tnan\tno_pile\n");
+    for (int j = 0; j < 12; j++)
+        fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
+    fclose(file);
+    GOOD("angle phi runs.tsv");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 15); /* three equations and two differences, for all and for each mu */
+    for (size_t i = 0; i < t.n_rows; i++) {
+        bool all = i < 5;
+        CHECK_NEAR(cell(&t, i, "n"), all ? 12.0 : 6.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "n_mu"), all ? 2.0 : 1.0, 0.0);
+        CU_ASSERT(all ? isnan(cell(&t, i, "mu")) : cell(&t, i, "mu") == (i < 10 ? 0.1 : 0.2));
+    }
+    /* mean theta_r 9, theta_t 13/3 at mu = 0.1 */
+    CHECK_NEAR(cell(&t, 5, "measured_deg"), 9.0 + 13.0 / 3.0, 1e-12);
+    CHECK_NEAR(cell(&t, 6, "measured_deg"), 13.0 / 3.0, 1e-12);
+    CHECK_NEAR(cell(&t, 5, "sixty_deg"), atan(0.3) / deg, 1e-12);
+    CHECK_NEAR(tan(cell(&t, 5, "fitted_deg") * deg), 0.1 * pow(tan(cell(&t, 0, "phi_deg") * deg), 2.0),
+               1e-12);
+    CHECK_NEAR(cell(&t, 5, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
+    rp_table_free(&t);
+    GOOD("angle phi runs.tsv --from 0.15");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 5);
+    CHECK_NEAR(cell(&t, 0, "mu"), 0.2, 0.0);
+    rp_table_free(&t);
+    FAILS(1, "no row with status ok", "angle phi runs.tsv --from 0.25");
+    leave();
+}
+
+/* Two grains of weight 981 and 1962 on a floor and one on both, held by a wall; and its runs. */
+static void test_stress_tables(void)
+{
+    enter();
+    write_text("p_grains.tsv",
+               "# x\ty\tm\n0.1\t0.1\t1\n0.5\t0.1\t2\n0.3\t0.3\t1\n0.7\t0.1\t0.5\n0.9\t0.1\t0.5\n"
+               "1.1\t0.1\t0.5\n");
+    write_text("p_contacts.tsv",
+               "# id_b\twall\tx\ty\tx_b\ty_b\tnormal_force\tshear_force\n"
+               "1\t0\t0.3\t0.3\t0.1\t0.1\t%.17g\t0\n2\t0\t0.3\t0.3\t0.5\t0.1\t%.17g\t0\n"
+               "0\t1\t0.1\t0.1\t0.1\t0\t1471.5\t0\n0\t1\t0.5\t0.1\t0.5\t0\t2452.5\t-490.5\n"
+               "0\t2\t0.1\t0.1\t0\t0.1\t490.5\t0\n0\t1\t0.7\t0.1\t0.7\t0\t490.5\t0\n"
+               "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
+               490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
+    GOOD("angle stress p --width 1.2 --cell 0.2 --base");
+    rp_table t = read_table("out");
+    static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
+    for (size_t i = 0; i < 4; i++) {
+        CHECK_NEAR(cell(&t, i, "N"), n[i] / 0.2, 1e-8);
+        CHECK_NEAR(cell(&t, i, "H"), i == 2 ? 490.5 / 0.2 : 0.0, 1e-8);
+        CHECK_NEAR(cell(&t, i, "weight"), weight[i] / 0.2, 1e-8);
+        CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
+    }
+    rp_table_free(&t);
+    GOOD("angle stress p p --width 1.2 --cell 1.2");
+    t = read_table("out");
+    /* sum of force times branch over 1.44: two contacts of 490.5 x 0.2 a side; floor and wall at 0.1 */
+    CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
+    CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
+    CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
+    rp_table_free(&t);
+    FAILS(65, "q_contacts.tsv: cannot read", "angle stress q --width 4");
+    write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
+    FAILS(65, "no column \"id_b\"", "angle stress r --width 4");
+    write_text("runs.tsv",
+               "# mu\tn_0\tn_1\th_0\th_1\tsxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\t"
+               "theta_t_displacement_deg\tstatus\n"
+               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t5\tok\n"
+               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t6\tok\n"
+               "0.2\t1\t0\t0.4\t1\t1\t0\t0\t1\t0\t1\t1\t0\t9\tno_response\n"
+               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t7\tok\n");
+    GOOD("angle critical runs.tsv");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 1);
+    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "floor_tilt_deg"), atan(0.1) / deg, 1e-12);
+    CHECK_NEAR(cell(&t, 0, "bulk_tilt_deg"), atan(sin(atan(0.2))) / deg, 1e-8);
+    CHECK_NEAR(cell(&t, 0, "floor_less_deg"), atan(0.1) / deg - 6.0, 1e-12);
+    CHECK_NEAR(cell(&t, 0, "floor_friction_t"), 0.1 + tan(6.0 * deg), 1e-12);
+    rp_table_free(&t);
+    FAILS(65, "no column \"mu\"", "angle critical p_grains.tsv");
     leave();
 }
 
@@ -954,7 +1038,8 @@ void suite_cli(void)
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},
-                                       {"angle slope, fit", test_angle_tables},
+                                       {"angle slope, fit, phi", test_angle_tables},
+                                       {"angle stress, critical", test_stress_tables},
                                        {"report", test_report},
                                        {"angle trend, size, fit --successive", test_angle_trends},
                                        {"run: free fall", test_free_fall},

@@ -51,7 +51,12 @@ static const char *const repose_hashed[] = {"grains",
 static const char *const flux_hashed[] = {"level_step", "level_insertion", "avalanches", "grains",
                                           "tower",      "insertions_made", "steps",      NULL};
 
-/* The second: the other floor, spring and mass, a gate that is lifted, contacts that do not pull. */
+static const char *const stress_hashed[] = {"n_0",    "n_1",   "h_0",          "h_1",           "sxx_0",
+                                            "sxy_0",  "syx_1", "syy_1",        "sliding_last",  "tilts",
+                                            "grains", "steps", "weight_error", "balance_error", NULL};
+
+/* Of `repose`, the second: the other floor, spring and mass, a gate that is lifted, contacts that do not
+ * pull. */
 static const golden_run runs[] = {
     {"repose",
      {{"W", "2"}, {"H", "2"}, {"measure", "theta_r,theta_t"}},
@@ -86,6 +91,12 @@ static const golden_run runs[] = {
      {{"theta_deg", 16.922323861282806},
       {"theta_sd_deg", 5.5893158612171989},
       {"theta_max_deg", 34.392995853311383}}},
+    {"stress",
+     {{"W", "2"}, {"H", "2"}},
+     stress_hashed,
+     "ok",
+     0xcab3e0e9969e5a49,
+     {{"theta_r3_deg", 9.0404669867745451}, {"floor_tilt_deg", 13.965864750379495}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

@@ -264,6 +264,137 @@ typedef struct {
 rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
                       size_t n_resamples, gsl_rng *rng, ang_comparison *comparison);
 
+/* ---- inclination of the rays, fitted to piles (phi.c) ---- */
+
+/* Piles of one friction coefficient: theta_r[n] and theta_t[n], one pile an index. Borrowed. */
+typedef struct {
+    double mu; /* (0, inf) */
+    size_t n;  /* at least ANG_PHI_PILES */
+    const double *theta_r, *theta_t;
+} ang_piles;
+
+enum { ANG_PHI_PILES = 5 };
+
+/* What phi is fitted to: (3) at theta_r + theta_t, or (4) in a form whose forces balance; and by how much phi
+ * of (4) exceeds that of (3), on the same piles. */
+typedef enum {
+    ANG_AGAINST_MARGINAL,
+    ANG_AGAINST_BALANCED,
+    ANG_AGAINST_LATTICE,
+    ANG_BALANCED_LESS_MARGINAL,
+    ANG_LATTICE_LESS_MARGINAL,
+    ANG_N_AGAINST
+} ang_against;
+
+typedef struct {
+    double phi;              /* or the difference of two */
+    double lo, hi;           /* 95 % by the profile of chi2: a rise by 3.84; NaN for a difference */
+    double boot_lo, boot_hi; /* 95 % by bootstrap over piles, percentiles */
+    /* chi2 of one phi for all groups, its degrees of freedom, and the chance of a larger one (NaN without
+     * dof); of a difference: of none, by its bootstrapped error */
+    double chi2, p_value;
+    size_t dof;
+    bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
+} ang_phi;
+
+const char *ang_against_word(ang_against against);
+
+/* How far phi is from the piles: minus twice the logarithm of the likelihood ratio, see phi.c. `against` is
+ * an equation; phi in (theta_r + theta_t of every mean, pi/2): the flank of a failing pile is less steep than
+ * the rays. Errors: RP_BAD_INPUT (a value, fewer than ANG_PHI_PILES piles), RP_NO_RESULT (piles without
+ * spread). */
+rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against against, double phi,
+                         double *chi2);
+
+/* The phi that serves all groups best, against each equation, and the differences. n_resamples >= 2.
+ * Errors: as ang_phi_misfit; RP_NO_RESULT for no groups or piles steeper than any ray; RP_NO_MEMORY;
+ * RP_BROKEN (NLopt). */
+rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
+                      ang_phi fit[ANG_N_AGAINST]);
+
+/* ---- measured stress (stress.c) ---- */
+
+/* The force (fx, fy) on a grain with centre (x, y), by a grain with centre (x_b, y_b) or at that point of a
+ * wall. */
+typedef struct {
+    double x, y, x_b, y_b, fx, fy;
+} ang_contact;
+
+/* s_ab, compression positive; the force that the side of a plane to which its normal n points puts on the
+ * other is -s_ab n_b. Grains that cannot turn need no balance of torques: xy and yx differ. */
+typedef struct {
+    double xx, xy, yx, yy;
+} ang_tensor;
+
+/* nx times ny cells of width dx and height dy, from (x0, y0); cell (i, j) has number j nx + i. */
+typedef struct {
+    double x0, y0, dx, dy;
+    size_t nx, ny;
+} ang_grid;
+
+/* Mean stress of each cell, force/length: the sum over contacts of force times branch, as far as the branch
+ * lies in the cell, over the cell's area (Goldhirsch 2010 with the cell as the kernel; branches end at
+ * walls). Summed over cells that hold all branches, area times stress is the sum of force times branch.
+ * Errors: RP_BAD_INPUT (a grid without cells, a number that is not finite). */
+rp_status ang_stress_cells(size_t n, const ang_contact contacts[], const ang_grid *grid, ang_tensor stress[]);
+
+/* Mohr's circle of a stress. */
+typedef struct {
+    double pressure;  /* its centre: mean of the principal stresses of the symmetric part */
+    double shear;     /* its radius */
+    double couple;    /* (xy - yx)/2, which shifts it: traction without torque balance */
+    double direction; /* of the largest compression, from x, in (-pi/2, pi/2] */
+    double mobilised; /* greatest angle between traction and normal over all planes, see stress.c; pi/2 where
+                         a plane pulls, NaN without stress */
+} ang_mohr;
+ang_mohr ang_stress_mohr(const ang_tensor *stress);
+
+/* Response of a pile to tilt, per weight of the pile normal to the floor. With t = tan of the tilt: floor
+ * forces n[0] + n[1] t (normal) and h[0] + h[1] t (along it, by the pile, down the tilt), and the stress
+ * s[0] + s[1] t in the pile, up to a factor. */
+typedef struct {
+    double n[2], h[2];
+    ang_tensor s[2];
+} ang_response;
+
+/* Tilt at which the floor has to give the friction mu, h = mu n; negative if it already does more. NaN if it
+ * never comes to that below pi/2. */
+double ang_floor_tilt(const ang_response *response, double mu);
+
+/* Tilt nearest to 0 at which the stress mobilises the angle `friction`, with this sign; within +-pi/4, NaN if
+ * there is none. */
+double ang_bulk_tilt(const ang_response *response, double friction);
+
+/* Mobilised angle at a tilt. */
+double ang_bulk_mobilised(const ang_response *response, double tilt);
+
+typedef struct {
+    double value, se, lo, hi; /* error and 95 % interval by bootstrap over piles; NaN if a tenth of it is */
+} ang_interval;
+
+/* Critical tilts of the mean response of n piles of one mu, beside the tilt at which they moved. Frictions
+ * are the tangents of mobilised angles. */
+#define ANG_CRITICAL_LIST(X)                                                                                 \
+    X(floor_friction_0, false) /* on the floor, without tilt */                                              \
+    X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
+    X(floor_tilt, true)        /* the floor's friction comes to mu */                                        \
+    X(bulk_tilt, true)         /* that inside comes to mu; negative: is beyond it without tilt */            \
+    X(theta_t, true)           /* measured */                                                                \
+    X(floor_less, true)        /* floor_tilt less measured */                                                \
+    X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \
+    X(bulk_friction_t, false)  /* inside, at the measured theta_t */                                         \
+    X(rank, false)             /* Spearman's correlation of the piles' own floor_tilt and theta_t */
+typedef struct {
+#define X(name, angle) ang_interval name;
+    ANG_CRITICAL_LIST(X)
+#undef X
+} ang_critical;
+
+/* Errors: RP_NO_RESULT for n < 3, RP_BAD_INPUT for a number that is not finite or n_resamples < 2,
+ * RP_NO_MEMORY. */
+rp_status ang_critical_tilts(size_t n, const ang_response responses[], const double theta_t[], double mu,
+                             size_t n_resamples, gsl_rng *rng, ang_critical *critical);
+
 /* ---- published numbers against combinations of unsaid choices (forensics.c) ---- */
 
 /* One published statement about a number y that a model predicts. */

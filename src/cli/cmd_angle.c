@@ -350,18 +350,27 @@ static void print_comparison(double mu, const ang_comparison *c)
     rp_table_row_word(stdout, N_COMPARE, v, ang_tilt_word(worst));
 }
 
-/* The piles that count, from the table's columns mu, theta_r, theta_t (blocks of n_rows) and status. */
-static size_t select_piles(const rp_table *table, const double *block, int status_column, pile *piles)
+/* The piles that count, ordered by mu: status ok, both angles. *piles is a new array (free it). */
+static rp_status read_piles(const rp_table *table, pile **piles, size_t *n)
 {
-    size_t n = 0, rows = table->n_rows;
-    for (size_t i = 0; i < rows; i++) {
+    static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
+    int columns[4];
+    double *block = NULL;
+    size_t rows = table->n_rows;
+    *n = 0;
+    *piles = malloc((rows + 1) * sizeof **piles);
+    rp_status status = *piles ? cli_find_columns(table, 4, names, columns)
+                              : rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
+    for (size_t i = 0; i < rows && !status; i++) {
         pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
-        const char *word = table->cells[i * table->n_columns + (size_t)status_column];
+        const char *word = table->cells[i * table->n_columns + (size_t)columns[3]];
         if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t))
-            piles[n++] = p;
+            (*piles)[(*n)++] = p;
     }
-    qsort(piles, n, sizeof *piles, by_mu);
-    return n;
+    free(block);
+    qsort(*piles, *n, sizeof **piles, by_mu);
+    return status;
 }
 
 /* One row for each run of equal mu. theta_r[n] and theta_t[n] are work space. */
@@ -390,24 +399,21 @@ static rp_status compare_groups(size_t n, const pile piles[], const compare_opti
 
 static rp_status compare_table(const rp_table *table, const compare_options *o)
 {
-    static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
-    int columns[4];
-    double *block = NULL;
-    rp_status status = cli_find_columns(table, 4, names, columns);
-    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
-    pile *piles = malloc((table->n_rows + 1) * sizeof *piles);
-    if (!status && !piles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    pile *piles;
+    size_t n;
+    rp_status status = read_piles(table, &piles, &n);
+    double *angles = malloc((2 * n + 1) * sizeof *angles);
+    if (!status && !angles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     if (!status) {
-        size_t n = select_piles(table, block, columns[3], piles);
         cli_table(stdout, compare_params, o);
         rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
         print_compare_header();
-        status = n > 0 ? compare_groups(n, piles, o, block, block + n)
+        status = n > 0 ? compare_groups(n, piles, o, angles, angles + n)
                        : rp_fail(RP_NO_RESULT, "no row with status ok and both angles");
         if (status) rp_prefix(status, "%s: ", table->path);
     }
+    free(angles);
     free(piles);
-    free(block);
     return status;
 }
 
@@ -422,6 +428,182 @@ static rp_status compare(int argc, char **argv)
     if (status || done) return status;
     status = rp_table_read(file, &table);
     if (!status) status = compare_table(&table, &o);
+    rp_table_free(&table);
+    return status;
+}
+
+/* ---- phi ---- */
+
+typedef struct {
+    double from, to;
+    long bootstrap, seed;
+} phi_options;
+
+static const rp_param phi_params[] = {
+    {"from", "", RP_REAL, offsetof(phi_options, from), "0", "[0, inf)", "smallest mu that is used"},
+    {"to", "", RP_REAL, offsetof(phi_options, to), "1e308", "(0, inf)", "largest mu that is used"},
+    {"bootstrap", "", RP_INT, offsetof(phi_options, bootstrap), "1000", "[2, 10000000]",
+     "resamples of the piles"},
+    {"seed", "", RP_INT, offsetof(phi_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    {0}};
+
+static const cli_command phi_command = {
+    "angle phi",
+    "FILE [options]",
+    "Inclination phi of the rays at which (3), tan theta_MS = mu tan^2 phi, meets measured theta_R + "
+    "theta_T,\n"
+    "and (4) in its balanced and lattice forms measured theta_T: one phi for all mu (mu = nan), and one for\n"
+    "each. against: the equation; ..._less_marginal: by how much phi of (4) exceeds that of (3), which "
+    "cannot\n"
+    "both hold with one phi for a pile that stands a tilt. The sine form is not fitted: phi would absorb "
+    "the\n"
+    "forces that it leaves unbalanced.\n"
+    "FILE (- for standard input): as for repose angle compare; rows with mu = 0 are left out.\n"
+    "phi_lo, phi_hi: 95 % interval where chi2 has risen by 3.84 (profile likelihood); boot_lo, boot_hi: by\n"
+    "bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a difference: if "
+    "there\n"
+    "is none); below 0.05 it does not (one_phi 0), and the intervals are those of a compromise. open: -1, 1\n"
+    "where the data give no bound on phi from below, from above, 2 from neither side: phi is not "
+    "identified.\n"
+    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with the "
+    "phi of\n"
+    "all mu, and with 60 degrees.",
+    "repose angle phi build/tables/lh3_runs.tsv",
+    phi_params,
+    1,
+    1};
+
+/* The measured angle that an equation is fitted to, the mean over piles, and what the equation gives for phi.
+ */
+static rp_status angles_of(const ang_piles *piles, ang_against against, double phi_all, ang_stats *measured,
+                           double given[2])
+{
+    const bool marginal = against == ANG_AGAINST_MARGINAL;
+    const double phis[2] = {phi_all, 60.0 * deg};
+    ang_stats theta_r;
+    rp_status status = ang_mean(piles->n, piles->theta_r, &theta_r);
+    if (!status)
+        status = ang_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0, marginal ? piles->theta_r : NULL,
+                            measured);
+    for (int i = 0; i < 2 && !status; i++) {
+        ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
+        ang_tilt_result tilt;
+        status = ang_tilt(form, piles->mu, theta_r.mean, phis[i], &tilt);
+        given[i] = marginal ? tilt.theta_ms : tilt.theta_t;
+    }
+    return status;
+}
+
+/* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
+static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
+                           const ang_phi *fit, double phi_all)
+{
+    ang_stats measured = {0, NAN, NAN, NAN, NAN, NAN};
+    double given[2] = {NAN, NAN};
+    int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
+    rp_status status = RP_OK;
+    if (piles && against < ANG_BALANCED_LESS_MARGINAL)
+        status = angles_of(piles, against, phi_all, &measured, given);
+    if (!status)
+        rp_table_row_word(stdout, 17,
+                          (double[]){piles ? piles->mu : NAN, (double)n_groups, (double)n, fit->phi / deg,
+                                     fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
+                                     fit->chi2, (double)fit->dof, fit->p_value,
+                                     fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open, measured.mean / deg,
+                                     measured.se / deg, given[0] / deg, given[1] / deg},
+                          ang_against_word(against));
+    return status;
+}
+
+/* All groups together, then each alone. */
+static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_options *o, gsl_rng *rng)
+{
+    rp_status status = RP_OK;
+    size_t n_all = 0;
+    ang_phi all[ANG_N_AGAINST], one[ANG_N_AGAINST];
+    for (size_t i = 0; i < n_groups; i++) n_all += groups[i].n;
+    status = ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all);
+    for (int a = 0; a < ANG_N_AGAINST && !status && n_groups > 1; a++)
+        status = print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN);
+    for (size_t i = 0; i < n_groups && !status; i++) {
+        status = ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one);
+        for (int a = 0; a < ANG_N_AGAINST && !status; a++)
+            status = print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi);
+    }
+    return status;
+}
+
+/* Groups of equal mu among the sorted piles; their angles are copied to `angles`, 2 n numbers. */
+static rp_status group_piles(size_t n, const pile piles[], const phi_options *o, double angles[],
+                             ang_piles groups[], size_t *n_groups)
+{
+    *n_groups = 0;
+    for (size_t i = 0; i < n; i++) {
+        angles[i] = piles[i].theta_r;
+        angles[n + i] = piles[i].theta_t;
+        if (piles[i].mu == 0.0 || piles[i].mu < o->from || piles[i].mu > o->to) continue;
+        if (*n_groups == 0 || groups[*n_groups - 1].mu != piles[i].mu)
+            groups[(*n_groups)++] = (ang_piles){piles[i].mu, 0, angles + i, angles + n + i};
+        groups[*n_groups - 1].n++;
+    }
+    return *n_groups > 0 ? RP_OK
+                         : rp_fail(RP_NO_RESULT, "no row with status ok, both angles, and mu in range");
+}
+
+static rp_status phi_table(const rp_table *table, const phi_options *o)
+{
+    static const char *const columns[][2] = {{"mu", ""},
+                                             {"n_mu", ""},
+                                             {"n", ""},
+                                             {"phi_deg", "deg"},
+                                             {"phi_lo_deg", "deg"},
+                                             {"phi_hi_deg", "deg"},
+                                             {"boot_lo_deg", "deg"},
+                                             {"boot_hi_deg", "deg"},
+                                             {"chi2", ""},
+                                             {"dof", ""},
+                                             {"p_value", ""},
+                                             {"one_phi", ""},
+                                             {"open", ""},
+                                             {"measured_deg", "deg"},
+                                             {"measured_se_deg", "deg"},
+                                             {"fitted_deg", "deg"},
+                                             {"sixty_deg", "deg"},
+                                             {"against", ""}};
+    pile *piles;
+    size_t n, n_groups;
+    rp_status status = read_piles(table, &piles, &n);
+    double *angles = malloc((2 * table->n_rows + 1) * sizeof *angles);
+    ang_piles *groups = malloc((table->n_rows + 1) * sizeof *groups);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!status && !(angles && groups && rng))
+        status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) {
+        cli_table(stdout, phi_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        rp_table_columns(stdout, N_OF(columns), columns);
+        status = group_piles(n, piles, o, angles, groups, &n_groups);
+        if (!status) status = fit_phis(n_groups, groups, o, rng);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    if (rng) gsl_rng_free(rng);
+    free(groups);
+    free(angles);
+    free(piles);
+    return status;
+}
+
+static rp_status phi(int argc, char **argv)
+{
+    phi_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(&phi_command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = phi_table(&table, &o);
     rp_table_free(&table);
     return status;
 }
@@ -711,6 +893,9 @@ static const struct {
     {"tilt", tilt, "tilt at which a pile slides, (4)"},
     {"slope", slope, "slope of a table of grains by three methods"},
     {"compare", compare, "measured angles against (3) and (4)"},
+    {"phi", phi, "inclination of the rays, fitted to measured angles"},
+    {"stress", cmd_angle_stress, "stress field and base forces of piles, from their contacts"},
+    {"critical", cmd_angle_critical, "tilt at which the measured stress reaches Coulomb's law"},
     {"fit", fit, "weighted straight line through a table"},
     {"maximum", maximum, "expected largest of a number of values"},
     {"trend", cmd_angle_trend, "does a column of a table of runs depend on another?"},

@@ -8,4 +8,8 @@
 rp_status cmd_angle_trend(int argc, char **argv);
 rp_status cmd_angle_size(int argc, char **argv);
 
+/* cmd_angle_stress.c */
+rp_status cmd_angle_stress(int argc, char **argv);
+rp_status cmd_angle_critical(int argc, char **argv);
+
 #endif

@@ -17,12 +17,14 @@ static const rp_param options[] = {
      "steps timed; auto: 2e7 particle-steps, flowing at most 10000"},
     {"state", "", RP_CHOICE, offsetof(bench_options, state), "settled", "settled | flowing",
      "at rest in the box, or right after its wall is opened"},
-    {"kernel", "", RP_CHOICE, offsetof(bench_options, kernel), "fast", "fast | reference", "pair loop"},
+    {"kernel", "", RP_CHOICE, offsetof(bench_options, kernel), "fast",
+     "fast | reference | baseline | avx2 | avx512",
+     "pair loop: the best here, the general one, or with these instructions"},
     {0}};
 
 static const cli_command command = {
     "bench",
-    "[--n N] [--state settled|flowing] [--steps N] [--kernel fast|reference]",
+    "[--n N] [--state settled|flowing] [--steps N] [--kernel NAME]",
     "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
     "and time the simulator: million particle-steps a second, the best and the median of five runs, on one\n"
     "core.",
@@ -49,7 +51,7 @@ static rp_status settle(const bench_options *o, double width, dem_sim **sim)
     def.x_max = 3.0 * width;
     def.grains = grains;
     def.n_grains = (size_t)o->n;
-    def.reference_kernel = o->kernel == 1;
+    def.kernel = o->kernel;
     rp_status status = dem_fill_random(&fill, grains);
     if (!status) status = dem_create(&def, sim);
     free(grains);

@@ -21,6 +21,9 @@ enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
 enum { DEM_VERLET, DEM_GEAR5 }; /* time integration */
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 enum { DEM_SPHERE, DEM_DISK };
+/* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
+ * loop that decides at run time, or that for the laws with no more than these instructions. */
+enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS };
 enum { DEM_MAX_WALLS = 8 };
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
@@ -69,7 +72,7 @@ typedef struct {
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
-    bool reference_kernel;    /* use the loop that decides at run time, for tests */
+    int kernel;
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -154,6 +157,9 @@ double dem_time(const dem_sim *sim);
 size_t dem_count(const dem_sim *sim); /* grains still there */
 void dem_gravity(const dem_sim *sim, double gravity[2]);
 const char *dem_kernel_name(const dem_sim *sim);
+
+/* Whether this processor can run it. */
+bool dem_kernel_runs(int kernel);
 
 /* How much work the run was. */
 typedef struct {

@@ -68,7 +68,7 @@ bool dem_integrate(dem_sim *sim)
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
     bool stale = false;
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = sim->advance ? sim->advance(sim, &stale) : 0; i < sim->n; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {

@@ -54,6 +54,40 @@ static void kernel_reference(dem_sim *sim, double h)
               sim->rolling, sim->gear != NULL);
 }
 
+bool dem_kernel_runs(int kernel)
+{
+    switch (kernel) {
+#ifdef __x86_64__
+    case DEM_AVX512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+    case DEM_AVX2: return __builtin_cpu_supports("avx2");
+#else
+    case DEM_AVX512:
+    case DEM_AVX2: return false;
+#endif
+    default: return true;
+    }
+}
+
+/* Put the widest instances that the definition allows and the processor can run in place of the baseline. */
+static void choose_wide(dem_sim *sim)
+{
+#ifdef __x86_64__
+    const dem_definition *def = &sim->def;
+    const bool avx512 = def->kernel == DEM_AVX512 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX512));
+    const bool avx2 = def->kernel == DEM_AVX2 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX2));
+    if (!avx512 && !avx2) return;
+    sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
+    if (def->integrator == DEM_VERLET) sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+    if (def->rotation && def->tangential == DEM_SPRING) return;
+    sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
+    strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
+#else
+    (void)sim;
+#endif
+}
+
 void dem_kernel_choose(dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
@@ -70,14 +104,15 @@ void dem_kernel_choose(dem_sim *sim)
 #undef X
     };
     sim->kernel = kernel_reference;
-    sim->kernel_name = "reference";
+    strcpy(sim->kernel_name, "reference");
     if (def->integrator == DEM_GEAR5 && def->tangential == DEM_SPRING) return; /* it has no instances */
-    for (size_t i = 0; i < sizeof list / sizeof *list && !def->reference_kernel; i++)
+    for (size_t i = 0; i < sizeof list / sizeof *list && def->kernel != DEM_REFERENCE; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             list[i].slip == def->slip && list[i].tension == def->tension && list[i].damping == def->damping &&
             list[i].rotation == def->rotation && list[i].rolling == sim->rolling) {
             sim->kernel = list[i].kernel;
-            sim->kernel_name = list[i].name;
+            strcpy(sim->kernel_name, list[i].name);
+            choose_wide(sim);
             return;
         }
 }

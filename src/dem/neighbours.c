@@ -67,7 +67,7 @@ static bool grow(void *array, size_t size, size_t room)
 
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
-    if (sim->n_pairs + more <= sim->pair_room) return RP_OK;
+    if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
     size_t room = sim->pair_room = 2 * (sim->n_pairs + more) + 64;
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
@@ -77,6 +77,15 @@ static rp_status pair_room(dem_sim *sim, size_t more)
         (!sim->rolling || grow(&sim->roll, sizeof *sim->roll, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+/* Fill the last of the groups that kernels may take at once with pairs that never touch. */
+static void pad_pairs(dem_sim *sim)
+{
+    for (size_t k = sim->n_pairs; k < (sim->n_pairs + 7) / 8 * 8; k++) {
+        sim->pair_i[k] = sim->pair_j[k] = 0;
+        sim->pair_radii[k] = sim->pair_mass[k] = sim->spring[k] = 0.0;
+    }
 }
 
 static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
@@ -94,6 +103,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
     if (sim->rolling) memcpy(sim->roll, like->roll, sim->n_pairs * sizeof *sim->roll);
+    pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
     return RP_OK;
@@ -103,7 +113,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
 {
     struct dem_scratch *w = sim->scratch = calloc(1, sizeof *w);
     if (!w) return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
-    const size_t n = sim->room + 1;
+    const size_t n = sim->room + 8; /* as in sim.c */
     if (like) {
         w->cells_x = like->scratch->cells_x;
         w->cells_y = like->scratch->cells_y;
@@ -288,51 +298,76 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
         }
 }
 
-/* Slots of grain i with grains from..to. */
-static void add_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+/* Pairs of grain i with grains from..to. Each is written, and kept where near, without a branch. */
+static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
-    const double r = sim->radius[i], m = sim->mass[i];
-    const bool fixed = sim->inverse_mass[i] == 0.0;
+    const double r = sim->radius[i], inverse_mass = sim->inverse_mass[i], skin = sim->skin;
+    uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
+    size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grain[j].x;
-        double radii = r + sim->radius[j], reach = radii + sim->skin;
-        const bool other_fixed = sim->inverse_mass[j] == 0.0;
-        if (!(dem_dot(d, d) < reach * reach) || (fixed && other_fixed)) continue;
-        size_t k = sim->n_pairs++;
-        sim->pair_i[k] = (uint32_t)i;
-        sim->pair_j[k] = (uint32_t)j;
+        double reach = r + sim->radius[j] + skin;
+        pair_i[k] = (uint32_t)i;
+        pair_j[k] = (uint32_t)j;
+        /* not where both are fixed */
+        k += (dem_dot(d, d) < reach * reach) & (inverse_mass + sim->inverse_mass[j] > 0.0);
+    }
+    sim->n_pairs = k;
+}
+
+/* The rest of what a pair holds, with the springs of those that touch. */
+static void complete_pairs(dem_sim *sim)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+        dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        double radii = sim->radius[i] + sim->radius[j], m_i = sim->mass[i], m_j = sim->mass[j];
         sim->pair_radii[k] = radii;
-        sim->pair_mass[k] = fixed ? sim->mass[j] : other_fixed ? m : m * sim->mass[j] / (m + sim->mass[j]);
+        sim->pair_mass[k] = sim->inverse_mass[i] == 0.0   ? m_j
+                            : sim->inverse_mass[j] == 0.0 ? m_i
+                                                          : m_i * m_j / (m_i + m_j);
         sim->spring[k] = 0.0;
         if (sim->rolling) sim->roll[k] = 0.0;
-        if (dem_dot(d, d) < radii * radii) {
-            restore_springs(sim, k, (uint32_t)i, (uint32_t)j);
-            sim->touching[sim->n_touching++] = (uint32_t)k;
-        }
+        sim->touching[n] = (uint32_t)k;
+        n += dem_dot(d, d) < radii * radii;
+    }
+    sim->n_touching = n;
+    for (size_t t = 0; t < n; t++) {
+        const uint32_t k = sim->touching[t];
+        restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
     }
 }
 
+/* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
+ * above; cells that follow one another are taken as one. */
 static rp_status find_pairs(dem_sim *sim)
 {
     const struct dem_scratch *w = sim->scratch;
     const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
-    sim->n_pairs = sim->n_touching = 0;
+    dem_near *const add = sim->near ? sim->near : add_near;
+    sim->n_pairs = 0;
     for (size_t cy = 0, c = 0; cy < w->cells_y; cy++)
         for (size_t cx = 0; cx < w->cells_x; cx++, c++) {
             const size_t up = ((cy + 1) & mask_y) * w->cells_x;
             const size_t half[4] = {cy * w->cells_x + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
                                     up + ((cx + 1) & mask_x)};
-            size_t most = w->cell_start[c + 1] - w->cell_start[c];
-            for (int a = 0; a < 4; a++) most += w->cell_start[half[a] + 1] - w->cell_start[half[a]];
+            size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
+            for (int a = 0; a < 4; a++) {
+                const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
+                most += end - first;
+                if (first != to[n - 1]) from[n++] = first;
+                to[n - 1] = end;
+            }
             for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
                 rp_status status = pair_room(sim, most);
                 if (status) return status;
-                add_pairs(sim, i, i + 1, w->cell_start[c + 1]);
-                for (int a = 0; a < 4; a++)
-                    add_pairs(sim, i, w->cell_start[half[a]], w->cell_start[half[a] + 1]);
+                add(sim, i, i + 1, to[0]);
+                for (size_t a = 1; a < n; a++) add(sim, i, from[a], to[a]);
             }
         }
+    complete_pairs(sim);
     return RP_OK;
 }
 
@@ -381,6 +416,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     measure_room(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
+    pad_pairs(sim);
     if (!status) status = find_wall_slots(sim);
     return status;
 }

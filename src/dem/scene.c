@@ -58,8 +58,8 @@ static const rp_param top_schema[] = {
      "the walls' turn a step, about the origin; positive lowers the side at +x"},
     {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity or the box turns"},
-    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference",
-     "the instance for the scene's laws, or the general loop; the same bits"},
+    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference | baseline | avx2 | avx512",
+     "pair loop: the best here, the general one, or with these instructions; the same bits"},
     {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
@@ -414,7 +414,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->box_turn_per_step = top.box_turn_deg * (M_PI / 180.0);
     def->turn_from_step = top.turn_from_step;
     def->integrator = top.integrator;
-    def->reference_kernel = top.kernel == 1;
+    def->kernel = top.kernel;
     scene->steps = top.steps;
     status = read_laws(root, def);
     if (!status) status = read_walls(root, def);
@@ -483,7 +483,7 @@ static void write_top(FILE *out, const dem_scene *scene)
     top.turn_from_step = def->turn_from_step;
     top.integrator = def->integrator;
     top.steps = scene->steps;
-    top.kernel = def->reference_kernel;
+    top.kernel = def->kernel;
     if (scene->has_fill) {
         top.shape = scene->fill.shape;
         top.density = scene->fill.density;

@@ -282,6 +282,9 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
     if (status) return status;
+    if (!dem_kernel_runs(def->kernel))
+        return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
+                       def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
     if (!(def->dt > 0.0) || !isfinite(def->dt))
         return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
     if (def->rotation && def->integrator == DEM_GEAR5)
@@ -389,7 +392,7 @@ static rp_status check_overlaps(dem_sim *sim)
 
 static rp_status alloc_arrays(dem_sim *sim, size_t n)
 {
-    const size_t room = n + 1;
+    const size_t room = n + 8; /* some pass the last grain by up to 7 */
     sim->grain = aligned_alloc(64, (room * sizeof *sim->grain + 63) / 64 * 64);
     sim->force = aligned_alloc(64, (room * sizeof *sim->force + 63) / 64 * 64);
     sim->ref = aligned_alloc(64, (room * sizeof *sim->ref + 63) / 64 * 64);

@@ -33,13 +33,25 @@ typedef struct {
 } dem_gear;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
+/* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
+typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
+/* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
+typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
+
+/* Where processors have the instructions; the pair loop for grains that do not rotate, and no Gear springs;
+ * kernels_wide.inl. */
+dem_kernel dem_kernel_avx512, dem_kernel_avx2;
+dem_advance dem_advance_avx512, dem_advance_avx2;
+dem_near dem_near_avx512, dem_near_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
     long step;
     dem_fault fault;
-    const char *kernel_name;
+    char kernel_name[40];
     dem_kernel *kernel;
+    dem_advance *advance; /* NULL for none */
+    dem_near *near;       /* NULL for that of neighbours.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
@@ -72,7 +84,8 @@ struct dem_sim {
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
-    /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch */
+    /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch. Up to the next
+     * multiple of 8 follow pairs of grain 0 with itself that never touch. */
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;

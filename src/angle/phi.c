@@ -1,0 +1,304 @@
+/* Inclination phi of the rays that carry the weight, fitted to piles: Lee & Herrmann 1993, (3) and (4) with
+ * phi in place of pi/3; see angle.h.
+ *
+ * A group of n piles of one mu is compared at its mean angles: the residual e is theta_r + theta_t less (3),
+ * or theta_t less (4) at theta_r, whose slope carries the scatter of theta_r into the variance of e. A pile
+ * that would slide without tilt is one of theta_t = 0.
+ *
+ * With t^2 = n e^2/variance, and the variance not known beforehand,
+ *     minus twice the log likelihood ratio = n log(1 + t^2/(n - 1)),
+ * whose mean is n (psi(n/2) - psi((n - 1)/2)) and not 1. The sum over groups, each scaled to the mean 1
+ * (Bartlett), is chi2, on n_groups - 1 degrees of freedom.
+ *
+ * Both equations at once are not fitted: with one phi they ask for the same friction of a pile only if it
+ * stands no tilt at all, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
+ * u)/ (1 - t u), rays near 45 degrees and twice the friction. What can be tested is by how much the two phi
+ * differ, on common resamples of the piles. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_math.h>
+#include <gsl/gsl_sf_psi.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <nlopt.h>
+#include <stdlib.h>
+
+#include "angle/angle.h"
+
+static const double difference = 1e-4;        /* of the slope of (4), rad: error 1e-8 */
+static const double margin = 2e-4;            /* rad, between phi and where it ends */
+static const double tolerance = 1e-9;         /* of phi, rad */
+static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
+static const double level = 0.95;
+enum { SCAN = 48, HALVINGS = 40, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
+
+/* A group as the fit sees it; var and cov of one pile. */
+typedef struct {
+    double mu, n, r, t, var_r, var_t, cov;
+    double scale; /* Bartlett */
+} moments;
+
+typedef struct {
+    size_t n_groups;
+    ang_against against;
+    moments *group;
+} problem;
+
+const char *ang_against_word(ang_against against)
+{
+    static const char *const words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
+                                        "lattice_less_marginal"};
+    return words[against];
+}
+
+/* What the equation gives at theta_r = r: theta_r + theta_t of (3), theta_t of (4). */
+static double predicted(ang_against against, double mu, double r, double phi)
+{
+    double theta_ms;
+    ang_tilt_result tilt;
+    if (against == ANG_AGAINST_MARGINAL) return ang_marginal(mu, phi, &theta_ms, NULL) ? NAN : theta_ms;
+    if (ang_tilt(against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED, mu, r, phi, &tilt)) return NAN;
+    if (tilt.status == ANG_TILT_ALREADY_UNSTABLE) return 0.0;
+    return tilt.status == ANG_TILT_NO_SLIDE ? tilt.limit : tilt.theta_t;
+}
+
+/* Square of Student's t of the residual. */
+static double t_squared(const moments *g, ang_against against, double phi)
+{
+    const bool marginal = against == ANG_AGAINST_MARGINAL;
+    double e = g->t + (marginal ? g->r : 0.0) - predicted(against, g->mu, g->r, phi);
+    double slope = marginal ? -1.0
+                            : (predicted(against, g->mu, g->r + difference, phi) -
+                               predicted(against, g->mu, g->r - difference, phi)) /
+                                  (2.0 * difference);
+    return g->n * e * e / (g->var_t - 2.0 * slope * g->cov + slope * slope * g->var_r);
+}
+
+static double misfit(const problem *q, double phi)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < q->n_groups; i++) {
+        const moments *g = &q->group[i];
+        sum += g->scale * g->n * log1p(t_squared(g, q->against, phi) / (g->n - 1.0));
+    }
+    return sum;
+}
+
+/* Moments of the piles pick[0..n), or of all in order without `pick`. False if they have no spread, or a mean
+ * angle too close to 0. */
+static bool take_moments(const ang_piles *piles, const size_t *pick, moments *g)
+{
+    const double n = (double)piles->n;
+    *g = (moments){.mu = piles->mu, .n = n};
+    for (size_t i = 0; i < piles->n; i++) {
+        g->r += piles->theta_r[pick ? pick[i] : i] / n;
+        g->t += piles->theta_t[pick ? pick[i] : i] / n;
+    }
+    for (size_t i = 0; i < piles->n; i++) {
+        double dr = piles->theta_r[pick ? pick[i] : i] - g->r, dt = piles->theta_t[pick ? pick[i] : i] - g->t;
+        g->var_r += dr * dr / (n - 1.0);
+        g->var_t += dt * dt / (n - 1.0);
+        g->cov += dr * dt / (n - 1.0);
+    }
+    g->scale = 1.0 / (n * (gsl_sf_psi(0.5 * n) - gsl_sf_psi(0.5 * (n - 1.0))));
+    if (g->r < 2.0 * difference || g->t < 2.0 * difference) return false;
+    /* equal angles leave round-off */
+    return g->var_r * g->var_t - g->cov * g->cov > 1e-12 * g->var_r * g->var_t && g->var_t > 1e-20;
+}
+
+static rp_status check_piles(const ang_piles *piles)
+{
+    if (!(piles->mu > 0.0 && isfinite(piles->mu)))
+        return rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: (0, inf)", piles->mu);
+    if (piles->n < ANG_PHI_PILES)
+        return rp_fail(RP_BAD_INPUT, "mu = %g: %zu piles, at least %d needed", piles->mu, piles->n,
+                       ANG_PHI_PILES);
+    for (size_t i = 0; i < piles->n; i++) {
+        double r = piles->theta_r[i], t = piles->theta_t[i];
+        if (!(r > -M_PI_2 && r < M_PI_2 && t >= 0.0 && t < M_PI_2))
+            return rp_fail(RP_BAD_INPUT,
+                           "mu = %g, pile %zu: theta_r = %g, theta_t = %g rad: out of range, allowed: "
+                           "(-pi/2, pi/2), [0, pi/2)",
+                           piles->mu, i + 1, r, t);
+    }
+    return RP_OK;
+}
+
+/* Where phi may lie for these means: from *lo to *hi. */
+static void phi_range(const problem *q, double *lo, double *hi)
+{
+    *lo = 0.0;
+    for (size_t i = 0; i < q->n_groups; i++) *lo = fmax(*lo, q->group[i].r + q->group[i].t);
+    *lo += margin + 2.0 * difference;
+    *hi = M_PI_2 - margin;
+}
+
+static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem *q)
+{
+    *q = (problem){.n_groups = n_groups};
+    if (n_groups == 0) return rp_fail(RP_NO_RESULT, "no piles");
+    q->group = calloc(n_groups, sizeof *q->group);
+    if (!q->group) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
+    for (size_t i = 0; i < n_groups; i++) {
+        rp_status status = check_piles(&groups[i]);
+        if (status) return status;
+        if (!take_moments(&groups[i], NULL, &q->group[i]))
+            return rp_fail(RP_NO_RESULT,
+                           "mu = %g: mean angles %g, %g rad: flat, or all piles the same: nothing to fit",
+                           groups[i].mu, q->group[i].r, q->group[i].t);
+    }
+    double lo, hi;
+    phi_range(q, &lo, &hi);
+    return lo < hi ? RP_OK : rp_fail(RP_NO_RESULT, "theta_r + theta_t = %g rad: steeper than any ray", lo);
+}
+
+static double objective(unsigned n, const double *x, double *gradient, void *data)
+{
+    (void)n, (void)gradient;
+    return misfit(data, *x);
+}
+
+/* The best of a coarse scan, refined: a sum of terms that saturate may have several minima. */
+static rp_status minimise(problem *q, nlopt_opt optimiser, double *phi)
+{
+    double lo, hi, best = INFINITY, chi2;
+    phi_range(q, &lo, &hi);
+    const double step = (hi - lo) / SCAN;
+    for (int i = 0; i <= SCAN; i++) {
+        double at = lo + i * step, here = misfit(q, at);
+        if (here < best) {
+            best = here;
+            *phi = at;
+        }
+    }
+    nlopt_set_min_objective(optimiser, objective, q);
+    nlopt_set_lower_bounds1(optimiser, fmax(lo, *phi - step));
+    nlopt_set_upper_bounds1(optimiser, fmin(hi, *phi + step));
+    nlopt_set_initial_step1(optimiser, 0.3 * step);
+    nlopt_set_xtol_abs1(optimiser, tolerance);
+    nlopt_set_maxeval(optimiser, 1000);
+    nlopt_result result = nlopt_optimize(optimiser, phi, &chi2);
+    return result > 0 && result != NLOPT_MAXEVAL_REACHED
+               ? RP_OK
+               : rp_fail(RP_BROKEN, "phi: NLopt: %s", nlopt_result_to_string(result));
+}
+
+/* Where chi2 has risen to `most` between the best phi and `end`; *open if it has not, and then `end`. */
+static double profile_end(const problem *q, double phi, double end, double most, bool *open)
+{
+    *open = misfit(q, end) < most;
+    double inside = phi, outside = end;
+    for (int i = 0; i < HALVINGS && !*open; i++) {
+        double middle = 0.5 * (inside + outside);
+        *(misfit(q, middle) < most ? &inside : &outside) = middle;
+    }
+    return outside;
+}
+
+static rp_status fit_equation(problem *q, nlopt_opt optimiser, ang_phi *fit)
+{
+    double lo, hi;
+    rp_status status = minimise(q, optimiser, &fit->phi);
+    if (status) return status;
+    phi_range(q, &lo, &hi);
+    fit->chi2 = misfit(q, fit->phi);
+    fit->dof = q->n_groups - 1;
+    fit->p_value = fit->dof > 0 ? gsl_cdf_chisq_Q(fit->chi2, (double)fit->dof) : NAN;
+    fit->lo = profile_end(q, fit->phi, lo, fit->chi2 + rise, &fit->lo_open);
+    fit->hi = profile_end(q, fit->phi, hi, fit->chi2 + rise, &fit->hi_open);
+    return RP_OK;
+}
+
+/* Resample the piles of each group. `pick` has room for a group. */
+static void resample(problem *q, const ang_piles groups[], gsl_rng *rng, size_t pick[])
+{
+    for (size_t i = 0; i < q->n_groups; i++) do /* of few piles, one may come out every time */
+            for (size_t j = 0; j < groups[i].n; j++) pick[j] = gsl_rng_uniform_int(rng, groups[i].n);
+        while (!take_moments(&groups[i], pick, &q->group[i]));
+}
+
+/* Percentiles of phi[n], which is sorted. */
+static void percentiles(size_t n, double phi[], ang_phi *fit)
+{
+    gsl_sort(phi, 1, n);
+    fit->boot_lo = gsl_stats_quantile_from_sorted_data(phi, 1, n, 0.5 * (1.0 - level));
+    fit->boot_hi = gsl_stats_quantile_from_sorted_data(phi, 1, n, 0.5 * (1.0 + level));
+}
+
+/* Sample a: n numbers from sample + a n on. */
+static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST])
+{
+    for (int a = N_EQUATIONS; a < ANG_N_AGAINST; a++) {
+        const int with = a - N_EQUATIONS + ANG_AGAINST_BALANCED;
+        double *gap = sample + a * n;
+        for (size_t k = 0; k < n; k++) gap[k] = sample[with * n + k] - sample[k];
+        fit[a].phi = fit[with].phi - fit[ANG_AGAINST_MARGINAL].phi;
+        fit[a].chi2 = gsl_pow_2(fit[a].phi) / gsl_stats_variance(gap, 1, n);
+        fit[a].dof = 1;
+        fit[a].p_value = gsl_cdf_chisq_Q(fit[a].chi2, 1.0);
+    }
+    for (int a = 0; a < ANG_N_AGAINST; a++) percentiles(n, sample + a * n, &fit[a]);
+}
+
+static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
+                         nlopt_opt optimiser, size_t pick[], double sample[], ang_phi fit[ANG_N_AGAINST])
+{
+    rp_status status = RP_OK;
+    for (int a = 0; a < N_EQUATIONS && !status; a++) {
+        q->against = (ang_against)a;
+        status = fit_equation(q, optimiser, &fit[a]);
+    }
+    for (size_t k = 0; k < n_resamples && !status; k++) {
+        resample(q, groups, rng, pick);
+        for (int a = 0; a < N_EQUATIONS && !status; a++) {
+            q->against = (ang_against)a;
+            status = minimise(q, optimiser, &sample[a * n_resamples + k]);
+        }
+    }
+    if (!status) compare_samples(n_resamples, sample, fit);
+    return status;
+}
+
+rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against against, double phi,
+                         double *chi2)
+{
+    if ((int)against < 0 || against >= (ang_against)N_EQUATIONS)
+        return rp_fail(RP_BAD_INPUT, "against = %d: no equation, allowed: 0 to %d", (int)against,
+                       N_EQUATIONS - 1);
+    problem q;
+    rp_status status = set_problem(n_groups, groups, &q);
+    if (!status) {
+        double lo, hi;
+        phi_range(&q, &lo, &hi);
+        q.against = against;
+        if (phi >= lo && phi <= hi)
+            *chi2 = misfit(&q, phi);
+        else
+            status = rp_fail(RP_BAD_INPUT, "phi = %g rad: out of range, allowed: [%g, %g]", phi, lo, hi);
+    }
+    free(q.group);
+    return status;
+}
+
+rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
+                      ang_phi fit[ANG_N_AGAINST])
+{
+    for (int a = 0; a < ANG_N_AGAINST; a++)
+        fit[a] = (ang_phi){NAN, NAN, NAN, NAN, NAN, NAN, NAN, 0, false, false};
+    if (n_resamples < 2)
+        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+    problem q;
+    rp_status status = set_problem(n_groups, groups, &q);
+    size_t most = 1;
+    for (size_t i = 0; i < n_groups; i++) most = groups[i].n > most ? groups[i].n : most;
+    nlopt_opt optimiser = nlopt_create(NLOPT_LN_COBYLA, 1);
+    size_t *pick = malloc(most * sizeof *pick);
+    double *sample = malloc(ANG_N_AGAINST * n_resamples * sizeof *sample);
+    if (!status && !(optimiser && pick && sample)) status = rp_fail(RP_NO_MEMORY, "phi: out of memory");
+    if (!status) status = fit_all(&q, groups, n_resamples, rng, optimiser, pick, sample, fit);
+    free(sample);
+    free(pick);
+    nlopt_destroy(optimiser);
+    free(q.group);
+    return status;
+}

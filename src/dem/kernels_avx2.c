@@ -1,0 +1,10 @@
+/* Four pairs at a time, for processors with AVX2. */
+#include "dem/sim.h"
+
+#ifdef __x86_64__
+#pragma GCC target("avx2")
+#define WIDE_KERNEL  dem_kernel_avx2
+#define WIDE_ADVANCE dem_advance_avx2
+#define WIDE_NEAR    dem_near_avx2
+#include "dem/kernels_wide.inl"
+#endif

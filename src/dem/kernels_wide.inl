@@ -1,0 +1,151 @@
+/* The pair loop of contact.inl and the integration of integrators.c for several pairs or grains at once, with
+ * the same operations in the same order for each of them, and the same order of the sums of each grain. A
+ * file that includes this one asks for instructions first, and defines WIDE_CHOOSE, the function, and
+ * WIDE_NAME. */
+#include <math.h>
+
+#include "dem/simd.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+typedef struct {
+    dem_material c;
+    double mu;
+    bool hertz, tension, shear, truncated, inside;
+} laws;
+
+/* law_normal.h */
+INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
+{
+    wide f = law->c.k_n * overlap;
+    if (law->hertz) f *= wide_sqrt(overlap);
+    f -= law->c.gamma_n * m_eff * v_n;
+    return law->tension ? f : wide_max(f, (wide){0});
+}
+
+/* law_shear.h; the division only where a contact slides. */
+INLINE wide law_shear(const laws *law, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
+{
+    wide ds = *spring + v_s * h, dashpot = law->c.gamma_s * m_eff * v_s;
+    wide cap = law->mu * wide_max(f_n, (wide){0});
+    wide pull = law->c.k_s * ds;
+    if (law->inside) pull += dashpot;
+    lanes slides = wide_less(cap, wide_abs(pull));
+    wide held = wide_choose(slides, wide_copysign(cap, pull), pull), of_spring = held, force = -held;
+    if (law->inside)
+        of_spring -= dashpot;
+    else
+        force = -dashpot - held;
+    if (law->truncated && wide_bits(slides) & wide_bits(touch))
+        ds = wide_choose(slides, of_spring / law->c.k_s, ds);
+    *spring = ds;
+    return force;
+}
+
+/* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
+ * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
+ * since it starts from +0. The list ends in pairs that never touch. */
+void WIDE_KERNEL(dem_sim *sim, double h)
+{
+    const dem_definition *def = &sim->def;
+    const laws law = {def->material,
+                      sim->mu,
+                      def->normal == DEM_HERTZ,
+                      def->tension,
+                      def->tangential == DEM_SPRING,
+                      def->slip == DEM_TRUNCATED,
+                      def->damping == DEM_DAMPING_INSIDE};
+    const dem_record *restrict grain = sim->grain;
+    dem_vec *restrict force = sim->force;
+    double *restrict spring = sim->spring;
+    uint32_t *restrict touching = sim->touching;
+    const wide zero = {0}, limit = zero + sim->r_min;
+    size_t n = 0;
+    unsigned alarm = 0;
+    for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
+        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        wide x, y, vx, vy;
+        wide_difference(grain, i, j, &x, &y, &vx, &vy);
+        const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
+        const lanes touch = wide_less(r2, radii * radii);
+        if (!wide_bits(touch)) {
+            if (law.shear) wide_store(spring + k, zero);
+            continue;
+        }
+        n = wide_append(touching, n, wide_bits(touch), k);
+        const wide r = wide_sqrt(r2), inverse = 1.0 / r, overlap = radii - r, nx = x * inverse,
+                   ny = y * inverse, m_eff = wide_load(sim->pair_mass + k);
+        alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
+        wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
+        wide fx = f_n * nx, fy = f_n * ny;
+        if (law.shear) {
+            /* along s = (ny, -nx), the normal turned clockwise */
+            wide ds = wide_load(spring + k);
+            wide f_s = law_shear(&law, m_eff, vx * ny - vy * nx, f_n, h, touch, &ds);
+            wide_store(spring + k, wide_choose(touch, ds, zero));
+            fx = fx + f_s * ny;
+            fy = fy - f_s * nx;
+        }
+        dem_vec f[WIDTH];
+        wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));
+        for (int p = 0; p < WIDTH; p++) {
+            force[i[p]] += f[p];
+            force[j[p]] -= f[p];
+        }
+    }
+    sim->n_touching = n;
+    sim->alarm |= alarm != 0;
+}
+
+/* As dem_integrate; returns for how many grains. */
+size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
+{
+    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
+    const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
+    const double dt = sim->def.dt;
+    const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
+    const wide zero = {0}, gravity = wide_repeat(sim->gravity), reach = zero + 0.25 * sim->skin * sim->skin,
+               most = wide_repeat((dem_vec){x_max, INFINITY}),
+               least = wide_repeat((dem_vec){-INFINITY, y_min});
+    unsigned out = 0;
+    size_t i = 0;
+    for (; i + GRAINS <= sim->n; i += GRAINS) {
+        double *force = (double *)(sim->force + i);
+        wide x, v;
+        wide_load_records(sim->grain + i, &x, &v);
+        v = v + dt * (wide_load(force) * wide_load_twice(sim->inverse_mass + i) + gravity);
+        x = x + dt * v;
+        wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
+        wide_store_records(sim->grain + i, x, v);
+        wide_store(force, zero);
+        /* written so that NaN counts as moved */
+        out |= wide_bits(wide_at_most(moved + wide_swap(moved), reach)) ^ ALL;
+        out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
+    }
+    *stale |= out != 0;
+    return i;
+}
+
+/* As add_near in neighbours.c. */
+void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
+{
+    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), r = zero + sim->radius[i],
+               inverse_mass = zero + sim->inverse_mass[i];
+    size_t k = sim->n_pairs;
+    for (size_t j = from; j < to; j += WIDTH) {
+        wide a, b, v;
+        wide_load_records(sim->grain + j, &a, &v);
+        wide_load_records(sim->grain + j + WIDTH / 2, &b, &v);
+        a = (x - a) * (x - a);
+        b = (x - b) * (x - b);
+        wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
+        wide reach = r + wide_load(sim->radius + j) + sim->skin;
+        unsigned near = wide_bits(wide_less(d2, reach * reach)) &
+                        wide_bits(wide_less(zero, inverse_mass + wide_load(sim->inverse_mass + j)));
+        if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
+        for (size_t p = 0; p < WIDTH; p++) sim->pair_i[k + p] = (uint32_t)i;
+        k = wide_append(sim->pair_j, k, near, j);
+    }
+    sim->n_pairs = k;
+}

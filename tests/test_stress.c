@@ -1,0 +1,384 @@
+/* Stress from contacts: hand-made arrangements with known stress, momentum balance in a simulated box, Mohr's
+ * circle against a scan of planes, critical tilts of planted responses, and protocol `stress`. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "analytic/analytic.h"
+#include "angle/angle.h"
+#include "core/random.h"
+#include "dem/dem.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+
+static const double deg = M_PI / 180.0;
+/* sums of some hundred rounded products of order 1 */
+static const double tight = 1e-12;
+
+/* ---- hand-made arrangements ---- */
+
+/* Equal grains of diameter 0.7 one on the other, of weight 1.3 each: the column above carries down. */
+static void test_column(void)
+{
+    enum { N = 9, NY = 13 };
+    const double d = 0.7, weight = 1.3;
+    ang_contact c[N];
+    for (int i = 0; i < N; i++) { /* grain i on the one below, the first on the floor */
+        double y = (i + 0.5) * d, below = i > 0 ? y - d : 0.0;
+        c[i] = (ang_contact){0.1, y, 0.1, below, 0.0, (N - i) * weight};
+    }
+    const ang_grid grid = {-0.37, 0.0, 0.81, N * d / NY, 1, NY};
+    ang_tensor s[NY];
+    CHECK_OK(ang_stress_cells(N, c, &grid, s));
+    for (int j = 0; j < NY; j++) {
+        /* the force through each height, averaged over the cell by a fine sum of its own */
+        double lo = j * grid.dy, mean = 0.0;
+        for (int i = 0; i < N; i++) {
+            double part = fmin(c[i].y, lo + grid.dy) - fmax(c[i].y_b, lo);
+            mean += fmax(part, 0.0) * c[i].fy / grid.dy;
+        }
+        CHECK_NEAR(s[j].yy, mean / grid.dx, tight);
+        CU_ASSERT(s[j].xx == 0.0 && s[j].xy == 0.0 && s[j].yx == 0.0);
+        /* linear in depth, but for the grains' size */
+        if (j < NY - 1)
+            CHECK_NEAR(s[j].yy, weight / grid.dx * (N - (lo + 0.5 * grid.dy) / d), weight / grid.dx);
+    }
+}
+
+/* A square lattice whose contacts all carry the same force: a pressure, in any cell of whole periods. */
+static void test_hydrostatic(void)
+{
+    enum { SIDE = 12 };
+    const double d = 0.31, force = 2.7;
+    ang_contact c[2 * SIDE * SIDE];
+    size_t n = 0;
+    for (int i = 0; i < SIDE; i++)
+        for (int j = 0; j < SIDE; j++) {
+            c[n++] = (ang_contact){(i + 1) * d, j * d, i * d, j * d, force, 0.0};
+            c[n++] = (ang_contact){i * d, (j + 1) * d, i * d, j * d, 0.0, force};
+        }
+    for (int k = 0; k < 4; k++) { /* the cell's place does not matter, nor which of the two is `a` */
+        const ang_grid grid = {(2.0 + 0.237 * k) * d, (1.0 + 0.411 * k) * d, 3.0 * d, 4.0 * d, 2, 2};
+        ang_tensor s[4];
+        CHECK_OK(ang_stress_cells(n, c, &grid, s));
+        for (int m = 0; m < 4; m++) {
+            CHECK_NEAR(s[m].xx, force / d, tight);
+            CHECK_NEAR(s[m].yy, force / d, tight);
+            CHECK_NEAR(ang_stress_mohr(&s[m]).mobilised, 0.0, tight);
+        }
+        for (size_t i = 0; i < n; i += 2)
+            c[i] = (ang_contact){c[i].x_b, c[i].y_b, c[i].x, c[i].y, -c[i].fx, -c[i].fy};
+    }
+}
+
+/* The close-packed triangle with diagonal contacts alone: its base forces are those of the lattice model. */
+static void test_triangle(void)
+{
+    enum { K = 9 };
+    const double rise = 0.5 * sqrt(3.0);
+    ang_contact c[2 * K * K];
+    double fx[K][K] = {{0.0}}, fy[K][K] = {{0.0}}; /* load on disk i of row j */
+    size_t n = 0;
+    for (int j = K - 1; j > 0; j--)
+        for (int i = 0; i < K - j; i++) {
+            /* rests on i and i + 1 of the row below: L along (1, 2 rise)/2, R along (-1, 2 rise)/2 */
+            double down = fy[j][i] + 1.0, right = fx[j][i];
+            double l = 0.5 * down / rise - right, r = 0.5 * down / rise + right;
+            double x = i + 0.5 * j, y = (j + 0.5) * rise;
+            c[n++] = (ang_contact){x, y, x - 0.5, y - rise, 0.5 * l, rise * l};
+            c[n++] = (ang_contact){x, y, x + 0.5, y - rise, -0.5 * r, rise * r};
+            fx[j - 1][i] -= 0.5 * l;
+            fy[j - 1][i] += rise * l;
+            fx[j - 1][i + 1] += 0.5 * r;
+            fy[j - 1][i + 1] += rise * r;
+        }
+    /* one row of cells between the first two rows of disks */
+    const ang_grid grid = {-0.5, 0.5 * rise, 1.0, rise, K, 1};
+    ang_tensor s[K];
+    CHECK_OK(ang_stress_cells(n, c, &grid, s));
+    for (int i = 0; i < K; i++) {
+        an_force base;
+        CHECK_OK(an_lattice_triangle(K, M_PI / 6.0, i + 1, &base));
+        CHECK_NEAR(s[i].yy, base.N - 1.0, tight); /* less the weight of the base disk */
+        CHECK_NEAR(-s[i].xy, base.H, tight);
+    }
+}
+
+/* ---- a simulated box ---- */
+
+enum { GRAINS = 60 };
+
+static dem_sim *make_box(void)
+{
+    dem_grain grains[GRAINS];
+    const dem_fill fill = {GRAINS, 1.7, 3.0, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 7};
+    CHECK_OK(dem_fill_random(&fill, grains));
+    dem_definition def = dem_definition_default();
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, fill.W, &wall);
+    def.grains = grains;
+    def.n_grains = GRAINS;
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(&def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    CHECK_OK(dem_run(sim, 6000)); /* still moving a little: the balance holds with the accelerations */
+    return sim;
+}
+
+static size_t read_contacts(const dem_sim *sim, ang_contact **forces)
+{
+    dem_contact *c = NULL;
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    *forces = malloc((n + 1) * sizeof **forces);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(*forces);
+    for (size_t k = 0; k < n; k++) {
+        double lx = c[k].x - c[k].x_b, ly = c[k].y - c[k].y_b, l = hypot(lx, ly);
+        (*forces)[k] = (ang_contact){c[k].x,
+                                     c[k].y,
+                                     c[k].x_b,
+                                     c[k].y_b,
+                                     (c[k].normal_force * lx + c[k].shear_force * ly) / l,
+                                     (c[k].normal_force * ly - c[k].shear_force * lx) / l};
+    }
+    free(c);
+    return n;
+}
+
+/* Sum over the crossings of a branch with the border of the cell [x, x + w) x [y, y + h), of force times
+ * place, positive where the branch leaves on its way from b to a. */
+static void cross(const ang_contact *c, const double lo[2], const double hi[2], double moment[2][2])
+{
+    const double from[2] = {c->x_b, c->y_b}, step[2] = {c->x - c->x_b, c->y - c->y_b}, f[2] = {c->fx, c->fy};
+    for (int axis = 0; axis < 2; axis++)
+        for (int end = 0; end < 2; end++) {
+            double line = end ? hi[axis] : lo[axis];
+            double at = (line - from[axis]) / step[axis], place[2];
+            if (!(at > 0.0 && at < 1.0)) continue;
+            place[axis] = line;
+            place[1 - axis] = from[1 - axis] + at * step[1 - axis];
+            if (place[1 - axis] < lo[1 - axis] || place[1 - axis] >= hi[1 - axis]) continue;
+            double out = (end ? step[axis] : -step[axis]) > 0.0 ? 1.0 : -1.0;
+            for (int a = 0; a < 2; a++)
+                for (int b = 0; b < 2; b++) moment[a][b] += out * f[a] * place[b];
+        }
+}
+
+/* div s = rho (g - acceleration) + forces of walls, as its moment over each cell: what crosses the border,
+ * less the grains inside with the net force that their contacts put on them, less the points of walls. */
+static void test_momentum(void)
+{
+    enum { NX = 5, NY = 6 };
+    const ang_grid grid = {-0.05, -0.04, 0.37, 0.41, NX, NY};
+    dem_sim *sim = make_box();
+    ang_contact *c;
+    const size_t n = read_contacts(sim, &c);
+    dem_state states[GRAINS];
+    ang_tensor s[NX * NY];
+    double total[2][2] = {{0.0}}, sum[2][2] = {{0.0}};
+    CU_ASSERT_FATAL(dem_count(sim) == GRAINS);
+    CHECK_OK(dem_states(sim, states));
+    CHECK_OK(ang_stress_cells(n, c, &grid, s));
+    /* forces reach 1e3, places 2, and some 20 terms a cell */
+    const double rounding = 1e-9;
+    for (int k = 0; k < NX * NY; k++) {
+        const double lo[2] = {grid.x0 + k % NX * grid.dx, grid.y0 + k / NX * grid.dy};
+        const double hi[2] = {lo[0] + grid.dx, lo[1] + grid.dy};
+        double moment[2][2] = {{0.0}};
+        for (size_t i = 0; i < n; i++) {
+            cross(&c[i], lo, hi, moment);
+            bool wall = true;
+            for (int g = 0; g < GRAINS && wall; g++)
+                wall = states[g].x != c[i].x_b || states[g].y != c[i].y_b;
+            if (!wall || c[i].x_b < lo[0] || c[i].x_b >= hi[0] || c[i].y_b < lo[1] || c[i].y_b >= hi[1])
+                continue;
+            const double f[2] = {c[i].fx, c[i].fy}, at[2] = {c[i].x_b, c[i].y_b};
+            for (int a = 0; a < 2; a++)
+                for (int b = 0; b < 2; b++) moment[a][b] -= f[a] * at[b];
+        }
+        for (int i = 0; i < GRAINS; i++) {
+            const dem_state *g = &states[i];
+            if (g->x < lo[0] || g->x >= hi[0] || g->y < lo[1] || g->y >= hi[1]) continue;
+            const double by_contacts[2] = {g->fx, g->fy + g->m * 981.0}, at[2] = {g->x, g->y};
+            for (int a = 0; a < 2; a++)
+                for (int b = 0; b < 2; b++) moment[a][b] += by_contacts[a] * at[b];
+        }
+        const double area = grid.dx * grid.dy, *v = &s[k].xx;
+        for (int ab = 0; ab < 4; ab++) {
+            CHECK_NEAR(area * v[ab], moment[ab / 2][ab % 2], rounding);
+            total[ab / 2][ab % 2] += area * v[ab];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double f[2] = {c[i].fx, c[i].fy}, l[2] = {c[i].x - c[i].x_b, c[i].y - c[i].y_b};
+        for (int ab = 0; ab < 4; ab++) sum[ab / 2][ab % 2] += f[ab / 2] * l[ab % 2];
+    }
+    for (int ab = 0; ab < 4; ab++) CHECK_NEAR(total[ab / 2][ab % 2], sum[ab / 2][ab % 2], 10.0 * rounding);
+    free(c);
+    dem_free(sim);
+}
+
+/* ---- Mohr, tilts ---- */
+
+static void test_mohr(void)
+{
+    gsl_rng *rng = rp_random_alloc(1993, 3, RP_PURPOSE_TEST);
+    for (int k = 0; k < 20; k++) {
+        double v[4];
+        for (int i = 0; i < 4; i++) v[i] = 0.4 * gsl_rng_uniform(rng);
+        const ang_tensor s = {1.0 + v[0], v[1], v[2], 1.0 + v[3]};
+        const ang_mohr m = ang_stress_mohr(&s);
+        double steepest = 0.0, most = 0.0, at = 0.0;
+        for (int i = 0; i < 7200; i++) {
+            double a = i * M_PI / 7200.0, nx = cos(a), ny = sin(a);
+            double tx = s.xx * nx + s.xy * ny, ty = s.yx * nx + s.yy * ny;
+            double normal = nx * tx + ny * ty, shear = nx * ty - ny * tx;
+            steepest = fmax(steepest, atan(fabs(shear) / normal));
+            if (normal > most) at = a;
+            most = fmax(most, normal);
+        }
+        /* a maximum found on steps of 4e-4 is low by their square; its place is off by a step */
+        CHECK_NEAR(m.mobilised, steepest, 1e-6);
+        CHECK_NEAR(m.pressure + m.shear, most, 1e-6);
+        CHECK_NEAR(sin(m.direction - at), 0.0, 5e-4);
+        CHECK_NEAR(m.couple, 0.5 * (s.xy - s.yx), tight);
+    }
+    CU_ASSERT(isnan(ang_stress_mohr(&(ang_tensor){0}).mobilised));
+    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, -0.2}).mobilised, M_PI_2, 0.0);
+    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, 3.0}).mobilised, 30.0 * deg, tight);
+    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, 3.0}).direction, M_PI_2, tight);
+    gsl_rng_free(rng);
+}
+
+static void test_tilts(void)
+{
+    /* a block: all its weight on the floor */
+    const ang_response block = {{1.0, 0.0}, {0.0, 1.0}, {{1.0, 0.0, 0.0, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
+    CHECK_NEAR(ang_floor_tilt(&block, 0.31), atan(0.31), tight);
+    /* its circle: pressure 1, shear t */
+    CHECK_NEAR(ang_bulk_tilt(&block, 0.27), atan(sin(0.27)), 1e-10);
+    CHECK_NEAR(ang_bulk_mobilised(&block, 0.2), asin(tan(0.2)), tight);
+    /* beyond the angle already: shear 0.5 + t comes down to it on the other side */
+    ang_response beyond = block;
+    beyond.s[0].xy = beyond.s[0].yx = 0.5;
+    CHECK_NEAR(ang_bulk_tilt(&beyond, asin(0.2)), atan(-0.3), 1e-10);
+    beyond.s[1] = (ang_tensor){0};
+    CU_ASSERT(isnan(ang_bulk_tilt(&beyond, asin(0.2))));
+    /* a wall takes part of it: friction 0.05 + 0.5 t on 0.8 - 0.1 t */
+    const ang_response walled = {.n = {0.8, -0.1}, .h = {0.05, 0.5}};
+    double t = tan(ang_floor_tilt(&walled, 0.2));
+    CHECK_NEAR((0.05 + 0.5 * t) / (0.8 - 0.1 * t), 0.2, tight);
+    CU_ASSERT(isnan(ang_floor_tilt(&(ang_response){.n = {1.0, 0.0}, .h = {0.1, 0.0}}, 0.2)));
+}
+
+static void test_critical(void)
+{
+    enum { N = 50, B = 400 };
+    const double mu = 0.2;
+    ang_response r[N];
+    double theta_t[N];
+    ang_critical c;
+    gsl_rng *rng = rp_random_alloc(1993, 4, RP_PURPOSE_TEST);
+    for (int i = 0; i < N; i++) {
+        double h = 0.12 + 0.04 * (gsl_rng_uniform(rng) - 0.5);
+        r[i] = (ang_response){{1.0, 0.0}, {h, 0.8}, {{1.0, 0.1, 0.1, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
+        theta_t[i] = 0.02 + ang_floor_tilt(&r[i], mu);
+    }
+    CHECK_OK(ang_critical_tilts(N, r, theta_t, mu, B, rng, &c));
+    CHECK_NEAR(c.floor_tilt.value, atan(0.08 / 0.8), 4.0 * 0.04 / sqrt(12.0 * N) / 0.8);
+    /* h is uniform: sd 0.04/sqrt 12, over the rise; a bootstrap of 400 knows its error to 4 %, the sd to 7 %
+     */
+    CHECK_NEAR(c.floor_tilt.se / (0.04 / sqrt(12.0 * N) / 0.8), 1.0, 0.25);
+    CU_ASSERT(c.floor_tilt.lo < c.floor_tilt.value && c.floor_tilt.value < c.floor_tilt.hi);
+    CHECK_NEAR((c.floor_tilt.hi - c.floor_tilt.lo) / (2.0 * 1.96 * c.floor_tilt.se), 1.0, 0.15);
+    CHECK_NEAR(c.floor_less.value, -0.02, 1e-3); /* mean of tilts, tilt of the mean */
+    CU_ASSERT(c.floor_less.se < 0.05 * c.floor_tilt.se);
+    CHECK_NEAR(c.rank.value, 1.0, tight);
+    CHECK_NEAR(c.bulk_tilt.value, atan(sin(atan(mu)) - 0.1), 1e-10);
+    CHECK_NEAR(c.bulk_friction_0.value, tan(asin(0.1)), tight);
+    CHECK_NEAR(c.bulk_friction_t.value, tan(asin(0.1 + tan(c.theta_t.value))), tight);
+    CHECK_NEAR(c.floor_friction_t.value, c.floor_friction_0.value + 0.8 * tan(c.theta_t.value), tight);
+    CHECK_FAILS(ang_critical_tilts(2, r, theta_t, mu, B, rng, &c), RP_NO_RESULT, "2 piles");
+    CHECK_FAILS(ang_critical_tilts(N, r, theta_t, mu, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
+    r[4].s[1].yy = NAN;
+    CHECK_FAILS(ang_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 5");
+    gsl_rng_free(rng);
+}
+
+static void test_bad_grids(void)
+{
+    ang_contact c = {0.0, 1.0, 0.0, NAN, 0.0, 1.0};
+    ang_tensor s[1];
+    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 0.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "0 x 1");
+    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 1.0, 1.0, 0, 1}, s), RP_BAD_INPUT,
+                "0 x 1 cells");
+    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 1.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "contact 1");
+}
+
+/* ---- the protocol ---- */
+
+static double output(const sweep_result *r, const char *name)
+{
+    for (int i = 0; sweep_protocol_stress.outputs[i].name; i++)
+        if (strcmp(sweep_protocol_stress.outputs[i].name, name) == 0) return r->values[i];
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+/* A small pile: balance, and the response at the tilts that were read. */
+static void test_protocol(void)
+{
+    const sweep_protocol *p = &sweep_protocol_stress;
+    char *params = calloc(1, p->params_size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(params);
+    rp_params_defaults(p->schema, params);
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), params, "2.0"));
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), params, "2.0"));
+    CHECK_OK(
+        rp_params_set_text(rp_params_find(p->schema, "mu"), params, "0.4")); /* so that it stands 4 degrees */
+    CHECK_OK(p->check(params));
+    sweep_result r;
+    CHECK_OK(p->run(params, 1993, 2, &r));
+    CU_ASSERT_STRING_EQUAL(r.status, "ok");
+    /* at rest no net force exceeds 1e-2 m g, on some 70 grains */
+    CHECK_NEAR(output(&r, "balance_error"), 0.0, 1e-2);
+    CHECK_NEAR(output(&r, "weight_error"), 0.0, 1e-2);
+    /* friction at the readings against the response: forces on the floor bend by less than 1 % of the weight
+     */
+    static const char *const names[] = {"floor_friction_0", "floor_friction_05", "floor_friction_1",
+                                        "floor_friction_2", "floor_friction_4"};
+    static const double tilts[] = {0.0, 0.5, 1.0, 2.0, 4.0};
+    const double n_0 = output(&r, "n_0");
+    CU_ASSERT(n_0 > 0.3 && n_0 <= 1.01);
+    CHECK_NEAR(output(&r, "tilts"), 5.0, 0.0);
+    for (int k = 0; k < 5; k++) {
+        double t = tan(tilts[k] * deg);
+        double by_response = (output(&r, "h_0") + output(&r, "h_1") * t) / (n_0 + output(&r, "n_1") * t);
+        CHECK_NEAR(output(&r, names[k]), by_response, k < 4 ? 0.01 : 0.05);
+        if (k == 4)
+            CHECK_NEAR(output(&r, "floor_friction_beyond"), output(&r, names[k]) - by_response, tight);
+    }
+    /* the floor carries more as the pile tilts away from the wall */
+    CU_ASSERT(output(&r, "h_1") > 0.0 && output(&r, "floor_friction_0") > 0.0);
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "slip"), params, "total"));
+    CHECK_FAILS(p->check(params), RP_BAD_INPUT, "never comes to rest");
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "slip"), params, "truncated"));
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "floor_grains"), params, "true"));
+    CHECK_FAILS(p->check(params), RP_BAD_INPUT, "floor_grains = true");
+    free(params);
+}
+
+void suite_stress(void)
+{
+    static const check_case cases[] = {{"stress of a column", test_column},
+                                       {"hydrostatic stress", test_hydrostatic},
+                                       {"base of a close-packed triangle", test_triangle},
+                                       {"momentum balance in a simulated box", test_momentum},
+                                       {"Mohr's circle", test_mohr},
+                                       {"tilts from a response", test_tilts},
+                                       {"critical tilts of an ensemble", test_critical},
+                                       {"grids that cannot be", test_bad_grids},
+                                       {"protocol stress", test_protocol},
+                                       {0}};
+    check_register("stress", cases);
+}
