@@ -213,6 +213,16 @@ $(T)/%/energy.tsv $(T)/%_row.tsv: sweeps/%.cfg $(CODE)
 	@echo "run     $*"
 	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
 
+# One row of the sweep of constant flux, as a series in time.
+$(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh5.cfg $(CODE)
+	@mkdir -p $(T)
+	@echo "run     lh5, row $*"
+	@$(REPOSE) run --box $< --row $* -o $(T)/lh5_row$* >$(T)/lh5_row$*.tsv
+# The largest of ten opened boxes whose floor ends: what the maximum of ten angles under flux compares with.
+$(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
+	@awk -F'\t' '/^#/ { for (i = 1; i <= NF; i++) if ($$i == "floor") f = i; print; next } $$f == "ends"' $< | \
+	  $(REPOSE) angle maximum - --column theta_r3_deg --draws 10 >$@
+
 # The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
 STRESS_ROWS := $(shell seq 40 59)
 $(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)

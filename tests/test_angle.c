@@ -600,6 +600,125 @@ static void test_line_fit(void)
     CHECK_FAILS(ang_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
 }
 
+/* ---- one series in time ---- */
+
+/* x(k + 1) = phi x(k) + noise, of variance 1, started in its stationary state. */
+static void autoregressive(gsl_rng *rng, double phi, size_t n, double v[])
+{
+    v[0] = gsl_ran_gaussian(rng, 1.0);
+    for (size_t i = 1; i < n; i++) v[i] = phi * v[i - 1] + gsl_ran_gaussian(rng, sqrt(1.0 - phi * phi));
+}
+
+/* Variance of the mean of n of its values. */
+static double mean_variance(double phi, double n)
+{
+    return ((1.0 + phi) / (1.0 - phi) - 2.0 * phi * (1.0 - pow(phi, n)) / (n * (1.0 - phi) * (1.0 - phi))) /
+           n;
+}
+
+static void test_blocking(void)
+{
+    enum { N = 4096, SERIES = 200 };
+    static double v[N], work[N];
+    gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
+    for (double phi = 0.0; phi < 0.95; phi += 0.3) {
+        double variance = 0.0, expected = 0.0, tau = 0.0, spread = 0.0, error = 0.0, se = 0.0;
+        for (int s = 0; s < SERIES; s++) {
+            ang_series b;
+            autoregressive(rng, phi, N, v);
+            CHECK_OK(ang_blocking(N, v, work, &b));
+            const double blocks = floor(N / (double)b.block);
+            variance += b.se * b.se / SERIES;
+            se += b.se / SERIES;
+            /* blocks correlate a little: E(scatter) of means of b.block values about that of all */
+            expected += (mean_variance(phi, (double)b.block) - mean_variance(phi, N)) / (blocks - 1) / SERIES;
+            tau += b.tau / SERIES;
+            spread += b.mean * b.mean / SERIES;
+            error += 2.0 * b.se_error / b.se / SERIES; /* relative, of the variance */
+        }
+        /* relative errors: of a variance from SERIES means; of the mean of SERIES estimates; and since B is
+         * chosen by the estimate itself, low ones are met a little more often */
+        const double rough = sigmas * sqrt(2.0 / SERIES), fine = sigmas * error / sqrt(SERIES) + 0.02;
+        /* the scatter of the errors themselves, to that of 200 and of the plateaus' lengths */
+        CHECK_NEAR(sqrt(variance - se * se) / (0.5 * error * se), 1.0, sigmas / sqrt(2.0 * SERIES) + 0.1);
+        CHECK_NEAR(spread / mean_variance(phi, N), 1.0, rough);
+        CHECK_NEAR(variance / expected, 1.0, fine);
+        CHECK_NEAR(expected / mean_variance(phi, N), 1.0, 0.1); /* what blocks leave out, 2 tau/B at most */
+        CHECK_NEAR(tau / (0.5 * (1.0 + phi) / (1.0 - phi)), 1.0, fine + 0.1);
+    }
+    gsl_rng_free(rng);
+}
+
+static void test_blocking_small(void)
+{
+    double v[64], work[64], ramp[64];
+    ang_series b;
+    for (int i = 0; i < 64; i++) {
+        v[i] = 0.381;
+        ramp[i] = i;
+    }
+    CHECK_OK(ang_blocking(64, v, work, &b));
+    CU_ASSERT(b.mean == 0.381 && b.sd == 0.0 && b.se == 0.0 && b.tau == 0.5);
+    CHECK_FAILS(ang_blocking(64, ramp, work, &b), RP_NO_RESULT, "no plateau");
+    CU_ASSERT(b.n == 64 && b.mean == 31.5 && isnan(b.se) && isnan(b.tau));
+    CHECK_FAILS(ang_blocking(3, v, work, &b), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(ang_blocking(15, v, work, &b), RP_NO_RESULT, "no plateau"); /* B = 4 needs 16 */
+    CHECK_OK(ang_blocking(16, v, work, &b));
+    CU_ASSERT(b.block == 4);
+    v[5] = NAN;
+    CHECK_FAILS(ang_blocking(16, v, work, &b), RP_BAD_INPUT, "value 6");
+}
+
+static void test_level_off(void)
+{
+    enum { N = 1000, RISE = 137 };
+    double v[N];
+    size_t from;
+    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
+    /* a straight rise of ten widths, then noise, correlated or not: the cut is found to where the rise is
+     * within a width or two of the level, a tenth or two of its length */
+    for (double phi = 0.0; phi < 0.9; phi += 0.4) {
+        autoregressive(rng, phi, N, v);
+        for (int i = 0; i < RISE; i++) v[i] -= 10.0 * (1.0 - (double)i / RISE);
+        CHECK_OK(ang_level_off(N, v, &from));
+        CHECK_NEAR((double)from, 0.9 * RISE, 0.3 * RISE);
+    }
+    /* a step without noise, exactly */
+    for (int i = 0; i < N; i++) v[i] = i < RISE ? 0.0 : 17.3;
+    CHECK_OK(ang_level_off(N, v, &from));
+    CU_ASSERT(from == RISE);
+    /* level from the start */
+    for (int i = 0; i < N; i++) v[i] = i % 2 ? 1.7 : 1.9;
+    CHECK_OK(ang_level_off(N, v, &from));
+    CU_ASSERT(from <= 1);
+    for (int i = 0; i < N; i++) v[i] = 0.1 * i;
+    CHECK_FAILS(ang_level_off(N, v, &from), RP_NO_RESULT, "has not levelled off");
+    CHECK_FAILS(ang_level_off(3, v, &from), RP_NO_RESULT, "3 values");
+    v[2] = INFINITY;
+    CHECK_FAILS(ang_level_off(N, v, &from), RP_BAD_INPUT, "value 3");
+    gsl_rng_free(rng);
+}
+
+static void test_expected_maximum(void)
+{
+    enum { N = 23 };
+    double v[N], work[N], m, sum = 0.0;
+    for (int i = 0; i < N; i++) v[i] = (double)((7 * i) % N + 1); /* 1 ... N, mixed */
+    for (size_t k = 1; k <= N; k++) {
+        CHECK_OK(ang_expected_maximum(N, v, k, work, &m));
+        CHECK_NEAR(m, (double)k * (N + 1.0) / ((double)k + 1.0), 1e-13 * N);
+    }
+    const double u[4] = {0.3, -1.1, 2.7, 0.9}; /* every pair counted */
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < i; j++) sum += fmax(u[i], u[j]) / 6.0;
+    CHECK_OK(ang_expected_maximum(4, u, 2, work, &m));
+    CHECK_NEAR(m, sum, 1e-15);
+    CHECK_FAILS(ang_expected_maximum(4, u, 5, work, &m), RP_NO_RESULT, "too few for a maximum of 5");
+    CHECK_FAILS(ang_expected_maximum(4, u, 0, work, &m), RP_BAD_INPUT, "draws = 0");
+    v[1] = NAN;
+    CHECK_FAILS(ang_expected_maximum(N, v, 2, work, &m), RP_BAD_INPUT, "value 2");
+}
+
 /* ---- piles against theory ---- */
 
 static void test_compare(void)
@@ -870,6 +989,10 @@ void suite_angle(void)
         {"paired values", test_paired},
         {"bootstrap", test_bootstrap},
         {"line fit", test_line_fit},
+        {"blocking of correlated series", test_blocking},
+        {"blocking: short and constant series", test_blocking_small},
+        {"where a series levels off", test_level_off},
+        {"expected maximum", test_expected_maximum},
         {"piles against theory", test_compare},
         {"compare: gain, flat piles", compare_gain_and_flat_piles},
         {"phi: one friction, closed forms", test_phi_one_group},

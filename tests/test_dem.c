@@ -679,6 +679,147 @@ static void filling(void)
 }
 
 /* Grains that cannot be followed stop the run, with step and grain. */
+/* A grain put in far away changes no bit of the others, but for the list's rebuilding. */
+static void added_far_away(void)
+{
+    dem_grain *grains;
+    dem_definition def = box(80, 2.2, 6, &grains);
+    def.n_walls = 1; /* the pile spreads over the floor */
+    dem_sim *sim = start(&def), *more;
+    CHECK_OK(dem_run(sim, 6000));
+    CHECK_OK(dem_clone(sim, &more));
+    uint32_t id = 0;
+    CHECK_OK(dem_add(more, &(dem_grain){-60.0, 0.08, 0.08, 0.002, 0.0, 0.0}, &id));
+    CU_ASSERT(id == 81 && dem_count(more) == 81);
+    CHECK_OK(dem_neighbours_rebuild(sim));
+    CHECK_OK(dem_run(sim, 6000));
+    CHECK_OK(dem_run(more, 6000));
+    dem_state a[80], b[81];
+    memset(a, 0, sizeof a), memset(b, 0, sizeof b);
+    CHECK_OK(dem_states(sim, a));
+    CHECK_OK(dem_states(more, b));
+    CU_ASSERT(memcmp(a, b, sizeof a) == 0);
+    CU_ASSERT(b[80].id == 81 && b[80].x == -60.0 && b[80].contacts == 1);
+    dem_free(sim);
+    dem_free(more);
+    free(grains);
+}
+
+/* Grains put in one by one at the start are those of the definition, whatever room and cells they need; and
+ * one that is put in later falls as a parabola, which the leapfrog has exactly. */
+static void added_one_by_one(void)
+{
+    enum { N = 300, FALL = 400 };
+    dem_grain *grains;
+    dem_definition def = box(N, 3.0, 8, &grains), first = def;
+    first.n_grains = 1;
+    dem_sim *all = start(&def), *sim = start(&first);
+    uint32_t id = 0;
+    for (uint32_t i = 1; i < N; i++) {
+        CHECK_OK(dem_add(sim, &grains[i], &id));
+        CU_ASSERT(id == i + 1);
+    }
+    CHECK_OK(dem_run(all, 1000));
+    CHECK_OK(dem_run(sim, 1000));
+    CU_ASSERT(distance(all, sim) < 1e-9); /* another order of the cells: round-off */
+    CHECK_OK(dem_run(sim, 5000));         /* settled */
+    const double y = 6.0, r = 0.5, vx = 0.3, g = 981.0, t = FALL * def.dt;
+    CHECK_OK(dem_add(sim, &(dem_grain){1.5, y, r, 0.1, vx, -1.0}, NULL));
+    CHECK_OK(dem_run(sim, FALL));
+    dem_state s[N + 1];
+    CHECK_OK(dem_states(sim, s));
+    CHECK_NEAR(s[N].y, y - t - 0.5 * g * t * t, 1e-12); /* round-off of 400 steps */
+    CHECK_NEAR(s[N].x, 1.5 + vx * t, 1e-12);
+    CHECK_NEAR(s[N].vy, -1.0 - g * t, 1e-10);
+    int touching = 0;
+    double fastest = 0.0;
+    for (int i = 0; i <= N; i++) {
+        CU_ASSERT(dem_contact_count(sim, s[i].id) == s[i].contacts);
+        touching += s[i].contacts > 0;
+        if (s[i].x > 0.8 && s[i].x < 1.4) fastest = fmax(fastest, hypot(s[i].vx, s[i].vy));
+    }
+    CU_ASSERT(touching > N / 2 && fastest > 0.0 && dem_contact_count(sim, N + 2) == 0);
+    CHECK_NEAR(dem_largest_speed(sim, 0.8, 1.4), fastest, 1e-15 * fastest);
+    CHECK_NEAR(dem_largest_speed(sim, 0.0, 3.0), hypot(s[N].vx, s[N].vy), 1e-9);
+    /* it is larger than any before, so that the cells grow: no contact is missed */
+    CHECK_OK(dem_run(sim, 5000));
+    CHECK_OK(dem_states(sim, s));
+    int near = 0;
+    for (int i = 0; i < N; i++) near += hypot(s[i].x - s[N].x, s[i].y - s[N].y) < s[i].r + r;
+    CU_ASSERT(near > 2 && near == s[N].contacts);
+    dem_free(all);
+    dem_free(sim);
+    free(grains);
+}
+
+/* By Gear's scheme the parabola is exact too; where grains rotate, the new one keeps its spin. */
+static void added_by_either_scheme(void)
+{
+    const double g = 981.0;
+    dem_grain one = {.y = 1.0, .r = 0.1, .m = 0.004};
+    dem_state s[2];
+    for (int gear = 0; gear < 2; gear++) {
+        dem_definition def = dem_definition_default();
+        def.grains = &one;
+        def.n_grains = 1;
+        def.integrator = gear ? DEM_GEAR5 : DEM_VERLET;
+        def.rotation = !gear;
+        def.dt = 2e-5; /* Gear's limit is the lower */
+        const double omega = gear ? 0.0 : 2.385, t = 300 * def.dt;
+        dem_sim *sim = start(&def);
+        CHECK_OK(dem_run(sim, 100));
+        CHECK_OK(dem_add(
+            sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
+        CHECK_OK(dem_run(sim, 300));
+        CHECK_OK(dem_states(sim, s));
+        CHECK_NEAR(s[1].y, 2.0 - 7.0 * t - 0.5 * g * t * t, 1e-12); /* round-off of 300 steps */
+        CHECK_NEAR(s[1].vy, -7.0 - g * t, 1e-11);
+        CHECK_NEAR(s[1].angle, omega * t, 1e-13);
+        CU_ASSERT(s[1].omega == omega);
+        CHECK_FAILS(dem_add(sim, &(dem_grain){.x = 9.0, .r = 0.1, .m = 0.004, .fixed = true}, NULL),
+                    RP_BAD_INPUT, "must be there from the start");
+        dem_free(sim);
+    }
+}
+
+/* Names are not given twice, and a grain that can't be put in leaves all as it was. */
+static void added_names_and_errors(void)
+{
+    dem_grain one = {0.0, 1.0, 0.1, 0.004, 0.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.grains = &one;
+    def.n_grains = 1;
+    def.y_min = -0.5;
+    def.n_walls = 2;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[0].extent[1] = 1.0; /* ends at x = 1 */
+    def.walls[1] = line(-3.0, 0.0, 1.0, 0.0, &def.material);
+    dem_sim *sim = start(&def), *same;
+    uint32_t id;
+    CHECK_OK(dem_add(sim, &(dem_grain){2.0, -0.4, 0.1, 0.004, 0.0, 0.0}, &id));
+    CHECK_OK(dem_run(sim, 40000)); /* that one falls out, the first comes to rest */
+    CU_ASSERT(dem_count(sim) == 1);
+    CHECK_OK(dem_clone(sim, &same));
+#define REFUSES(text, ...) CHECK_FAILS(dem_add(sim, &(dem_grain){__VA_ARGS__}, &id), RP_BAD_INPUT, text)
+    REFUSES("new particle: r = 0", 2.0, 2.0, 0.0, 0.004, 0.0, 0.0);
+    REFUSES("m = -1", 2.0, 2.0, 0.1, -1.0, 0.0, 0.0);
+    REFUSES("must be finite", 2.0, NAN, 0.1, 0.004, 0.0, 0.0);
+    REFUSES("beyond x_max", 2.0, -0.6, 0.1, 0.004, 0.0, 0.0);
+    REFUSES("touches grain 1", 0.05, 0.1, 0.1, 0.004, 0.0, 0.0);
+    REFUSES("touches wall 1", 0.5, 0.09, 0.1, 0.004, 0.0, 0.0);
+    REFUSES("touches wall 1", 1.05, 0.08, 0.1, 0.004, 0.0, 0.0); /* at the corner */
+    REFUSES("touches wall 2", -5.0, 2.0, 0.1, 0.004, 0.0, 0.0);  /* behind the line */
+    REFUSES("dt = 5e-05: too large", 0.5, 0.5, 0.1, 1e-7, 0.0, 0.0);
+#undef REFUSES
+    CHECK_OK(dem_run(sim, 500));
+    CHECK_OK(dem_run(same, 500));
+    CU_ASSERT(same_bits(sim, same));
+    CHECK_OK(dem_add(sim, &(dem_grain){1.1, 0.1, 0.1, 0.004, 0.0, 0.0}, &id));
+    CU_ASSERT(id == 3);
+    dem_free(sim);
+    dem_free(same);
+}
+
 static void faults(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
@@ -825,6 +966,10 @@ void suite_dem(void)
                                        {"lifted wall drags", lifted_wall_drags},
                                        {"outlet", outlet},
                                        {"random filling", filling},
+                                       {"a grain put in far away", added_far_away},
+                                       {"grains put in one by one", added_one_by_one},
+                                       {"a grain put in by either scheme", added_by_either_scheme},
+                                       {"names and errors of a grain put in", added_names_and_errors},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},

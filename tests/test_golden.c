@@ -48,6 +48,9 @@ static const char *const repose_hashed[] = {"grains",
                                             "theta_t_energy_deg",
                                             NULL};
 
+static const char *const flux_hashed[] = {"level_step", "level_insertion", "avalanches", "grains",
+                                          "tower",      "insertions_made", "steps",      NULL};
+
 static const char *const stress_hashed[] = {"n_0",    "n_1",   "h_0",          "h_1",           "sxx_0",
                                             "sxy_0",  "syx_1", "syy_1",        "sliding_last",  "tilts",
                                             "grains", "steps", "weight_error", "balance_error", NULL};
@@ -80,6 +83,14 @@ static const golden_run runs[] = {
      {{"theta_r1_deg", 25.257127360904551},
       {"theta_r2_deg", 19.305586018266887},
       {"theta_r3_deg", 15.671869941371895}}},
+    {"flux",
+     {{"W", "1.4"}, {"insertions", "120"}, {"draws", "3"}, {"avalanche", "2"}, {"drop_height", "1"}},
+     flux_hashed,
+     "ok",
+     0x01e28838a38051f7,
+     {{"theta_deg", 16.922323861282806},
+      {"theta_sd_deg", 5.5893158612171989},
+      {"theta_max_deg", 34.392995853311383}}},
     {"stress",
      {{"W", "2"}, {"H", "2"}},
      stress_hashed,

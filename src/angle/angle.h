@@ -153,6 +153,34 @@ typedef struct {
 rp_status ang_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
                        ang_line *line);
 
+/* ---- one series in time (series.c) ---- */
+
+typedef struct {
+    size_t n;
+    double mean, sd;
+    double se, se_error; /* standard error of the mean, and the standard error of that */
+    double tau;          /* integrated correlation time in samples; 1/2 if uncorrelated: n/(2 tau) count */
+    size_t block;        /* samples in a block on the plateau */
+} ang_series;
+
+/* Mean of a correlated series by blocking (Flyvbjerg & Petersen 1989): neighbours are averaged, again and
+ * again, until the blocks' scatter gives a standard error that no longer grows. That plateau is taken to be
+ * the first block length B with B^3 > 2 n (se_B/se_1)^4, where the error that is left in se_B by correlation
+ * between blocks equals its statistical one (Lee et al. 2011). work[n] is work space.
+ * Errors: RP_BAD_INPUT for a value that is not finite; RP_NO_RESULT for n < 4 and where fewer than four
+ * blocks of such a length fit in (mean and sd are set): the series is too short for its correlation. */
+rp_status ang_blocking(size_t n, const double v[], double work[], ang_series *series);
+
+/* Where a series levels off: the start `from`, 0 <= from < n/2, that makes the standard error of the mean of
+ * the rest smallest as if it were uncorrelated, sum (v - mean)^2/(n - from)^2 (MSER, White 1997).
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for n < 4, and for one that still goes at half its length. */
+rp_status ang_level_off(size_t n, const double v[], size_t *from);
+
+/* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
+ * values, so that ensembles of different size can be compared. work[n] is work space.
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
+rp_status ang_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
+
 /* ---- trends, and that there is none (trend.c) ---- */
 
 /* An estimate with its standard error and the degrees of freedom of that; infinite: the error is known. */

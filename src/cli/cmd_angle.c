@@ -795,6 +795,93 @@ static rp_status fit(int argc, char **argv)
     return status;
 }
 
+/* ---- maximum ---- */
+
+typedef struct {
+    const char *column;
+    long draws, bootstrap, seed;
+} maximum_options;
+
+static const rp_param maximum_params[] = {
+    {"column", "", RP_TEXT, offsetof(maximum_options, column), NULL, "", "column of the values"},
+    {"draws", "", RP_INT, offsetof(maximum_options, draws), NULL, "[1, 10000000]",
+     "values that the maximum is taken of"},
+    {"bootstrap", "", RP_INT, offsetof(maximum_options, bootstrap), "2000", "[2, 10000000]",
+     "resamples of the values"},
+    {"seed", "", RP_INT, offsetof(maximum_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    {0}};
+
+static const cli_command maximum_command = {
+    "angle maximum",
+    "FILE --column COLUMN --draws N [options]",
+    "Expected largest of N of a column's values, so that maxima of ensembles of different size compare;\n"
+    "maximum_se: bootstrap over the values. FILE (- for standard input): columns by name, or 1, 2, ...\n"
+    "without header; rows with nan are left out.",
+    "repose angle maximum piles.tsv --column theta_r3_deg --draws 10",
+    maximum_params,
+    1,
+    1};
+
+static rp_status print_maximum(size_t n, const double v[], double work[], const maximum_options *o)
+{
+    static const char *const columns[][2] = {{"n", ""},     {"mean", ""},    {"sd", ""},
+                                             {"draws", ""}, {"maximum", ""}, {"maximum_se", ""}};
+    ang_stats stats, resampled;
+    double largest, *sample = work + n, *maxima = sample + n;
+    rp_status status = ang_mean(n, v, &stats);
+    if (!status) status = ang_expected_maximum(n, v, (size_t)o->draws, work, &largest);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "maximum: out of memory");
+    for (long b = 0; !status && b < o->bootstrap; b++) {
+        for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
+        status = ang_expected_maximum(n, sample, (size_t)o->draws, work, &maxima[b]);
+    }
+    if (rng) gsl_rng_free(rng);
+    if (!status) status = ang_mean((size_t)o->bootstrap, maxima, &resampled);
+    if (status) return status;
+    rp_table_columns(stdout, N_OF(columns), columns);
+    rp_table_row(stdout, N_OF(columns),
+                 (double[]){(double)n, stats.mean, stats.sd, (double)o->draws, largest, resampled.sd});
+    return RP_OK;
+}
+
+static rp_status maximum_of_table(const rp_table *table, const maximum_options *o)
+{
+    int column;
+    double *values = NULL;
+    rp_status status = cli_find_columns(table, 1, &o->column, &column);
+    if (!status) status = cli_read_columns(table, 1, &column, 1, &values);
+    double *work = malloc((2 * table->n_rows + (size_t)o->bootstrap) * sizeof *work);
+    if (!status && !work) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) {
+        size_t n = 0;
+        for (size_t i = 0; i < table->n_rows; i++)
+            if (!isnan(values[i])) values[n++] = values[i];
+        cli_table(stdout, maximum_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", n, table->n_rows - n);
+        status = print_maximum(n, values, work, o);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    free(work);
+    free(values);
+    return status;
+}
+
+static rp_status maximum(int argc, char **argv)
+{
+    maximum_options o;
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(&maximum_command, argc, argv, &o, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = maximum_of_table(&table, &o);
+    rp_table_free(&table);
+    return status;
+}
+
 /* ---- dispatch ---- */
 
 static const struct {
@@ -810,6 +897,7 @@ static const struct {
     {"stress", cmd_angle_stress, "stress field and base forces of piles, from their contacts"},
     {"critical", cmd_angle_critical, "tilt at which the measured stress reaches Coulomb's law"},
     {"fit", fit, "weighted straight line through a table"},
+    {"maximum", maximum, "expected largest of a number of values"},
     {"trend", cmd_angle_trend, "does a column of a table of runs depend on another?"},
     {"size", cmd_angle_size, "limit of infinite size, from a table of runs"},
 };

@@ -120,6 +120,13 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim);
 rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
+/* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
+ * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt; room
+ * grows by doubling. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a fall from
+ * its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then nothing has
+ * changed. RP_BROKEN from the list. */
+rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
+
 /* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
  * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains). After an error the simulation can only be
  * read and freed. */
@@ -207,6 +214,11 @@ typedef struct {
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
+
+/* Two questions that may be asked every step; neither allocates. Contacts of a grain now, walls included (0
+ * if it has left), and the largest speed of a grain with lo < x < hi. */
+int dem_contact_count(const dem_sim *sim, uint32_t id);
+double dem_largest_speed(const dem_sim *sim, double lo, double hi);
 
 /* Random filling: grains at rest, dropped nowhere nearer than touching. */
 typedef struct {

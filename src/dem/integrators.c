@@ -101,10 +101,10 @@ void dem_integrate_correct(dem_sim *sim)
     hold_fixed(sim);
 }
 
-void dem_integrate_start(dem_sim *sim)
+void dem_integrate_start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++)
+    for (size_t i = from; i < sim->n; i++)
         if (sim->gear)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
         else

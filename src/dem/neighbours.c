@@ -113,10 +113,12 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
 {
     struct dem_scratch *w = sim->scratch = calloc(1, sizeof *w);
     if (!w) return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
-    const size_t n = sim->n_start + 8; /* as in sim.c */
+    const size_t n = sim->room + 8; /* as in sim.c */
     if (like) {
         w->cells_x = like->scratch->cells_x;
         w->cells_y = like->scratch->cells_y;
+        while (sim->room > like->room && 4 * w->cells_x * w->cells_y < sim->n)
+            *(w->cells_x < w->cells_y ? &w->cells_x : &w->cells_y) *= 2; /* grains were put in */
     } else {
         size_cells(sim, w);
     }
@@ -258,7 +260,7 @@ static rp_status hold_springs(dem_sim *sim)
             (sim->rolling && !grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
-    memset(w->held_start, 0, (sim->n_start + 1) * sizeof *w->held_start);
+    memset(w->held_start, 0, (sim->n + 1) * sizeof *w->held_start);
     for (int pass = 0; pass < 2; pass++) {
         for (size_t t = 0; t < sim->n_touching; t++) {
             const uint32_t k = sim->touching[t];
@@ -275,9 +277,9 @@ static rp_status hold_springs(dem_sim *sim)
             }
         }
         if (pass == 0)
-            for (size_t i = 0; i < sim->n_start; i++) w->held_start[i + 1] += w->held_start[i];
+            for (size_t i = 0; i < sim->n; i++) w->held_start[i + 1] += w->held_start[i];
     }
-    for (size_t i = sim->n_start; i > 0; i--) w->held_start[i] = w->held_start[i - 1];
+    for (size_t i = sim->n; i > 0; i--) w->held_start[i] = w->held_start[i - 1];
     w->held_start[0] = 0;
     return RP_OK;
 }

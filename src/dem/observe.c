@@ -64,14 +64,14 @@ static int *count_contacts(const dem_sim *sim)
 rp_status dem_states(const dem_sim *sim, dem_state *states)
 {
     int *contacts = count_contacts(sim);
-    uint32_t *place = calloc(sim->n_start + 1, sizeof *place); /* of each id, from 1 */
+    uint32_t *place = calloc((size_t)sim->last_id + 1, sizeof *place); /* of each id, from 1 */
     if (!contacts || !place) {
         free(contacts);
         free(place);
         return rp_fail(RP_NO_MEMORY, "states: out of memory");
     }
     for (size_t i = 0; i < sim->n; i++) place[sim->id[i]] = (uint32_t)i + 1;
-    for (size_t id = 1; id <= sim->n_start; id++) {
+    for (size_t id = 1; id <= sim->last_id; id++) {
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
@@ -230,6 +230,31 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         rest->contact_number /= (double)rest->n;
     }
     return RP_OK;
+}
+
+int dem_contact_count(const dem_sim *sim, uint32_t id)
+{
+    int count = 0;
+    dem_vec n, v;
+    double overlap;
+    for (size_t t = 0; t < sim->n_touching; t++) {
+        const size_t k = sim->touching[t];
+        count += sim->id[sim->pair_i[k]] == id || sim->id[sim->pair_j[k]] == id;
+    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++)
+        count += sim->id[sim->wall_slot[k].grain] == id && wall_contact(sim, k, &n, &overlap, &v);
+    return count;
+}
+
+double dem_largest_speed(const dem_sim *sim, double lo, double hi)
+{
+    double speed2 = 0.0;
+    for (size_t i = 0; i < sim->n; i++) {
+        const double x = sim->grain[i].x[0];
+        dem_vec v = velocity(sim, i);
+        if (x > lo && x < hi && dem_dot(v, v) > speed2) speed2 = dem_dot(v, v);
+    }
+    return sqrt(speed2);
 }
 
 void dem_count_work(const dem_sim *sim, dem_counts *counts)

@@ -241,33 +241,35 @@ static rp_status refuse_turn(void)
     return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
 }
 
+static rp_status check_grain(const dem_definition *def, const dem_grain *p)
+{
+    if (!(p->r > 0.0) || !isfinite(p->r))
+        return rp_fail(RP_BAD_INPUT, "r = %g: out of range, allowed: (0, inf)", p->r);
+    if (!(p->m > 0.0) || !isfinite(p->m))
+        return rp_fail(RP_BAD_INPUT, "m = %g: out of range, allowed: (0, inf)", p->m);
+    if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
+        return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
+                       p->omega);
+    if (p->fixed && def->box_turn_per_step != 0.0) return refuse_turn();
+    if (!isfinite(p->x + p->y + p->vx + p->vy))
+        return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
+    if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
+        return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
+                       def->rotation ? "must be finite" : "needs rotation");
+    if (p->x > def->x_max || p->y < def->y_min)
+        return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond x_max = %g or y_min = %g", p->x, p->y,
+                       def->x_max, def->y_min);
+    return RP_OK;
+}
+
 static rp_status check_grain_values(const dem_definition *def)
 {
     if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
     if (def->n_grains > 100000000)
         return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
     for (size_t i = 0; i < def->n_grains; i++) {
-        const dem_grain *p = &def->grains[i];
-        if (!(p->r > 0.0) || !isfinite(p->r))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: r = %g: out of range, allowed: (0, inf)", i + 1,
-                           p->r);
-        if (!(p->m > 0.0) || !isfinite(p->m))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: m = %g: out of range, allowed: (0, inf)", i + 1,
-                           p->m);
-        if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: vx = %g, vy = %g, omega = %g: must be 0, it is fixed",
-                           i + 1, p->vx, p->vy, p->omega);
-        if (p->fixed && def->box_turn_per_step != 0.0)
-            return rp_prefix(refuse_turn(), "particle %zu: ", i + 1);
-        if (!isfinite(p->x + p->y + p->vx + p->vy))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: position and velocity must be finite", i + 1);
-        if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
-            return rp_fail(RP_BAD_INPUT, "particle %zu: angle = %g, omega = %g: %s", i + 1, p->angle,
-                           p->omega, def->rotation ? "must be finite" : "needs rotation");
-        if (p->x > def->x_max || p->y < def->y_min)
-            return rp_fail(RP_BAD_INPUT,
-                           "particle %zu: x = %g, y = %g: starts beyond x_max = %g or y_min = %g", i + 1,
-                           p->x, p->y, def->x_max, def->y_min);
+        rp_status status = check_grain(def, &def->grains[i]);
+        if (status) return rp_prefix(status, "particle %zu: ", i + 1);
     }
     return RP_OK;
 }
@@ -443,7 +445,7 @@ static rp_status start_forces(dem_sim *sim)
     if (sim->alarm) status = check_overlaps(sim);
     if (!status) status = check_start_overlaps(sim);
     if (status) return status;
-    dem_integrate_start(sim);
+    dem_integrate_start(sim, 0);
     return RP_OK;
 }
 
@@ -459,11 +461,28 @@ static void place_walls(dem_sim *sim)
     }
 }
 
+/* What the definition of a grain says, all but its name. */
+static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
+{
+    sim->grain[i] = (dem_record){{p->x, p->y}, {p->vx, p->vy}};
+    sim->force[i] = (dem_vec){0.0, 0.0};
+    if (sim->gear) sim->gear[i] = (dem_gear){0};
+    sim->radius[i] = p->r;
+    sim->mass[i] = p->m;
+    sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
+    if (sim->spin)
+        sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0,
+                                  p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
+    sim->r_min = fmin(sim->r_min, p->r);
+    sim->r_max = fmax(sim->r_max, p->r);
+}
+
 static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 {
     sim->def = *def;
     sim->def.grains = NULL;
-    sim->n = sim->n_start = def->n_grains;
+    sim->n = sim->room = def->n_grains;
+    sim->last_id = (uint32_t)def->n_grains;
     set_gravity(sim, def->gravity);
     sine_cosine(def->turn_per_step, &sim->turn_sin, &sim->turn_cos);
     place_walls(sim);
@@ -477,18 +496,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->r_min = INFINITY;
     for (size_t i = 0; i < sim->n; i++) {
         const dem_grain *p = &def->grains[i];
-        sim->grain[i] = (dem_record){{p->x, p->y}, {p->vx, p->vy}};
-        sim->force[i] = (dem_vec){0.0, 0.0};
-        if (sim->gear) sim->gear[i] = (dem_gear){0};
-        sim->radius[i] = p->r;
-        sim->mass[i] = p->m;
-        sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
+        put_grain(sim, i, p);
         sim->id[i] = (uint32_t)i + 1;
-        if (sim->spin)
-            sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0,
-                                      p->fixed ? 0.0 : 1.0 / dem_inertia(def->shape, p->m, p->r)};
-        sim->r_min = fmin(sim->r_min, p->r);
-        sim->r_max = fmax(sim->r_max, p->r);
         sim->radius_mean += p->r / (double)sim->n;
         sim->mass_mean += p->m / (double)sim->n;
     }
@@ -515,17 +524,19 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
     return RP_OK;
 }
 
-rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
+/* A copy whose arrays hold `room` grains. */
+static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
 {
     *copy = NULL;
     dem_sim *c = malloc(sizeof *c);
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
+    c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL;
-    rp_status status = alloc_arrays(c, sim->n_start);
+    rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
     if (status) {
         dem_free(c);
@@ -543,6 +554,72 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
     if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
     *copy = c;
     return RP_OK;
+}
+
+rp_status dem_clone(const dem_sim *sim, dem_sim **copy)
+{
+    return copy_with_room(sim, sim->room, copy);
+}
+
+static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
+{
+    dem_grain boxed = *p;
+    dem_box_frame(sim, &boxed.x, &boxed.y);
+    rp_status status = check_grain(&sim->def, &boxed);
+    if (status) return status;
+    if (p->fixed) return rp_fail(RP_BAD_INPUT, "a fixed grain must be there from the start");
+    dem_definition def = sim->def;
+    def.grains = (dem_grain[]){*p, *p};
+    def.n_grains = 2;
+    const char *what;
+    double limit = dem_time_step_limit(&def, &what);
+    if (def.dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def.dt, what, limit);
+    for (size_t i = 0; i < sim->n; i++) {
+        dem_vec d = sim->grain[i].x - (dem_vec){p->x, p->y};
+        double radii = sim->radius[i] + p->r;
+        if (dem_dot(d, d) < radii * radii)
+            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches grain %u", p->x, p->y, sim->id[i]);
+    }
+    return RP_OK;
+}
+
+/* Does the grain at `place` touch a wall, or lie behind a whole line? */
+static rp_status check_new_walls(const dem_sim *sim, size_t place)
+{
+    const dem_vec x = sim->grain[place].x;
+    for (uint32_t k = 0; k < sim->def.n_walls; k++) {
+        const double *extent = sim->def.walls[k].extent;
+        const bool line = isinf(extent[0]) && isinf(extent[1]),
+                   behind = dem_dot(x - sim->wall[k].point, sim->wall[k].direction) < 0.0;
+        dem_wall_slot slot = {.wall = k, .grain = (uint32_t)place, .side = behind && !line ? -1.0 : 1.0};
+        dem_vec normal, velocity;
+        double overlap;
+        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
+            return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches wall %u", x[0], x[1], k + 1);
+    }
+    return RP_OK;
+}
+
+rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
+{
+    rp_status status = check_new_grain(sim, grain);
+    if (status) return rp_prefix(status, "new particle: ");
+    if (sim->n == sim->room) {
+        dem_sim *larger, old = *sim;
+        status = copy_with_room(sim, 2 * sim->room, &larger);
+        if (status) return status;
+        *sim = *larger;
+        *larger = old;
+        dem_free(larger);
+    }
+    put_grain(sim, sim->n, grain);
+    status = check_new_walls(sim, sim->n);
+    if (status) return rp_prefix(status, "new particle: ");
+    sim->id[sim->n++] = ++sim->last_id;
+    dem_integrate_start(sim, sim->n - 1);
+    if (id) *id = sim->last_id;
+    return dem_neighbours_rebuild(sim);
 }
 
 void dem_free(dem_sim *sim)

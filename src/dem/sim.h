@@ -72,7 +72,8 @@ struct dem_sim {
     bool alarm;   /* an overlap beyond the smallest radius was seen */
 
     /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
-    size_t n, n_start;
+    size_t n, room;   /* present; that the arrays hold */
+    uint32_t last_id; /* of the grain that came last */
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
@@ -137,8 +138,9 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
  * neighbour list has run out, a grain left or a number is not finite; integrators.c. */
 bool dem_integrate(dem_sim *sim);
 
-/* After the start's forces, and after the forces of a step that was predicted. */
-void dem_integrate_start(dem_sim *sim);
+/* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
+ * predicted. */
+void dem_integrate_start(dem_sim *sim, size_t from);
 void dem_integrate_correct(dem_sim *sim);
 
 /* Gravity changes between steps by this. */

@@ -1,0 +1,282 @@
+/* Protocol `flux`: where a grain is put, when, and what is made of the series. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "angle/angle.h"
+#include "core/random.h"
+#include "core/table.h"
+#include "sweeps/protocol_flux.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+
+static const sweep_protocol *const protocol = &sweep_protocol_flux;
+
+static void height_closed_forms(void)
+{
+    const double gap = 1e-3;
+    dem_state s[3] = {{.x = 1.0, .y = 0.7, .r = 0.15}};
+    CHECK_NEAR(sweep_flux_height(0, s, 0.1, 0.1, gap), 0.101, 1e-15);
+    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* out of reach */
+    CHECK_NEAR(sweep_flux_height(1, s, 1.0, 0.1, gap), 0.7 + 0.25 + gap, 1e-15);
+    s[0] = (dem_state){.x = 0.4, .y = 0.7, .r = 0.399}; /* with 0.1 + gap a triangle of 3, 4, 5 tenths */
+    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 1.1, 1e-15);
+    s[1] = (dem_state){.x = 0.1, .y = 0.9, .r = 0.1}; /* the higher of two, in either order */
+    CHECK_NEAR(sweep_flux_height(2, s, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    s[2] = s[0];
+    CHECK_NEAR(sweep_flux_height(2, s + 1, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    s[0].y = -0.4; /* at the height of the floor's contact, not above it */
+    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15);
+}
+
+/* Free at that height and everywhere above, not free just below it. */
+static void height_of_random_heaps(void)
+{
+    enum { N = 12 };
+    const double gap = 2e-7, below = 1e-9;
+    gsl_rng *rng = rp_random_alloc(21, 0, RP_PURPOSE_TEST);
+    for (int heap = 0; heap < 500; heap++) {
+        dem_state s[N];
+        for (int i = 0; i < N; i++)
+            s[i] = (dem_state){.x = gsl_rng_uniform(rng),
+                               .y = 2.0 * gsl_rng_uniform(rng),
+                               .r = 0.07 + 0.06 * gsl_rng_uniform(rng)};
+        const double r = 0.07 + 0.06 * gsl_rng_uniform(rng), x = r + 0.5 * gsl_rng_uniform(rng);
+        const double y = sweep_flux_height(N, s, x, r, gap);
+        bool supported = y - below < r + gap;
+        CU_ASSERT(y >= r + gap);
+        for (int i = 0; i < N; i++) {
+            CU_ASSERT(hypot(s[i].x - x, s[i].y - y) > s[i].r + r + 0.99 * gap);
+            CU_ASSERT(s[i].y <= y || fabs(s[i].x - x) >= s[i].r + r);
+            supported |= hypot(s[i].x - x, s[i].y - (y - below)) < s[i].r + r + gap;
+        }
+        CU_ASSERT(supported);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Defaults with "name=value" changes, ended by NULL. Free it. */
+static void *params(const char *const changes[])
+{
+    void *p = calloc(1, protocol->params_size);
+    rp_params_defaults(protocol->schema, p);
+    for (; *changes; changes++) {
+        char name[32];
+        const char *value = strchr(*changes, '=') + 1;
+        snprintf(name, sizeof name, "%.*s", (int)(value - 1 - *changes), *changes);
+        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, name), p, value));
+    }
+    return p;
+}
+
+static double output(const sweep_result *result, const char *name)
+{
+    for (size_t i = 0; protocol->outputs[i].name; i++)
+        if (strcmp(protocol->outputs[i].name, name) == 0) return result->values[i];
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+static void no_header(FILE *out)
+{
+    (void)out;
+}
+
+/* A run with its tables in a folder of its own. */
+typedef struct {
+    sweep_result result;
+    char folder[40];
+    rp_table series, grains;
+} traced;
+
+static void trace(const char *const changes[], traced *t)
+{
+    char path[64];
+    void *p = params(changes);
+    strcpy(t->folder, "/tmp/repose_flux_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(t->folder));
+    const sweep_tables tables = {t->folder, 1000000, no_header};
+    CHECK_OK(protocol->check(p));
+    CHECK_OK(protocol->trace(p, 1993, 0, &tables, &t->result));
+    snprintf(path, sizeof path, "%s/series.tsv", t->folder);
+    CHECK_OK(rp_table_read(path, &t->series));
+    snprintf(path, sizeof path, "%s/pile_grains.tsv", t->folder);
+    CHECK_OK(rp_table_read(path, &t->grains));
+    free(p);
+}
+
+static void trace_free(traced *t)
+{
+    static const char *const names[] = {"series", "pile_grains", "pile_contacts", "energy"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "%s/%s.tsv", t->folder, names[i]);
+        unlink(path);
+    }
+    CU_ASSERT(rmdir(t->folder) == 0);
+    rp_table_free(&t->series);
+    rp_table_free(&t->grains);
+}
+
+static double cell(const rp_table *table, size_t row, const char *name)
+{
+    double value = NAN;
+    CHECK_OK(rp_table_number(table, row, rp_table_column(table, name), 0, &value));
+    return value;
+}
+
+/* A grain that falls two diameters is in the air for sqrt(2 h/g)/dt steps; the pile is quiet, by so high a
+ * v_cut, all that time. Set down at rest, it waits for the 200 steps alone. */
+static void waits_for_contact(void)
+{
+    static const char *const high[] = {"W=1", "insertions=4", "v_cut=1e6", "drop_height=2", NULL};
+    static const char *const low[] = {"W=1", "insertions=4", "v_cut=1e6", NULL};
+    const double steps = sqrt(2.0 * (2.0 * 0.2 + 0.2e-6) / 981.0) / 5e-5;
+    traced t;
+    trace(high, &t);
+    CU_ASSERT(cell(&t.series, 1, "step") - cell(&t.series, 0, "step") == ceil(steps));
+    trace_free(&t);
+    trace(low, &t);
+    for (size_t k = 1; k < 4; k++)
+        CU_ASSERT(cell(&t.series, k, "step") - cell(&t.series, k - 1, "step") == 200.0);
+    trace_free(&t);
+}
+
+static const char *const small[] = {"W=1.4",   "insertions=150", "entry_width=1",
+                                    "draws=3", "avalanche=2",    NULL};
+
+/* Every grain is in the box, or went over the edge; and at the end the box is quiet. */
+static void grains_are_counted(void)
+{
+    traced t;
+    trace(small, &t);
+    const size_t n = t.series.n_rows;
+    double left = 0.0, inside = 0.0, last = 0.0;
+    CU_ASSERT(n == 150 && output(&t.result, "insertions_made") == 150.0);
+    for (size_t k = 0; k < n; k++) {
+        left += cell(&t.series, k, "outflow");
+        CU_ASSERT(cell(&t.series, k, "insertion") == (double)k + 1.0);
+        CU_ASSERT(k == 0 || cell(&t.series, k, "step") >= cell(&t.series, k - 1, "step") + 200.0);
+    }
+    for (size_t i = 0; i < t.grains.n_rows; i++) {
+        const double x = cell(&t.grains, i, "x");
+        last = fmax(last, cell(&t.grains, i, "id"));
+        if (!(x > 0.0 && x < 1.4)) continue;
+        inside++;
+        CU_ASSERT(hypot(cell(&t.grains, i, "vx"), cell(&t.grains, i, "vy")) < 0.1);
+    }
+    const double layer = cell(&t.series, 0, "grains");
+    CU_ASSERT(layer >= 6.0 && layer <= 9.0); /* 1.4 over mean diameters of 0.2, less what touching saves */
+    CHECK_NEAR(cell(&t.series, 0, "theta_r3_deg"), 0.0, 3.0);
+    CU_ASSERT(inside == cell(&t.series, n - 1, "grains"));
+    /* names are given in order, and the newest grain is still there: the series ends before the next */
+    CU_ASSERT(last == layer + (double)n - 1.0 && inside == last - left);
+    CU_ASSERT(left > 10.0 && output(&t.result, "steps") == cell(&t.series, n - 1, "step"));
+    trace_free(&t);
+}
+
+/* The outputs again from the table of the series, one by one; and the run without tables has the same bits.
+ */
+static void outputs_from_series(void)
+{
+    traced t;
+    trace(small, &t);
+    const size_t n = t.series.n_rows, from = (size_t)output(&t.result, "level_insertion");
+    double sum = 0.0, squares = 0.0, most = -INFINITY, count = 0.0, ms = 0.0, r = 0.0, grains = 0.0;
+    CU_ASSERT_STRING_EQUAL(t.result.status, "ok");
+    CU_ASSERT(from > 0 && from < n / 2);
+    CU_ASSERT(cell(&t.series, from, "step") == output(&t.result, "level_step"));
+    for (size_t k = from; k < n; k++) {
+        const double theta = cell(&t.series, k, "theta_r3_deg");
+        sum += theta;
+        squares += theta * theta;
+        most = fmax(most, theta);
+        grains += cell(&t.series, k, "grains");
+        if (k == from || cell(&t.series, k, "outflow") < 2.0) continue;
+        count++;
+        ms += cell(&t.series, k - 1, "theta_r3_deg");
+        r += theta;
+    }
+    const double kept = (double)(n - from), mean = sum / kept;
+    const double round_off = 1e-11; /* of sums of some hundred angles */
+    CHECK_NEAR(output(&t.result, "theta_deg"), mean, round_off);
+    CHECK_NEAR(output(&t.result, "theta_sd_deg"), sqrt((squares - kept * mean * mean) / (kept - 1.0)),
+               1e3 * round_off);
+    CU_ASSERT(output(&t.result, "theta_max_deg") == most);
+    CU_ASSERT(count > 2.0 && output(&t.result, "avalanches") == count);
+    CHECK_NEAR(output(&t.result, "theta_ms_flux_deg"), ms / count, round_off);
+    CHECK_NEAR(output(&t.result, "theta_r_flux_deg"), r / count, round_off);
+    CHECK_NEAR(output(&t.result, "theta_ms_less_r_deg"), (ms - r) / count, round_off);
+    CHECK_NEAR(output(&t.result, "grains"), grains / kept, round_off);
+    const double tau = output(&t.result, "tau_insertions");
+    CHECK_NEAR(output(&t.result, "decorrelated"), kept / (2.0 * tau), round_off);
+    double apart[150], work[150], largest; /* one angle every two correlation times */
+    size_t n_apart = 0;
+    for (double k = (double)from; k < (double)n; k += ceil(2.0 * tau))
+        apart[n_apart++] = cell(&t.series, (size_t)k, "theta_r3_deg");
+    CHECK_OK(ang_expected_maximum(n_apart, apart, 3, work, &largest));
+    CU_ASSERT(tau > 1.0 && n_apart > 3 && largest < most);
+    CHECK_NEAR(output(&t.result, "theta_max_draws_deg"), largest, round_off);
+
+    sweep_result again;
+    void *p = params(small);
+    CHECK_OK(protocol->run(p, 1993, 0, &again));
+    CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
+    CHECK_OK(protocol->run(p, 1993, 1, &again)); /* another stream, another pile */
+    CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
+    free(p);
+    trace_free(&t);
+}
+
+static void ends_without_result(void)
+{
+    static const char *const rising[] = {"insertions=30", NULL};
+    static const char *const short_of_steps[] = {"W=1", "steps_max=30000", NULL};
+    sweep_result result;
+    void *p = params(rising);
+    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CU_ASSERT_STRING_EQUAL(result.status, "not_level");
+    CU_ASSERT(strstr(result.message, "has not levelled off") != NULL);
+    CU_ASSERT(isnan(output(&result, "theta_deg")) && output(&result, "insertions_made") == 30.0);
+    free(p);
+    p = params(short_of_steps);
+    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CU_ASSERT(output(&result, "steps") == 30000.0);
+    CU_ASSERT(output(&result, "insertions_made") > 4.0 && output(&result, "insertions_made") < 100.0);
+    free(p);
+    /* a tower beyond the height that dt was chosen for: grains fall too fast from there */
+    static const char *const tower[] = {"W=1", "mu=1", "mu_wall=1", "insertions=60", NULL};
+    p = params(tower);
+    const rp_param *dt = rp_params_find(protocol->schema, "dt");
+    CHECK_OK(rp_params_set_text(dt, p, "1e-3"));
+    CHECK_FAILS(protocol->check(p), RP_BAD_INPUT, "the limit is ");
+    double limit = atof(strstr(rp_message(), "the limit is ") + strlen("the limit is "));
+    memcpy((char *)p + dt->offset, &(double){0.995 * limit}, sizeof limit); /* three digits are printed */
+    CHECK_OK(protocol->check(p));
+    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CU_ASSERT_STRING_EQUAL(result.status, "too_high");
+    CU_ASSERT(strstr(result.message, "new particle: dt = ") != NULL);
+    free(p);
+    static const char *const fast[] = {"dt=1e-3", NULL}, *const smooth[] = {"mu=0", NULL},
+                             *const smooth_floor[] = {"mu_floor=0", NULL}, *const narrow[] = {"W=0.5", NULL};
+    CHECK_FAILS(protocol->check(p = params(fast)), RP_BAD_INPUT, "dt = 0.001: too large");
+    free(p);
+    CHECK_FAILS(protocol->check(p = params(smooth)), RP_BAD_INPUT, "nothing holds the first layer");
+    free(p);
+    CHECK_FAILS(protocol->check(p = params(smooth_floor)), RP_BAD_INPUT, "nothing holds the first layer");
+    free(p);
+    CHECK_FAILS(protocol->check(p = params(narrow)), RP_BAD_INPUT, "five grain diameters");
+    free(p);
+}
+
+void suite_flux(void)
+{
+    static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
+                                       {"height of a new grain: random heaps", height_of_random_heaps},
+                                       {"the next waits for contact", waits_for_contact},
+                                       {"grains are counted", grains_are_counted},
+                                       {"outputs from the series", outputs_from_series},
+                                       {"ends without a result", ends_without_result},
+                                       {NULL, NULL}};
+    check_register("constant flux", cases);
+}
