@@ -740,6 +740,19 @@ static void test_angle_trends(void)
     FAILS(65, "no column \"frob\"", "angle trend runs.tsv -x W -y theta --by frob");
     FAILS(65, "pile 0: two values", "angle trend runs.tsv -x W -y theta --pair");
     FAILS(1, "at 1 different x", "angle trend runs.tsv -x W -y theta --to 3");
+    write_text("runs.tsv",
+               "# law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
+               "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
+    GOOD("angle trend runs.tsv -x law -y y --by a,b --pair");
+    CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 2);
+    CU_ASSERT_STRING_EQUAL(t.names[0], "a,b");
+    CU_ASSERT_STRING_EQUAL(t.cells[0], "1,u");
+    CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
+    CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
+    CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
+    rp_table_free(&t);
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "angle trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "angle trend runs.tsv -x x -y y --pair");

@@ -22,7 +22,8 @@ typedef struct {
 #define COLUMN_PARAMS(POWER)                                                                                 \
     {"x", "", RP_TEXT, offsetof(options, x), NULL, "", "column of x"},                                       \
     {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                       \
-    {"by", "", RP_TEXT, offsetof(options, by), "none", "", "column whose different cells make the groups"},  \
+    {"by", "", RP_TEXT, offsetof(options, by), "none", "",                                                   \
+     "columns (a or a,b,...) whose different cells make the groups"},                                        \
     {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
     {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
     {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
@@ -48,7 +49,8 @@ static const cli_command trend_command = {
     "angle trend",
     "TABLE --x COLUMN --y COLUMN [options]",
     "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
-    "--pair: of the slopes of single piles that have a row at every x).\n"
+    "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as they "
+    "appear.\n"
     "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of 90 "
     "%;\n"
     "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
@@ -95,17 +97,22 @@ static bool grouped(const options *o)
     return strcmp(o->by, "none") != 0;
 }
 
+enum { LABEL = 96 };
+
 /* The rows that count, ordered by group. */
 typedef struct {
     size_t n, n_failed, n_nan, n_outside, n_groups;
     double *block, *x, *y, *pile; /* in order of the groups; pile is NULL if piles are not compared */
+    char *labels;                 /* of the table's rows, LABEL bytes each: their cells in the columns `by` */
     const char **words;           /* of the groups */
     size_t *first;                /* of the rows of each group; n_groups + 1 of them */
+    char x_words[256];            /* what the numbers of x stand for; empty if they are numbers */
 } rows;
 
 static void rows_free(rows *r)
 {
     free(r->block);
+    free(r->labels);
     free(r->words);
     free(r->first);
 }
@@ -134,9 +141,31 @@ static size_t find_group(rows *r, const char *word)
     return g;
 }
 
-/* Cells of the columns x, y, pile, by, status; by and status may be -1. Groups are numbered as they appear,
- * also those without a row that counts. */
-static rp_status select_rows(const rp_table *t, const double *cells, const int columns[5], const options *o,
+/* Join each row's cells in the columns of the list `by` with commas. */
+static rp_status label_rows(const rp_table *t, const options *o, rows *r)
+{
+    r->labels = calloc(t->n_rows + 1, LABEL);
+    if (!r->labels) return rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    for (const char *name = o->by; grouped(o) && name; name = strchr(name, ',')) {
+        char column_name[64];
+        name += *name == ',';
+        snprintf(column_name, sizeof column_name, "%.*s", (int)strcspn(name, ","), name);
+        int column;
+        rp_status status = cli_find_columns(t, 1, (const char *const[]){column_name}, &column);
+        if (status) return status;
+        for (size_t i = 0; i < t->n_rows; i++) {
+            char *label = r->labels + i * LABEL;
+            size_t used = strlen(label);
+            snprintf(label + used, LABEL - used, "%s%s", used ? "," : "",
+                     t->cells[i * t->n_columns + (size_t)column]);
+        }
+    }
+    return RP_OK;
+}
+
+/* Cells of the columns x, y, pile, status; status may be -1. Groups are numbered as they appear, also those
+ * without a row that counts. */
+static rp_status select_rows(const rp_table *t, const double *cells, const int columns[4], const options *o,
                              rows *r)
 {
     const size_t n = t->n_rows;
@@ -149,8 +178,8 @@ static rp_status select_rows(const rp_table *t, const double *cells, const int c
     for (size_t i = 0; i < n && !status; i++) {
         const double x = cells[i];
         char **words = t->cells + i * t->n_columns;
-        group[i] = find_group(r, columns[3] < 0 ? "" : words[columns[3]]);
-        if (left_out(r, columns[4] < 0 ? "ok" : words[columns[4]], x, cells[n + i],
+        group[i] = find_group(r, r->labels + i * LABEL);
+        if (left_out(r, columns[3] < 0 ? "ok" : words[columns[3]], x, cells[n + i],
                      o->pair ? cells[2 * n + i] : 0.0, o))
             group[i] = n; /* no group */
         else if (o->scale != SCALE_LINEAR && !(x > 0.0))
@@ -177,12 +206,12 @@ static rp_status select_rows(const rp_table *t, const double *cells, const int c
 
 static rp_status load_rows(const rp_table *t, const options *o, rows *r)
 {
-    const char *const names[] = {o->x, o->y, o->pair ? "pile" : o->y, grouped(o) ? o->by : o->y};
-    int columns[5];
+    const char *const names[] = {o->x, o->y, o->pair ? "pile" : o->y};
+    int columns[4];
     double *cells = NULL;
     rp_status status = cli_find_columns(t, N_OF(names), names, columns);
-    if (!grouped(o)) columns[3] = -1;
-    columns[4] = rp_table_column(t, "status");
+    columns[3] = rp_table_column(t, "status");
+    if (!status) status = label_rows(t, o, r);
     if (!status) status = cli_read_columns(t, 3, columns, 1, &cells);
     if (!status) status = select_rows(t, cells, columns, o, r);
     free(cells);
@@ -250,6 +279,7 @@ static void print_header(const rows *r, const options *o, bool size)
     cli_table(stdout, size ? size_params : trend_params, o);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->n, r->n_failed, r->n_nan, r->n_outside);
+    if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
 }
 
@@ -286,6 +316,37 @@ static rp_status fit_groups(const rows *r, const options *o, bool size)
     return status;
 }
 
+/* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear. */
+static rp_status number_words(rp_table *t, const options *o, char words[256])
+{
+    static char *const numbers[] = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
+    const char *known[N_OF(numbers)];
+    size_t n = 0, used = 0;
+    const int column = rp_table_column(t, o->x);
+    bool all_numbers = true;
+    words[0] = '\0';
+    for (size_t i = 0; column >= 0 && i < t->n_rows; i++) {
+        char *end;
+        strtod(t->cells[i * t->n_columns + (size_t)column], &end);
+        all_numbers &= *end == '\0';
+    }
+    for (size_t i = 0; !all_numbers && i < t->n_rows; i++) {
+        char **cell = &t->cells[i * t->n_columns + (size_t)column];
+        size_t k = 0;
+        while (k < n && strcmp(known[k], *cell) != 0) k++;
+        if (k == N_OF(numbers))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %s: more than %zu different words", t->path,
+                           t->lines[i], o->x, *cell, N_OF(numbers));
+        if (k == n) {
+            known[n++] = *cell;
+            if (used < 200)
+                used += (size_t)snprintf(words + used, 256 - used, "%s%s = %zu", k ? ", " : "", *cell, k);
+        }
+        *cell = numbers[k];
+    }
+    return RP_OK;
+}
+
 static rp_status run(const cli_command *command, int argc, char **argv, bool size)
 {
     options o = {0};
@@ -303,6 +364,7 @@ static rp_status run(const cli_command *command, int argc, char **argv, bool siz
         o.margin = 1.0; /* of a test that is not printed */
     }
     status = rp_table_read(file, &table);
+    if (!status) status = number_words(&table, &o, r.x_words);
     if (!status) status = load_rows(&table, &o, &r);
     if (!status) {
         status = fit_groups(&r, &o, size);
