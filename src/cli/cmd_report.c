@@ -17,23 +17,26 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 
 enum { MAX_WORDS = 12 };
 
 typedef struct {
-    const char *tables, *output;
+    const char *tables, *output, *missing;
 } report_options;
 
 static const rp_param options[] = {
     {"tables", "", RP_TEXT, offsetof(report_options, tables), "build/tables", "", "folder of the tables"},
+    {"missing", "", RP_TEXT, offsetof(report_options, missing), "", "",
+     "what stands where a table has not been made; empty: that is an error"},
     {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
     {0}};
 
 static const cli_command command = {
     "report",
-    "TEMPLATE [--tables DIR] [-o FILE]",
+    "TEMPLATE [--tables DIR] [--missing TEXT] [-o FILE]",
     "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
     "below, least, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
@@ -43,7 +46,7 @@ static const cli_command command = {
 
 /* One place in the text, split into words. */
 typedef struct {
-    const char *tables;
+    const char *tables, *missing;
     char *words[MAX_WORDS];
     int n;
 } place;
@@ -243,18 +246,29 @@ static rp_status fill_place(const place *p, FILE *out)
     return status;
 }
 
-static rp_status fill_line(char *line, const char *tables, FILE *out)
+/* Put the text for missing tables in the place, if that is wanted and its table is missing. */
+static bool fill_missing(const place *p, FILE *out)
+{
+    char path[4096];
+    if (!*p->missing || p->n < 2) return false;
+    snprintf(path, sizeof path, "%s/%s.tsv", p->tables, p->words[1]);
+    if (access(path, F_OK) == 0) return false;
+    fputs(p->missing, out);
+    return true;
+}
+
+static rp_status fill_line(char *line, const report_options *o, FILE *out)
 {
     for (char *open; (open = strstr(line, "{{"));) {
         char *close = strstr(open, "}}");
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
         fwrite(line, 1, (size_t)(open - line), out);
         *close = '\0';
-        place p = {.tables = tables};
+        place p = {.tables = o->tables, .missing = o->missing};
         for (char *save, *word = strtok_r(open + 2, " ", &save); word && p.n < MAX_WORDS;
              word = strtok_r(NULL, " ", &save))
             p.words[p.n++] = word;
-        rp_status status = fill_place(&p, out);
+        rp_status status = fill_missing(&p, out) ? RP_OK : fill_place(&p, out);
         if (status) return status;
         line = close + 2;
     }
@@ -279,7 +293,7 @@ rp_status cmd_report(int argc, char **argv)
     char *line = NULL;
     size_t room = 0;
     for (int number = 1; !status && getline(&line, &room, in) >= 0; number++)
-        if ((status = fill_line(line, o.tables, out)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
+        if ((status = fill_line(line, &o, out)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
     free(line);
     fclose(in);
     return rp_file_close(o.output, out, status);
