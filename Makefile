@@ -19,7 +19,7 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PC       := pkg-config
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
-LIBS      = $$($(PC) --libs $(PKGS)) -lm
+LIBS      = $$($(PC) --libs $(PKGS)) -lcholmod -lm
 INCLUDES  = $$($(PC) --cflags $(PKGS))
 
 # Whatever compiles waits for `setup` when both are asked for.
