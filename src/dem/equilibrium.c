@@ -24,8 +24,11 @@ static const double SPREAD = 0.5;         /* sigma: neighbours moved that far ap
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope along a step may come out at this of its start, reversed */
-static const double SHIFT_MAX = 1;      /* K_s: a stiffness that needs more is not one of a pile */
+static const double SINGULAR = 1e-11;     /* K_s: smaller pivots are rounding */
+static const double SOFTEN_MIN = 1e-3;    /* least softening of a singular or negative stiffness */
 static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
+/* The linearised problem; the branch that a load follows, stable or not; downhill to a minimum. */
+enum { LINEAR, FOLLOW, DESCEND };
 enum {
     STEPS_MAX = 60,
     STEPS_MINIMUM = 2000,
@@ -56,8 +59,9 @@ struct dem_pile {
     dem_stiffness *matrix;
     double *block;                    /* of the next five, 2 n each */
     double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
+    double eps; /* of the forces now: def.eps, or 0 for the linearised problem */
     bool factored;
-    double shift;
+    double soften;
     dem_pivots pivots;
     dem_pile_result result;
 };
@@ -224,7 +228,7 @@ void dem_pile_free(dem_pile *pile)
 static double bond_push(const dem_pile *pile, size_t k, const double *w, double n[2], double *length)
 {
     const bond *b = &pile->bonds[k];
-    const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b], eps = pile->def.eps;
+    const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b], eps = pile->eps;
     const double ex = wb[0] - wa[0], ey = wb[1] - wa[1];
     const double q = 2 * (b->d[0] * ex + b->d[1] * ey) + eps * (ex * ex + ey * ey);
     const double r = sqrt(b->length * b->length + eps * q);
@@ -274,20 +278,23 @@ static double gradient(dem_pile *pile, double load, const double *w, double *g)
     return worst;
 }
 
-/* Stiffness at w. At the very start no contact carries anything yet: then all but the horizontal ones count,
- * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. */
-static void assemble(dem_pile *pile, bool start, double load, double shift)
+/* Stiffness at w; at the very start no contact carries anything yet, and all but the horizontal ones count, and
+ * the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften` in
+ * [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a pile
+ * that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
+static void assemble(dem_pile *pile, bool start, double load, double soften, double shift)
 {
-    const double *w = pile->w, eps = pile->def.eps;
+    const double *w = pile->w;
     dem_stiffness_clear(pile->matrix, shift);
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r, f = bond_push(pile, k, w, n, &r);
         bond *b = &pile->bonds[k];
-        b->active = f > 0 || (start && !b->horizontal);
-        if (!b->active) continue;
-        const double turn = eps * fmax(f, 0) / r;
-        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], n[0] * n[0] - turn * n[1] * n[1],
-                               n[0] * n[1] * (1 + turn), n[1] * n[1] - turn * n[0] * n[0]);
+        b->active = f > 0;
+        const double hard = f > 0 || (start && !b->horizontal) ? 1 : soften;
+        if (!(hard > 0)) continue;
+        const double turn = (1 - soften) * pile->eps * fmax(f, 0) / r;
+        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], hard * n[0] * n[0] - turn * n[1] * n[1],
+                               n[0] * n[1] * (hard + turn), hard * n[1] * n[1] - turn * n[0] * n[0]);
     }
     for (size_t i = 0; i < pile->n; i++)
         if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 1);
@@ -295,7 +302,7 @@ static void assemble(dem_pile *pile, bool start, double load, double shift)
         const well *h = &pile->wells[i];
         const double N = ground_push(pile, h->disk, w), even = load * (double)pile->n / (double)pile->n_wells;
         dem_stiffness_add_site(pile->matrix, h->disk, well_stiffness(pile, h, start ? even : N),
-                               start && !(N > 0) ? 1 : 0);
+                               N > 0 ? 0 : start ? 1 : soften);
     }
 }
 
@@ -308,25 +315,24 @@ static bool same_contacts(const dem_pile *pile)
     return true;
 }
 
-/* Factorise at w; with a shift of the diagonal if it is singular, or for a minimum as far as it takes to make
- * it positive. Shifts are remembered: the next is near the last. */
+/* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum is
+ * sought. How far is remembered: the next is near the last. */
 static rp_status factorise(dem_pile *pile, bool start, double load, bool positive)
 {
-    double shift = positive ? pile->shift / 100 : 0;
-    if (shift < 1e-10) shift = 0;
+    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0;
     for (;;) {
-        assemble(pile, start, load, shift);
+        assemble(pile, start, load, soften, 0);
         rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
         pile->result.factored++;
         if (status) return status;
-        if (pile->pivots.smallest > 0 && !(positive && pile->pivots.negative)) break;
-        shift = shift > 0 ? 10 * shift : positive ? 1e-8 : 1e-12;
-        if (shift > SHIFT_MAX) {
+        if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
+        if (soften == 1) {
             pile->result.fault = DEM_PILE_SINGULAR;
             return RP_NO_RESULT;
         }
+        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
     }
-    pile->shift = shift;
+    pile->soften = soften;
     pile->factored = true;
     return RP_OK;
 }
@@ -359,7 +365,7 @@ static double tolerance(const dem_pile *pile)
 
 static bool spread(const dem_pile *pile)
 {
-    const double limit = pile->def.eps > 0 ? SPREAD / pile->def.eps : SPREAD_LINEAR;
+    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SPREAD_LINEAR;
     return !(largest_stretch(pile, pile->w) < limit);
 }
 
@@ -375,7 +381,7 @@ static double slope_along(const dem_pile *pile)
  * does not matter. Returns the residual there. */
 static double advance(dem_pile *pile, double load)
 {
-    const double slope = slope_along(pile), reach = largest_stretch(pile, pile->p) * pile->def.eps;
+    const double slope = slope_along(pile), reach = largest_stretch(pile, pile->p) * pile->eps;
     double t = reach > STEP_MAX ? STEP_MAX / reach : 1, residual = INFINITY;
     for (int i = 0; i < 30; i++) {
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
@@ -390,18 +396,18 @@ static double advance(dem_pile *pile, double load)
     return residual;
 }
 
-static rp_status newton(dem_pile *pile, double load, bool start, bool minimum)
+static rp_status newton(dem_pile *pile, double load, bool start, int mode)
 {
     dem_pile_result *r = &pile->result;
     double last = INFINITY;
     r->residual = gradient(pile, load, pile->w, pile->g);
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
         r->fault = spread(pile)                                    ? DEM_PILE_SPREADS
-                   : step == (minimum ? STEPS_MINIMUM : STEPS_MAX) ? DEM_PILE_NOT_CONVERGED
+                   : step == (mode == DESCEND ? STEPS_MINIMUM : STEPS_MAX) ? DEM_PILE_NOT_CONVERGED
                                                                    : DEM_PILE_OK;
         if (r->fault) return RP_NO_RESULT;
         if (!pile->factored || r->residual > KEEP_FACTOR * last || !same_contacts(pile)) {
-            rp_status status = factorise(pile, start, load, minimum);
+            rp_status status = factorise(pile, start, load, mode != FOLLOW);
             if (status) return status;
         }
         last = r->residual;
@@ -435,10 +441,10 @@ static bool break_wells(dem_pile *pile)
 }
 
 /* Equilibrium under this load, with the wells that hold. */
-static rp_status settle(dem_pile *pile, double load, bool start, bool minimum)
+static rp_status settle(dem_pile *pile, double load, int mode)
 {
-    for (int round = 0; round < WELL_ROUNDS; round++, start = false) {
-        rp_status status = newton(pile, load, start, minimum);
+    for (int round = 0; round < WELL_ROUNDS; round++) {
+        rp_status status = newton(pile, load, false, mode);
         if (status) return status;
         if (!break_wells(pile)) return RP_OK;
     }
@@ -446,17 +452,21 @@ static rp_status settle(dem_pile *pile, double load, bool start, bool minimum)
     return RP_NO_RESULT;
 }
 
-/* Raise the load to `to`, from the state under result.load, in steps that are halved where one fails. */
+/* Raise the load to `to`, from the state under result.load, in steps that are halved where one fails. At no load
+ * w is the linearised solution for the whole. */
 static rp_status raise_load(dem_pile *pile, double to)
 {
     double *load = &pile->result.load;
     double step = 1 / (double)pile->def.load_steps;
+    const int mode = !(pile->eps > 0)                              ? LINEAR
+                     : pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND
+                                                                   : FOLLOW;
     for (int halvings = 0; *load < to;) {
         const double next = *load + step < to * (1 - DBL_EPSILON) ? *load + step : to;
-        const bool start = !(*load > 0);
+        const double ratio = next / (*load > 0 ? *load : 1);
         memcpy(pile->kept, pile->w, 2 * pile->n * sizeof *pile->w);
-        for (size_t i = 0; !start && i < 2 * pile->n; i++) pile->w[i] *= next / *load;
-        rp_status status = settle(pile, next, start, false);
+        for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] *= ratio;
+        rp_status status = settle(pile, next, mode);
         if (!status) {
             *load = next;
             continue;
@@ -477,7 +487,7 @@ static void set_wells_here(dem_pile *pile)
 /* Pivots of the stiffness itself at the state found. */
 static rp_status count_modes(dem_pile *pile)
 {
-    assemble(pile, false, 1, 0);
+    assemble(pile, false, 1, 0, 0);
     pile->factored = false;
     pile->result.factored++;
     rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
@@ -491,7 +501,14 @@ static rp_status count_modes(dem_pile *pile)
  * that is shifted just enough to be positive. */
 static rp_status kick(dem_pile *pile)
 {
-    rp_status status = factorise(pile, false, 1, true);
+    rp_status status = RP_OK;
+    double shift = 1e-6;
+    do {
+        assemble(pile, false, 1, 0, shift);
+        status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+        pile->result.factored++;
+        shift *= 2;
+    } while (!status && (pile->pivots.negative || !(pile->pivots.smallest > 0)));
     for (size_t i = 0; i < 2 * pile->n; i++) /* any start without a symmetry */
         pile->p[i] = (double)(uint32_t)(2654435761u * (uint32_t)(i + 1)) / UINT32_MAX - 0.5;
     for (int step = 0; !status && step < INVERSE_STEPS; step++) {
@@ -515,7 +532,7 @@ static rp_status go_to_minimum(dem_pile *pile)
 {
     for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
         rp_status status = kick(pile);
-        if (!status) status = settle(pile, 1, false, true);
+        if (!status) status = settle(pile, 1, DESCEND);
         if (!status) status = count_modes(pile);
         if (status) return status;
     }
@@ -584,16 +601,19 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
     memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
     for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i] = (well){.disk = pile->wells[i].disk};
     pile->factored = false;
-    pile->shift = 0;
+    pile->soften = 0;
     pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
-    rp_status status = RP_OK;
-    if (def->set_load > 0) {
+    pile->eps = 0;
+    rp_status status = newton(pile, 1, true, LINEAR);
+    pile->eps = def->eps;
+    pile->factored = false;
+    if (!status && def->set_load > 0) {
         status = raise_load(pile, def->set_load);
         set_wells_here(pile);
         pile->factored = false;
     }
     if (!status) status = raise_load(pile, 1);
-    if (!status && def->set_load == 1) status = settle(pile, 1, false, false);
+    if (!status && def->set_load == 1) status = settle(pile, 1, FOLLOW);
     if (!status) status = count_modes(pile);
     if (!status && def->branch == DEM_BRANCH_MINIMUM) status = go_to_minimum(pile);
     if (!status && def->eps > 0) status = check_meetings(pile);
