@@ -24,13 +24,15 @@ static const double SPREAD = 0.5;         /* sigma: neighbours moved that far ap
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope along a step may come out at this of its start, reversed */
-static const double SINGULAR = 1e-11;     /* K_s: smaller pivots are rounding */
-static const double SOFTEN_MIN = 1e-3;    /* least softening of a singular or negative stiffness */
-static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
+static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
+static const double SAME_PIVOTS =
+    1e-6; /* of the smallest pivot: a change of the stiffness that changes no sign */
+static const double SOFTEN_MIN = 1e-3; /* least softening of a singular or negative stiffness */
+static const double KICK = 0.1;        /* of the largest force: how far a saddle is left for a minimum */
 /* The linearised problem; the branch that a load follows, stable or not; downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
-    STEPS_MAX = 60,
+    STEPS_MAX = 40,
     STEPS_MINIMUM = 2000,
     WELL_ROUNDS = 100,
     HALVINGS = 6,
@@ -59,9 +61,9 @@ struct dem_pile {
     dem_stiffness *matrix;
     double *block;                    /* of the next five, 2 n each */
     double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
-    double eps; /* of the forces now: def.eps, or 0 for the linearised problem */
+    double eps;                       /* of the forces now: def.eps, or 0 for the linearised problem */
     bool factored;
-    double soften;
+    double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
     dem_pivots pivots;
     dem_pile_result result;
 };
@@ -278,10 +280,10 @@ static double gradient(dem_pile *pile, double load, const double *w, double *g)
     return worst;
 }
 
-/* Stiffness at w; at the very start no contact carries anything yet, and all but the horizontal ones count, and
- * the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften` in
- * [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a pile
- * that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
+/* Stiffness at w; at the very start no contact carries anything yet, and all but the horizontal ones count,
+ * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
+ * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
+ * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
 static void assemble(dem_pile *pile, bool start, double load, double soften, double shift)
 {
     const double *w = pile->w;
@@ -289,8 +291,8 @@ static void assemble(dem_pile *pile, bool start, double load, double soften, dou
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r, f = bond_push(pile, k, w, n, &r);
         bond *b = &pile->bonds[k];
-        b->active = f > 0;
-        const double hard = f > 0 || (start && !b->horizontal) ? 1 : soften;
+        b->active = f > 0 || (start && !b->horizontal);
+        const double hard = b->active ? 1 : soften;
         if (!(hard > 0)) continue;
         const double turn = (1 - soften) * pile->eps * fmax(f, 0) / r;
         dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], hard * n[0] * n[0] - turn * n[1] * n[1],
@@ -302,7 +304,9 @@ static void assemble(dem_pile *pile, bool start, double load, double soften, dou
         const well *h = &pile->wells[i];
         const double N = ground_push(pile, h->disk, w), even = load * (double)pile->n / (double)pile->n_wells;
         dem_stiffness_add_site(pile->matrix, h->disk, well_stiffness(pile, h, start ? even : N),
-                               N > 0 ? 0 : start ? 1 : soften);
+                               N > 0   ? 0
+                               : start ? 1
+                                       : soften);
     }
 }
 
@@ -315,8 +319,8 @@ static bool same_contacts(const dem_pile *pile)
     return true;
 }
 
-/* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum is
- * sought. How far is remembered: the next is near the last. */
+/* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
+ * is sought. How far is remembered: the next is near the last. */
 static rp_status factorise(dem_pile *pile, bool start, double load, bool positive)
 {
     double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0;
@@ -333,6 +337,7 @@ static rp_status factorise(dem_pile *pile, bool start, double load, bool positiv
         soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
     }
     pile->soften = soften;
+    pile->moved = 0;
     pile->factored = true;
     return RP_OK;
 }
@@ -381,7 +386,8 @@ static double slope_along(const dem_pile *pile)
  * does not matter. Returns the residual there. */
 static double advance(dem_pile *pile, double load)
 {
-    const double slope = slope_along(pile), reach = largest_stretch(pile, pile->p) * pile->eps;
+    const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
+                 reach = stretch * pile->eps;
     double t = reach > STEP_MAX ? STEP_MAX / reach : 1, residual = INFINITY;
     for (int i = 0; i < 30; i++) {
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
@@ -390,6 +396,7 @@ static double advance(dem_pile *pile, double load)
         if (turned <= CURVED || !(slope != 0)) break;
         t *= turned < INFINITY ? fmax(1 / (1 + turned), 0.1) : 0.1; /* where a straight line would be 0 */
     }
+    pile->moved += t * stretch;
     double *reached = pile->trial;
     pile->trial = pile->w;
     pile->w = reached;
@@ -402,9 +409,9 @@ static rp_status newton(dem_pile *pile, double load, bool start, int mode)
     double last = INFINITY;
     r->residual = gradient(pile, load, pile->w, pile->g);
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
-        r->fault = spread(pile)                                    ? DEM_PILE_SPREADS
+        r->fault = spread(pile)                                            ? DEM_PILE_SPREADS
                    : step == (mode == DESCEND ? STEPS_MINIMUM : STEPS_MAX) ? DEM_PILE_NOT_CONVERGED
-                                                                   : DEM_PILE_OK;
+                                                                           : DEM_PILE_OK;
         if (r->fault) return RP_NO_RESULT;
         if (!pile->factored || r->residual > KEEP_FACTOR * last || !same_contacts(pile)) {
             rp_status status = factorise(pile, start, load, mode != FOLLOW);
@@ -452,15 +459,13 @@ static rp_status settle(dem_pile *pile, double load, int mode)
     return RP_NO_RESULT;
 }
 
-/* Raise the load to `to`, from the state under result.load, in steps that are halved where one fails. At no load
- * w is the linearised solution for the whole. */
+/* Raise the load to `to`, from the state under result.load, in steps that are halved where one fails. At no
+ * load w is the linearised solution for the whole. */
 static rp_status raise_load(dem_pile *pile, double to)
 {
     double *load = &pile->result.load;
     double step = 1 / (double)pile->def.load_steps;
-    const int mode = !(pile->eps > 0)                              ? LINEAR
-                     : pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND
-                                                                   : FOLLOW;
+    const int mode = !(pile->eps > 0) ? LINEAR : pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
     for (int halvings = 0; *load < to;) {
         const double next = *load + step < to * (1 - DBL_EPSILON) ? *load + step : to;
         const double ratio = next / (*load > 0 ? *load : 1);
@@ -484,13 +489,19 @@ static void set_wells_here(dem_pile *pile)
     for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = pile->w[2 * pile->wells[i].disk];
 }
 
-/* Pivots of the stiffness itself at the state found. */
+/* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
+ */
 static rp_status count_modes(dem_pile *pile)
 {
-    assemble(pile, false, 1, 0, 0);
-    pile->factored = false;
-    pile->result.factored++;
-    rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+    const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == DEM_WELL_SPRING &&
+                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile);
+    rp_status status = RP_OK;
+    if (!exact) {
+        assemble(pile, false, 1, 0, 0);
+        pile->factored = false;
+        pile->result.factored++;
+        status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+    }
     pile->result.negative_modes = pile->pivots.negative;
     pile->result.smallest_pivot = pile->pivots.smallest;
     pile->result.pivot_disk = pile->pivots.disk;
@@ -606,7 +617,6 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
     pile->eps = 0;
     rp_status status = newton(pile, 1, true, LINEAR);
     pile->eps = def->eps;
-    pile->factored = false;
     if (!status && def->set_load > 0) {
         status = raise_load(pile, def->set_load);
         set_wells_here(pile);

@@ -34,7 +34,7 @@ static bool order_disks(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds,
     int *p = G->p, *rows = G->i;
     for (size_t a = 0; a <= m->n; a++) p[a] = (int)m->first[a];
     for (size_t k = 0; k < n_bonds; k++) rows[k] = (int)bonds[k].b;
-    bool good = cholmod_metis(G, NULL, 0, true, order, &m->common);
+    bool good = cholmod_amd(G, NULL, 0, order, &m->common);
     cholmod_free_sparse(&G, &m->common);
     return good;
 }
