@@ -23,8 +23,9 @@ static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step move
 static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
-static const double CURVED = 0.5;       /* slope along a step may come out at this of its start, reversed */
+static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
 static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
 static const double SAME_PIVOTS =
     1e-6; /* of the smallest pivot: a change of the stiffness that changes no sign */
 static const double SOFTEN_MIN = 1e-3; /* least softening of a singular or negative stiffness */
@@ -32,7 +33,8 @@ static const double KICK = 0.1;        /* of the largest force: how far a saddle
 /* The linearised problem; the branch that a load follows, stable or not; downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
-    STEPS_MAX = 40,
+    STEPS_MAX = 60,
+    TRIALS = 40,
     STEPS_MINIMUM = 2000,
     WELL_ROUNDS = 100,
     HALVINGS = 6,
@@ -48,7 +50,7 @@ typedef struct {
 typedef struct {
     uint32_t disk;
     bool broken;
-    double x_0, N, H;
+    double x_0, k, N, H; /* k: stiffness, which follows N from one round to the next */
 } well;
 
 struct dem_pile {
@@ -245,12 +247,6 @@ static double ground_push(const dem_pile *pile, size_t i, const double *w)
     return rest_overlap(pile->disks[i].r - pile->disks[i].y, pile->def.eps) - w[2 * i + 1];
 }
 
-static double well_stiffness(const dem_pile *pile, const well *h, double N)
-{
-    if (h->broken) return 0;
-    return pile->def.well == DEM_WELL_SPRING ? pile->def.k_x : pile->def.mu * fmax(N, 0) / pile->def.a;
-}
-
 /* Gradient of the energy under part `load` of the weight, in g: minus the net force on each disk. Returns its
  * largest component. */
 static double gradient(dem_pile *pile, double load, const double *w, double *g)
@@ -271,7 +267,7 @@ static double gradient(dem_pile *pile, double load, const double *w, double *g)
     for (size_t i = 0; i < pile->n_wells; i++) {
         well *h = &pile->wells[i];
         h->N = fmax(ground_push(pile, h->disk, w), 0);
-        h->H = well_stiffness(pile, h, h->N) * (w[2 * h->disk] - h->x_0);
+        h->H = h->k * (w[2 * h->disk] - h->x_0);
         g[2 * h->disk] += h->H;
     }
     double worst = 0;
@@ -284,7 +280,7 @@ static double gradient(dem_pile *pile, double load, const double *w, double *g)
  * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
  * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
  * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
-static void assemble(dem_pile *pile, bool start, double load, double soften, double shift)
+static void assemble(dem_pile *pile, bool start, double soften, double shift)
 {
     const double *w = pile->w;
     dem_stiffness_clear(pile->matrix, shift);
@@ -302,11 +298,10 @@ static void assemble(dem_pile *pile, bool start, double load, double soften, dou
         if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 1);
     for (size_t i = 0; i < pile->n_wells; i++) {
         const well *h = &pile->wells[i];
-        const double N = ground_push(pile, h->disk, w), even = load * (double)pile->n / (double)pile->n_wells;
-        dem_stiffness_add_site(pile->matrix, h->disk, well_stiffness(pile, h, start ? even : N),
-                               N > 0   ? 0
-                               : start ? 1
-                                       : soften);
+        dem_stiffness_add_site(pile->matrix, h->disk, h->k,
+                               ground_push(pile, h->disk, w) > 0 ? 0
+                               : start                           ? 1
+                                                                 : soften);
     }
 }
 
@@ -320,20 +315,22 @@ static bool same_contacts(const dem_pile *pile)
 }
 
 /* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
- * is sought. How far is remembered: the next is near the last. */
-static rp_status factorise(dem_pile *pile, bool start, double load, bool positive)
+ * is sought; disks that even then are free get a weak hold. How far is remembered: the next is near the last.
+ */
+static rp_status factorise(dem_pile *pile, bool start, bool positive)
 {
-    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0;
+    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0, hold = 0;
     for (;;) {
-        assemble(pile, start, load, soften, 0);
+        assemble(pile, start, soften, hold);
         rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
         pile->result.factored++;
         if (status) return status;
         if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
-        if (soften == 1) {
+        if (hold > 0) {
             pile->result.fault = DEM_PILE_SINGULAR;
             return RP_NO_RESULT;
         }
+        if (soften == 1) hold = HOLD;
         soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
     }
     pile->soften = soften;
@@ -381,20 +378,30 @@ static double slope_along(const dem_pile *pile)
     return sum;
 }
 
-/* Move along p as far as the slope of the energy has not turned round by too much, so that contacts that open
- * or close on the way are noticed. Where the energy curves downwards the slope is positive at first; its sign
- * does not matter. Returns the residual there. */
+/* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
+ * the way, to where the slope has fallen below half. Where the energy curves downwards the slope is positive
+ * at first; its sign does not matter. Returns the residual there. */
 static double advance(dem_pile *pile, double load)
 {
     const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
                  reach = stretch * pile->eps;
     double t = reach > STEP_MAX ? STEP_MAX / reach : 1, residual = INFINITY;
-    for (int i = 0; i < 30; i++) {
+    double below = 0, s_below = 1, above = INFINITY,
+           s_above = 0; /* bracket: places, and slopes over the first */
+    for (int i = 0; i < TRIALS; i++) {
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
         residual = gradient(pile, load, pile->trial, pile->g);
-        const double turned = -slope_along(pile) / slope;
-        if (turned <= CURVED || !(slope != 0)) break;
-        t *= turned < INFINITY ? fmax(1 / (1 + turned), 0.1) : 0.1; /* where a straight line would be 0 */
+        const double s = slope_along(pile) / slope;
+        if (!(s < -CURVED || (s > CURVED && above < INFINITY))) break;
+        if (s < 0) {
+            above = t;
+            s_above = s;
+        } else {
+            below = t;
+            s_below = s;
+        }
+        const double part = s_below / (s_below - s_above);
+        t = below + (above - below) * fmin(fmax(part, 0.1), 0.9);
     }
     pile->moved += t * stretch;
     double *reached = pile->trial;
@@ -414,7 +421,7 @@ static rp_status newton(dem_pile *pile, double load, bool start, int mode)
                                                                            : DEM_PILE_OK;
         if (r->fault) return RP_NO_RESULT;
         if (!pile->factored || r->residual > KEEP_FACTOR * last || !same_contacts(pile)) {
-            rp_status status = factorise(pile, start, load, mode != FOLLOW);
+            rp_status status = factorise(pile, start, mode != FOLLOW);
             if (status) return status;
         }
         last = r->residual;
@@ -429,12 +436,24 @@ static rp_status newton(dem_pile *pile, double load, bool start, int mode)
 
 /* ---- Wells, load, branches ---- */
 
-/* Break, or set anew, the wells that their disks have left. True if there was one. */
+/* Let the wells' stiffness follow N; true if that changed a force. */
+static bool follow_wells(dem_pile *pile)
+{
+    double change = 0;
+    for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
+        well *h = &pile->wells[i];
+        const double k = h->broken ? 0 : pile->def.mu * h->N / pile->def.a;
+        change = fmax(change, fabs((k - h->k) * (pile->w[2 * h->disk] - h->x_0)));
+        h->k = k;
+    }
+    return change > tolerance(pile);
+}
+
+/* Break, or set anew, the wells that their disks have left; true if there was one. */
 static bool break_wells(dem_pile *pile)
 {
-    if (pile->def.well != DEM_WELL_FRICTION) return false;
     bool any = false;
-    for (size_t i = 0; i < pile->n_wells; i++) {
+    for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
         well *h = &pile->wells[i];
         const double x = pile->w[2 * h->disk];
         if (h->broken || fabs(x - h->x_0) <= pile->def.a) continue;
@@ -443,17 +462,27 @@ static bool break_wells(dem_pile *pile)
         h->broken = !pile->def.set_again;
         any = true;
     }
-    if (any) pile->factored = false;
     return any;
+}
+
+/* Equilibrium under this load, no well breaking. */
+static rp_status converge(dem_pile *pile, double load, bool start, int mode)
+{
+    for (int round = 0; round < WELL_ROUNDS; round++, start = false) {
+        rp_status status = newton(pile, load, start, mode);
+        if (status || !follow_wells(pile)) return status;
+    }
+    pile->result.fault = DEM_PILE_NOT_CONVERGED;
+    return RP_NO_RESULT;
 }
 
 /* Equilibrium under this load, with the wells that hold. */
 static rp_status settle(dem_pile *pile, double load, int mode)
 {
     for (int round = 0; round < WELL_ROUNDS; round++) {
-        rp_status status = newton(pile, load, false, mode);
-        if (status) return status;
-        if (!break_wells(pile)) return RP_OK;
+        rp_status status = converge(pile, load, false, mode);
+        if (status || !break_wells(pile)) return status;
+        follow_wells(pile);
     }
     pile->result.fault = DEM_PILE_SPREADS; /* wells set anew for ever */
     return RP_NO_RESULT;
@@ -497,7 +526,7 @@ static rp_status count_modes(dem_pile *pile)
                        pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile);
     rp_status status = RP_OK;
     if (!exact) {
-        assemble(pile, false, 1, 0, 0);
+        assemble(pile, false, 0, 0);
         pile->factored = false;
         pile->result.factored++;
         status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
@@ -505,7 +534,10 @@ static rp_status count_modes(dem_pile *pile)
     pile->result.negative_modes = pile->pivots.negative;
     pile->result.smallest_pivot = pile->pivots.smallest;
     pile->result.pivot_disk = pile->pivots.disk;
-    return status;
+    if (status || pile->pivots.smallest > SINGULAR) return status;
+    pile->result.fault =
+        DEM_PILE_SINGULAR; /* an equilibrium, but indifferent, and its modes are not counted */
+    return RP_NO_RESULT;
 }
 
 /* Leave a saddle along a direction close to its least stable mode, by inverse iteration with the stiffness
@@ -515,7 +547,7 @@ static rp_status kick(dem_pile *pile)
     rp_status status = RP_OK;
     double shift = 1e-6;
     do {
-        assemble(pile, false, 1, 0, shift);
+        assemble(pile, false, 0, shift);
         status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
         pile->result.factored++;
         shift *= 2;
@@ -610,12 +642,15 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
 {
     const dem_pile_definition *def = &pile->def;
     memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
-    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i] = (well){.disk = pile->wells[i].disk};
+    const double even =
+        def->well == DEM_WELL_SPRING ? def->k_x : def->mu / def->a * (double)pile->n / (double)pile->n_wells;
+    for (size_t i = 0; i < pile->n_wells; i++)
+        pile->wells[i] = (well){.disk = pile->wells[i].disk, .k = even};
     pile->factored = false;
     pile->soften = 0;
     pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
     pile->eps = 0;
-    rp_status status = newton(pile, 1, true, LINEAR);
+    rp_status status = converge(pile, 1, true, LINEAR);
     pile->eps = def->eps;
     if (!status && def->set_load > 0) {
         status = raise_load(pile, def->set_load);
@@ -627,6 +662,7 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
     if (!status) status = count_modes(pile);
     if (!status && def->branch == DEM_BRANCH_MINIMUM) status = go_to_minimum(pile);
     if (!status && def->eps > 0) status = check_meetings(pile);
+    if (status == RP_NO_RESULT && pile->result.broken) pile->result.fault = DEM_PILE_SPREADS;
     count_contacts(pile);
     *result = pile->result;
     return status == RP_NO_RESULT ? explain(pile) : status;
