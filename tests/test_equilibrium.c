@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 
 #include "analytic/analytic.h"
+#include "core/table.h"
 #include "dem/dem.h"
 #include "dem/equilibrium.h"
 #include "tests/check.h"
@@ -541,6 +542,126 @@ static void test_errors(void)
     dem_pile_free(pile);
 }
 
+/* ---- the program ---- */
+
+static char folder[64];
+
+/* Run `repose pile WORDS` in the folder, with output in the files out and err; its exit status. */
+static int run(const char *words)
+{
+    static char line[8192], program[4096];
+    const char *name = getenv("REPOSE");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name ? name : "build/repose", program));
+    snprintf(line, sizeof line, "cd %s && '%s' pile %s >out 2>err", folder, program, words);
+    const int status = system(line);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static rp_table table_of(const char *name)
+{
+    static char path[128]; /* borrowed by the table */
+    rp_table table;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    CHECK_OK(rp_table_read(path, &table));
+    return table;
+}
+
+static double cell(const rp_table *t, size_t row, const char *column)
+{
+    double value = NAN;
+    if (row < t->n_rows) CHECK_OK(rp_table_number(t, row, rp_table_column(t, column), 1, &value));
+    return value;
+}
+
+static void write_file(const char *name, const char *text)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static void check_outputs(void)
+{
+    CU_ASSERT(run("--alpha-deg 30 -o tables") == 0);
+    rp_table base = table_of("out");
+    double weight = 0;
+    for (size_t i = 0; i < base.n_rows; i++) {
+        weight += cell(&base, i, "N/mg");
+        CHECK_NEAR(cell(&base, i, "x/B") + cell(&base, base.n_rows - 1 - i, "x/B"), 1, ROUNDING);
+    }
+    CU_ASSERT(base.n_rows == 45 && cell(&base, 0, "H/mg") < 0);
+    CHECK_NEAR(weight, 360, 360 * ROUNDING);
+    rp_table_free(&base);
+    rp_table contacts = table_of("tables/contacts.tsv"), disks;
+    CU_ASSERT(contacts.n_rows == 845);
+    size_t horizontal = 0;
+    for (size_t i = 0; i < contacts.n_rows; i++) {
+        const double dx = cell(&contacts, i, "x") - cell(&contacts, i, "x_b");
+        const double dy = cell(&contacts, i, "y") - cell(&contacts, i, "y_b");
+        CHECK_NEAR((1 - hypot(dx, dy)) / 1e-4, cell(&contacts, i, "force"), 1e-9);
+        horizontal += cell(&contacts, i, "horizontal") > 0;
+    }
+    CU_ASSERT(horizontal == 239);
+    rp_table_free(&contacts);
+    disks = table_of("tables/disks.tsv");
+    CU_ASSERT(disks.n_rows == 360);
+    rp_table_free(&disks);
+}
+
+/* The same triangle by its slope, as a tent of equal slopes, as a polygon. */
+static void check_outlines(void)
+{
+    static const char *const words[] = {"--alpha-deg 30 --linear --summary",
+                                        "--outer-deg 30 --inner-deg 30 --x1 0.2 --linear --summary",
+                                        "--outline triangle --linear --summary"};
+    write_file("triangle", "# x\ty\n-3\t0\n0\t1.7320508075688772\n3\t0\n");
+    write_file("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
+    double ratio = NAN;
+    for (int i = 0; i < 3; i++) {
+        CU_ASSERT(run(words[i]) == 0);
+        rp_table t = table_of("out");
+        CU_ASSERT(cell(&t, 0, "n_disks") == 360 && cell(&t, 0, "negative_modes") == 0);
+        if (i == 0) ratio = cell(&t, 0, "H_max/H_max_diagonals");
+        CHECK_NEAR(cell(&t, 0, "H_max/H_max_diagonals"), ratio, ROUNDING);
+        rp_table_free(&t);
+    }
+    CU_ASSERT(run("--disks three") == 0);
+    rp_table t = table_of("out");
+    CU_ASSERT(t.n_rows == 2);
+    CHECK_NEAR(cell(&t, 1, "N/mg"), 1.5, ROUNDING);
+    rp_table_free(&t);
+}
+
+static void test_program(void)
+{
+    static const struct {
+        int status;
+        const char *words;
+    } cases[] = {{64, "--k-x 1 --well 1"},
+                 {64, "--mu 0.5"},
+                 {64, "--outer-deg 30 --x1 0.2"},
+                 {64, "--alpha-deg 30 --disks three"},
+                 {65, "--eps 0"},
+                 {65, "--outer-deg 30 --inner-deg 60 --x1 0.2"},
+                 {65, "--alpha-deg 60 --gap 0.1"},
+                 {65, "--disks nothing"},
+                 {65, "--disks hanging"},
+                 {1, "--alpha-deg 30 --well 1 --mu 0.1"}};
+    strcpy(folder, "/tmp/repose_pile_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    check_outputs();
+    check_outlines();
+    write_file("hanging", "# x\ty\n0\t0.5\n3\t4\n");
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        CU_ASSERT(run(cases[c].words) == cases[c].status);
+    char line[128];
+    snprintf(line, sizeof line, "rm -r %s", folder);
+    CU_ASSERT(system(line) == 0);
+}
+
 void suite_equilibrium(void)
 {
     static const check_case cases[] = {{"three disks by hand", test_three_disks},
@@ -555,6 +676,7 @@ void suite_equilibrium(void)
                                        {"order of the disks", test_relabelled},
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
+                                       {"the program", test_program},
                                        {NULL, NULL}};
     check_register("equilibrium", cases);
 }
