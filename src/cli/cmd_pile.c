@@ -11,7 +11,7 @@ typedef struct {
     long base, load_steps;
     double alpha_deg, outer_deg, inner_deg, x_1, gap;
     double eps, k_x, well, mu, set_load;
-    bool linear, set_again, summary;
+    bool linear, set_again, summary, threshold;
     int branch;
     const char *outline, *disks, *directory;
 } options;
@@ -50,6 +50,8 @@ static const rp_param schema[] = {
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
      "one row for the pile, not one a base disk"},
+    {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
+     "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
     {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
     {0},
 };
@@ -235,7 +237,7 @@ static void write_header(FILE *out, const options *o, const heap *h, const dem_p
     rp_table_note(out, "n_disks", "%zu", h->n);
     rp_table_note(out, "B", "%.17g sigma", h->B);
     rp_table_note(out, "status", "%s", dem_pile_fault_text(r->fault));
-    rp_table_note(out, "load", "%g of the weight", r->load);
+    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
     rp_table_note(out, "residual", "%.3g m g", r->residual);
     rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
     rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
@@ -274,12 +276,14 @@ static void write_summary(const options *o, const heap *h, const dem_pile_result
                                              {"contacts", ""},
                                              {"horizontal", ""},
                                              {"broken", ""},
+                                             {"jumps", ""},
                                              {"status", ""}};
-    rp_table_columns(stdout, 13, columns);
-    rp_table_row_word(stdout, 12,
+    rp_table_columns(stdout, 14, columns);
+    rp_table_row_word(stdout, 13,
                       (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, error[0], error[1],
                                  error[2], (double)r->negative_modes, r->smallest_pivot, r->residual,
-                                 (double)r->contacts, (double)r->horizontal, (double)r->broken},
+                                 (double)r->contacts, (double)r->horizontal, (double)r->broken,
+                                 (double)r->jumps},
                       dem_pile_fault_text(r->fault));
 }
 
@@ -374,6 +378,9 @@ static rp_status check_usage(const options *o)
         return rp_fail(RP_USAGE,
                        "give one outline: --alpha-deg, a tent, --outline or --disks; see repose pile --help");
     if (o->k_x > 0 && o->well > 0) return rp_fail(RP_USAGE, "give --k-x or --well; see repose pile --help");
+    if (o->threshold && (o->linear || o->branch || o->summary || *o->directory || *o->disks))
+        return rp_fail(RP_USAGE,
+                       "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
     if (o->mu > 0 && !(o->well > 0))
         return rp_fail(RP_USAGE, "--mu goes with --well; see repose pile --help");
     return RP_OK;
@@ -398,6 +405,59 @@ static dem_pile_definition define(const options *o, const heap *h)
     return def;
 }
 
+/* ---- Threshold of stability ---- */
+
+static rp_status is_stable(const options *o, const heap *h, double eps, bool *stable)
+{
+    dem_pile *pile = NULL;
+    dem_pile_result result;
+    dem_pile_definition def = define(o, h);
+    def.eps = eps;
+    rp_status status = dem_pile_create(&def, &pile);
+    if (!status) status = dem_pile_solve(pile, &result);
+    if (!status) *stable = result.negative_modes == 0;
+    dem_pile_free(pile);
+    return status;
+}
+
+/* eps_c by halving an interval that is first widened until it holds the threshold. */
+static rp_status find_threshold(const options *o, const heap *h)
+{
+    static const char *const columns[][2] = {
+        {"base", ""}, {"n_disks", ""}, {"eps_c", ""}, {"eps_c*base^3", ""}};
+    const double PRECISION = 1e-4, WIDEN = 4, k = (double)h->k;
+    double lo = 0, hi = 0, eps = o->eps;
+    while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
+        bool stable = false;
+        rp_status status = is_stable(o, h, eps, &stable);
+        if (status) return status;
+        *(stable ? &lo : &hi) = eps;
+        eps = !(hi > 0) ? lo * WIDEN : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
+    }
+    cli_table(stdout, schema, o);
+    rp_table_columns(stdout, 4, columns);
+    rp_table_row(stdout, 4, (double[]){k, (double)h->n, lo, lo * k * k * k});
+    return RP_OK;
+}
+
+static rp_status solve(const options *o, heap *h)
+{
+    dem_pile *pile = NULL;
+    dem_pile_result result;
+    const dem_pile_definition def = define(o, h);
+    rp_status status = dem_pile_create(&def, &pile);
+    if (status) return status;
+    status = dem_pile_solve(pile, &result);
+    if (!status || status == RP_NO_RESULT) {
+        char why[1024];
+        snprintf(why, sizeof why, "%s", rp_message());
+        rp_status written = write(o, h, pile, &result);
+        status = status ? rp_fail(status, "%s", why) : written;
+    }
+    dem_pile_free(pile);
+    return status;
+}
+
 rp_status cmd_pile(int argc, char **argv)
 {
     options o;
@@ -409,19 +469,8 @@ rp_status cmd_pile(int argc, char **argv)
     status = check_usage(&o);
     if (status) return status;
     heap h = {0};
-    dem_pile *pile = NULL;
-    dem_pile_result result = {0};
     status = *o.disks ? read_disks(o.disks, &h) : make_outline(&o, &h);
-    if (!status) {
-        const dem_pile_definition def = define(&o, &h);
-        status = dem_pile_create(&def, &pile);
-    }
-    if (!status) {
-        status = dem_pile_solve(pile, &result);
-        rp_status written = !status || status == RP_NO_RESULT ? write(&o, &h, pile, &result) : RP_OK;
-        if (!status) status = written;
-    }
-    dem_pile_free(pile);
+    if (!status) status = o.threshold ? find_threshold(&o, &h) : solve(&o, &h);
     heap_free(&h);
     return status;
 }

@@ -24,6 +24,7 @@ static const double SPREAD = 0.5;         /* sigma: neighbours moved that far ap
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
+static const double APART = 3;          /* residual over that of the load step's start: going astray */
 static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
 static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
 static const double SAME_PIVOTS =
@@ -33,11 +34,12 @@ static const double KICK = 0.1;        /* of the largest force: how far a saddle
 /* The linearised problem; the branch that a load follows, stable or not; downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
-    STEPS_MAX = 60,
+    STEPS_LINEAR = 100,
+    STEPS_FOLLOW = 15,
     TRIALS = 40,
-    STEPS_MINIMUM = 2000,
+    STEPS_DESCEND = 2000,
     WELL_ROUNDS = 100,
-    HALVINGS = 6,
+    SMALLEST_STEP = 10,
     KICKS = 20,
     INVERSE_STEPS = 30
 };
@@ -63,7 +65,7 @@ struct dem_pile {
     dem_stiffness *matrix;
     double *block;                    /* of the next five, 2 n each */
     double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
-    double eps;                       /* of the forces now: def.eps, or 0 for the linearised problem */
+    double eps, a; /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
     bool factored;
     double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
     dem_pivots pivots;
@@ -247,13 +249,13 @@ static double ground_push(const dem_pile *pile, size_t i, const double *w)
     return rest_overlap(pile->disks[i].r - pile->disks[i].y, pile->def.eps) - w[2 * i + 1];
 }
 
-/* Gradient of the energy under part `load` of the weight, in g: minus the net force on each disk. Returns its
+/* Gradient of the energy in g: minus the net force on each disk. Returns its
  * largest component. */
-static double gradient(dem_pile *pile, double load, const double *w, double *g)
+static double gradient(dem_pile *pile, const double *w, double *g)
 {
     for (size_t i = 0; i < pile->n; i++) {
         g[2 * i] = 0;
-        g[2 * i + 1] = load * pile->disks[i].weight - fmax(ground_push(pile, i, w), 0);
+        g[2 * i + 1] = pile->disks[i].weight - fmax(ground_push(pile, i, w), 0);
     }
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r, f = bond_push(pile, k, w, n, &r);
@@ -381,7 +383,7 @@ static double slope_along(const dem_pile *pile)
 /* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
  * the way, to where the slope has fallen below half. Where the energy curves downwards the slope is positive
  * at first; its sign does not matter. Returns the residual there. */
-static double advance(dem_pile *pile, double load)
+static double advance(dem_pile *pile, bool whole)
 {
     const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
                  reach = stretch * pile->eps;
@@ -390,9 +392,9 @@ static double advance(dem_pile *pile, double load)
            s_above = 0; /* bracket: places, and slopes over the first */
     for (int i = 0; i < TRIALS; i++) {
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
-        residual = gradient(pile, load, pile->trial, pile->g);
+        residual = gradient(pile, pile->trial, pile->g);
         const double s = slope_along(pile) / slope;
-        if (!(s < -CURVED || (s > CURVED && above < INFINITY))) break;
+        if (whole || !(s < -CURVED || (s > CURVED && above < INFINITY))) break;
         if (s < 0) {
             above = t;
             s_above = s;
@@ -410,15 +412,22 @@ static double advance(dem_pile *pile, double load)
     return residual;
 }
 
-static rp_status newton(dem_pile *pile, double load, bool start, int mode)
+/* Why Newton's method is given up here; DEM_PILE_OK: it is not. A branch is followed by whole steps from near
+ * by, and left at once when they do not come closer: another step might find another branch. */
+static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double first)
+{
+    static const int most[] = {[LINEAR] = STEPS_LINEAR, [FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND};
+    if (spread(pile)) return DEM_PILE_SPREADS;
+    if (step == most[mode] || !(pile->result.residual < INFINITY)) return DEM_PILE_NOT_CONVERGED;
+    return mode == FOLLOW && pile->result.residual > APART * first ? DEM_PILE_NOT_CONVERGED : DEM_PILE_OK;
+}
+
+static rp_status newton(dem_pile *pile, bool start, int mode)
 {
     dem_pile_result *r = &pile->result;
-    double last = INFINITY;
-    r->residual = gradient(pile, load, pile->w, pile->g);
+    double last = INFINITY, first = r->residual = gradient(pile, pile->w, pile->g);
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
-        r->fault = spread(pile)                                            ? DEM_PILE_SPREADS
-                   : step == (mode == DESCEND ? STEPS_MINIMUM : STEPS_MAX) ? DEM_PILE_NOT_CONVERGED
-                                                                           : DEM_PILE_OK;
+        r->fault = hopeless(pile, mode, step, first);
         if (r->fault) return RP_NO_RESULT;
         if (!pile->factored || r->residual > KEEP_FACTOR * last || !same_contacts(pile)) {
             rp_status status = factorise(pile, start, mode != FOLLOW);
@@ -428,9 +437,10 @@ static rp_status newton(dem_pile *pile, double load, bool start, int mode)
         rp_status status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
         if (status) return status;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
-        r->residual = advance(pile, load);
+        r->residual = advance(pile, mode == FOLLOW);
         r->steps++;
     }
+    r->fault = DEM_PILE_OK;
     return RP_OK;
 }
 
@@ -442,7 +452,7 @@ static bool follow_wells(dem_pile *pile)
     double change = 0;
     for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
         well *h = &pile->wells[i];
-        const double k = h->broken ? 0 : pile->def.mu * h->N / pile->def.a;
+        const double k = h->broken ? 0 : pile->def.mu * h->N / pile->a;
         change = fmax(change, fabs((k - h->k) * (pile->w[2 * h->disk] - h->x_0)));
         h->k = k;
     }
@@ -456,7 +466,7 @@ static bool break_wells(dem_pile *pile)
     for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
         well *h = &pile->wells[i];
         const double x = pile->w[2 * h->disk];
-        if (h->broken || fabs(x - h->x_0) <= pile->def.a) continue;
+        if (h->broken || fabs(x - h->x_0) <= pile->a) continue;
         if (!pile->result.broken++) pile->result.first_broken = h->disk;
         h->x_0 = x;
         h->broken = !pile->def.set_again;
@@ -465,22 +475,22 @@ static bool break_wells(dem_pile *pile)
     return any;
 }
 
-/* Equilibrium under this load, no well breaking. */
-static rp_status converge(dem_pile *pile, double load, bool start, int mode)
+/* Equilibrium, no well breaking. */
+static rp_status converge(dem_pile *pile, bool start, int mode)
 {
     for (int round = 0; round < WELL_ROUNDS; round++, start = false) {
-        rp_status status = newton(pile, load, start, mode);
+        rp_status status = newton(pile, start, mode);
         if (status || !follow_wells(pile)) return status;
     }
     pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;
 }
 
-/* Equilibrium under this load, with the wells that hold. */
-static rp_status settle(dem_pile *pile, double load, int mode)
+/* Equilibrium, with the wells that hold. */
+static rp_status settle(dem_pile *pile, int mode)
 {
     for (int round = 0; round < WELL_ROUNDS; round++) {
-        rp_status status = converge(pile, load, false, mode);
+        rp_status status = converge(pile, false, mode);
         if (status || !break_wells(pile)) return status;
         follow_wells(pile);
     }
@@ -488,34 +498,66 @@ static rp_status settle(dem_pile *pile, double load, int mode)
     return RP_NO_RESULT;
 }
 
-/* Raise the load to `to`, from the state under result.load, in steps that are halved where one fails. At no
- * load w is the linearised solution for the whole. */
-static rp_status raise_load(dem_pile *pile, double to)
+/* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
+ * doubled where one does not. Where even the smallest fails the branch has ended, and the pile jumps: it goes
+ * downhill. */
+static rp_status raise_eps(dem_pile *pile, double to)
 {
     double *load = &pile->result.load;
-    double step = 1 / (double)pile->def.load_steps;
-    const int mode = !(pile->eps > 0) ? LINEAR : pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
-    for (int halvings = 0; *load < to;) {
-        const double next = *load + step < to * (1 - DBL_EPSILON) ? *load + step : to;
-        const double ratio = next / (*load > 0 ? *load : 1);
+    const double most = 1 / (double)pile->def.load_steps;
+    const int usual = pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
+    int mode = usual;
+    for (double step = most; *load < 1;) {
+        const double next = fmin(*load + step, 1);
         memcpy(pile->kept, pile->w, 2 * pile->n * sizeof *pile->w);
-        for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] *= ratio;
-        rp_status status = settle(pile, next, mode);
+        pile->eps = next * to;
+        rp_status status = settle(pile, mode);
         if (!status) {
             *load = next;
+            pile->result.jumps += mode != usual;
+            mode = usual;
+            step = fmin(2 * step, most);
             continue;
         }
-        if (status != RP_NO_RESULT || ++halvings > HALVINGS || pile->result.broken) return status;
+        if (status != RP_NO_RESULT || mode != FOLLOW || pile->result.broken) return status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
         pile->factored = false;
-        step /= 2;
+        if (step < most / SMALLEST_STEP)
+            mode = DESCEND;
+        else
+            step /= 2;
     }
     return RP_OK;
 }
 
-static void set_wells_here(dem_pile *pile)
+/* The state at `eps`, its wells at their x_0 with the half-width a. */
+static rp_status find_state(dem_pile *pile, double eps, double a)
 {
-    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = pile->w[2 * pile->wells[i].disk];
+    const dem_pile_definition *def = &pile->def;
+    const double even = def->mu / a * (double)pile->n / (double)pile->n_wells; /* until N is known */
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        pile->wells[i].broken = false;
+        pile->wells[i].k = def->well == DEM_WELL_SPRING ? def->k_x : even;
+    }
+    memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
+    pile->factored = false;
+    pile->soften = pile->eps = 0;
+    pile->a = a;
+    pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
+    rp_status status = converge(pile, true, LINEAR);
+    if (status || eps > 0) return status ? status : raise_eps(pile, eps);
+    status = settle(pile, LINEAR);
+    pile->result.load = !status;
+    return status;
+}
+
+/* x_0 where the disks stand under a part of the load: eps is in proportion to the weight, and with it the
+ * unit of displacements. */
+static rp_status set_wells(dem_pile *pile, double part)
+{
+    rp_status status = find_state(pile, part * pile->def.eps, pile->def.a / part);
+    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
+    return status;
 }
 
 /* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
@@ -575,7 +617,7 @@ static rp_status go_to_minimum(dem_pile *pile)
 {
     for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
         rp_status status = kick(pile);
-        if (!status) status = settle(pile, 1, DESCEND);
+        if (!status) status = settle(pile, DESCEND);
         if (!status) status = count_modes(pile);
         if (status) return status;
     }
@@ -641,24 +683,9 @@ static rp_status explain(const dem_pile *pile)
 rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
 {
     const dem_pile_definition *def = &pile->def;
-    memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
-    const double even =
-        def->well == DEM_WELL_SPRING ? def->k_x : def->mu / def->a * (double)pile->n / (double)pile->n_wells;
-    for (size_t i = 0; i < pile->n_wells; i++)
-        pile->wells[i] = (well){.disk = pile->wells[i].disk, .k = even};
-    pile->factored = false;
-    pile->soften = 0;
-    pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
-    pile->eps = 0;
-    rp_status status = converge(pile, 1, true, LINEAR);
-    pile->eps = def->eps;
-    if (!status && def->set_load > 0) {
-        status = raise_load(pile, def->set_load);
-        set_wells_here(pile);
-        pile->factored = false;
-    }
-    if (!status) status = raise_load(pile, 1);
-    if (!status && def->set_load == 1) status = settle(pile, 1, FOLLOW);
+    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = 0;
+    rp_status status = def->set_load > 0 ? set_wells(pile, def->set_load) : RP_OK;
+    if (!status) status = find_state(pile, def->eps, def->a);
     if (!status) status = count_modes(pile);
     if (!status && def->branch == DEM_BRANCH_MINIMUM) status = go_to_minimum(pile);
     if (!status && def->eps > 0) status = check_meetings(pile);

@@ -27,7 +27,10 @@ typedef struct {
 enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
 
 /* Which equilibrium, where there are several: the one that grows from no load, stable or not; or a minimum of
- * the energy near it, found by going downhill along the direction in which it is least stable. */
+ * the energy near it, found by going downhill along the direction in which it is least stable. The primary
+ * branch is followed from the linearised problem by raising eps, which is in proportion to the weight; where
+ * it ends, as contacts close or open, the pile jumps downhill to another branch, and result.jumps counts
+ * that. */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
 typedef struct {
@@ -64,7 +67,8 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
  * from level at the start. */
 typedef struct {
     dem_pile_fault fault;
-    double load;            /* part of the weight up to which it was followed */
+    double load;            /* part of eps, and so of the weight, up to which it was followed */
+    size_t jumps;           /* times that the primary branch ended before */
     double residual;        /* largest net force on a disk, m g */
     size_t negative_modes;  /* of the stiffness: 0 is a stable state */
     double smallest_pivot;  /* of its factorisation, K_s: near 0, the pile can move freely */
