@@ -281,14 +281,20 @@ $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 $(T)/pile_minimum_%.tsv: $(CODE)
 	$(call make_pile,--branch minimum >$@)
 # One row a pile: the first with its header.
+define one_table
+@awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
+@rm $@.rows
+endef
 $(T)/pile_eps.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
-	  $(REPOSE) pile --eps $$e --summary || exit 1; done | awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' >$@
+	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
+	$(one_table)
 $(T)/pile_threshold.tsv: $(CODE)
 	@mkdir -p $(T)
-	@for k in 4 6 8 12 16 24 32 45 64 90; do \
-	  $(REPOSE) pile --base $$k --threshold || exit 1; done | awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' >$@
+	@for k in 6 8 12 16 24 32 45 64 90; do \
+	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
+	$(one_table)
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)

@@ -4,7 +4,7 @@ set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
 set format xy '10^{%T}'
 set key top left Left reverse
-from = real(pick('pile_eps.tsv', 'eps', 1e-6, 'N_error_rms'))
+from = real(pick('pile_eps.tsv', 'eps', '1e-6', 'N_error_rms'))
 plot [5e-9:2e-3] from*x/1e-6 with lines lc rgb '#888888' dt 2 title 'proportional to ε', \
      t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square', \
      t('pile_eps.tsv') using (column('eps')):(column('N_error_max')) with points pt 8 ps 0.8 lc 3 title 'largest', \

@@ -425,13 +425,15 @@ static rp_status find_threshold(const options *o, const heap *h)
 {
     static const char *const columns[][2] = {
         {"base", ""}, {"n_disks", ""}, {"eps_c", ""}, {"eps_c*base^3", ""}};
-    const double PRECISION = 1e-4, WIDEN = 4, k = (double)h->k;
+    const double PRECISION = 1e-4, WIDEN = 2, EPS_MAX = 0.1, k = (double)h->k;
     double lo = 0, hi = 0, eps = o->eps;
     while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
         bool stable = false;
         rp_status status = is_stable(o, h, eps, &stable);
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
+        if (!(hi > 0) && lo * WIDEN > EPS_MAX)
+            return rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below %g", lo, EPS_MAX);
         eps = !(hi > 0) ? lo * WIDEN : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
     }
     cli_table(stdout, schema, o);
