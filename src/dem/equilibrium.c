@@ -25,8 +25,10 @@ static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
 static const double APART = 3;          /* residual over that of the load step's start: going astray */
-static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
-static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
+static const double UPDATE_MAX =
+    0.01; /* of the disks: as many contacts may change without a new factorisation */
+static const double SINGULAR = 1e-11; /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;      /* K_s: of disks that nothing holds, while it is sought what might */
 static const double SAME_PIVOTS =
     1e-6; /* of the smallest pivot: a change of the stiffness that changes no sign */
 static const double SOFTEN_MIN = 1e-3; /* least softening of a singular or negative stiffness */
@@ -63,6 +65,9 @@ struct dem_pile {
     bond *bonds;
     well *wells;
     dem_stiffness *matrix;
+    size_t n_changes; /* room for bonds changed at once */
+    dem_pair *changed;
+    double (*direction)[2];
     double *block;                    /* of the next five, 2 n each */
     double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
     double eps, a; /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
@@ -178,7 +183,11 @@ static rp_status find_network(dem_pile *pile)
                        "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it",
                        hanging + 1, pile->disks[hanging].x, pile->disks[hanging].y);
     pile->bonds = calloc(pile->n_bonds + 1, sizeof *pile->bonds);
-    if (!pile->bonds) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    pile->n_changes = (size_t)(UPDATE_MAX * (double)pile->n) + 1;
+    pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
+    pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
+    if (!pile->bonds || !pile->changed || !pile->direction)
+        return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
     status = make_bonds(pile);
     if (!status) make_wells(pile);
     return status ? status : dem_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
@@ -222,6 +231,8 @@ void dem_pile_free(dem_pile *pile)
     free(pile->disks);
     free(pile->pairs);
     free(pile->bonds);
+    free(pile->changed);
+    free(pile->direction);
     free(pile->wells);
     free(pile->block);
     free(pile);
@@ -341,6 +352,34 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive)
     return RP_OK;
 }
 
+/* Bring the factorised stiffness of the linearised problem to the contacts at w by the few bonds that
+ * changed. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
+static bool update(dem_pile *pile, rp_status *status)
+{
+    if (!pile->factored || pile->eps > 0 || pile->soften > 0) return false;
+    size_t all = 0;
+    for (int add = 1; add >= 0; add--) { /* first the new ones, so that it does not get singular on the way */
+        size_t n = 0;
+        for (size_t k = 0; k < pile->n_bonds; k++) {
+            double direction[2], r;
+            const bool now = bond_push(pile, k, pile->w, direction, &r) > 0;
+            if (now == pile->bonds[k].active || now != add) continue;
+            if (n == pile->n_changes) return false;
+            pile->changed[n] = pile->pairs[k];
+            memcpy(pile->direction[n++], direction, sizeof direction);
+        }
+        all += n;
+        *status = dem_stiffness_update(pile->matrix, add, n, pile->changed,
+                                       (const double(*)[2])pile->direction, &pile->pivots);
+        if (*status || pile->pivots.negative || !(pile->pivots.smallest > SINGULAR)) return false;
+    }
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double direction[2], r;
+        pile->bonds[k].active = bond_push(pile, k, pile->w, direction, &r) > 0;
+    }
+    return all > 0; /* else it was something else that changed */
+}
+
 /* ---- Newton's method ---- */
 
 static double largest(const double *v, size_t n)
@@ -429,12 +468,12 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
         r->fault = hopeless(pile, mode, step, first);
         if (r->fault) return RP_NO_RESULT;
-        if (!pile->factored || r->residual > KEEP_FACTOR * last || !same_contacts(pile)) {
-            rp_status status = factorise(pile, start, mode != FOLLOW);
-            if (status) return status;
-        }
+        const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
+        rp_status status = RP_OK;
+        if (!serves && !update(pile, &status) && !status) status = factorise(pile, start, mode != FOLLOW);
+        if (status) return status;
         last = r->residual;
-        rp_status status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
+        status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
         if (status) return status;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
         r->residual = advance(pile, mode == FOLLOW);

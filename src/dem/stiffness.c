@@ -14,6 +14,7 @@
 struct dem_stiffness {
     size_t n;
     size_t *first; /* [n + 1] first bond of each disk as its lower end */
+    int *place;    /* [2 n] of the unknowns in L */
     cholmod_common common;
     cholmod_sparse *A;
     cholmod_factor *L;
@@ -71,7 +72,9 @@ static bool analyse(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds, int
         order[2 * a] = 2 * order[a];
     }
     m->L = cholmod_analyze_p(m->A, order, NULL, 0, c);
-    return m->L != NULL;
+    if (!m->L) return false;
+    for (size_t j = 0; j < 2 * m->n; j++) m->place[((const int *)m->L->Perm)[j]] = (int)j;
+    return true;
 }
 
 rp_status dem_stiffness_create(size_t n, size_t n_bonds, const dem_pair *bonds, dem_stiffness **matrix)
@@ -81,8 +84,9 @@ rp_status dem_stiffness_create(size_t n, size_t n_bonds, const dem_pair *bonds, 
     m->n = n;
     cholmod_start(&m->common);
     m->first = calloc(n + 2, sizeof *m->first);
+    m->place = malloc(2 * n * sizeof *m->place);
     int *order = malloc(2 * n * sizeof *order);
-    bool good = m->first && order;
+    bool good = m->first && m->place && order;
     if (good) {
         for (size_t k = 0; k < n_bonds; k++) m->first[bonds[k].a + 1]++;
         for (size_t a = 0; a < n; a++) m->first[a + 1] += m->first[a];
@@ -108,6 +112,7 @@ void dem_stiffness_free(dem_stiffness *m)
     cholmod_free_dense(&m->e, &m->common);
     cholmod_finish(&m->common);
     free(m->first);
+    free(m->place);
     free(m);
 }
 
@@ -152,22 +157,51 @@ void dem_stiffness_add_bond(dem_stiffness *m, size_t k, dem_pair ends, double xx
     y[1] -= yy;
 }
 
-rp_status dem_stiffness_factorise(dem_stiffness *m, dem_pivots *pivots)
+static void read_pivots(const dem_stiffness *m, dem_pivots *pivots)
 {
-    if (!cholmod_factorize(m->A, m->L, &m->common) && m->common.status != CHOLMOD_NOT_POSDEF)
-        return no_memory(m->n);
     const int *p = m->L->p, *order = m->L->Perm;
     const double *v = m->L->x;
     *pivots = (dem_pivots){.smallest = INFINITY};
     for (size_t j = 0; j < m->L->minor; j++) {
         double d = v[p[j]];
         pivots->negative += d < 0;
-        if (fabs(d) < pivots->smallest) {
+        if (!(fabs(d) >= pivots->smallest)) {
             pivots->smallest = fabs(d);
             pivots->disk = (size_t)order[j] / 2;
         }
     }
     if (m->L->minor < m->L->n) *pivots = (dem_pivots){pivots->negative, 0, (size_t)order[m->L->minor] / 2};
+}
+
+rp_status dem_stiffness_factorise(dem_stiffness *m, dem_pivots *pivots)
+{
+    if (!cholmod_factorize(m->A, m->L, &m->common) && m->common.status != CHOLMOD_NOT_POSDEF)
+        return no_memory(m->n);
+    read_pivots(m, pivots);
+    return RP_OK;
+}
+
+rp_status dem_stiffness_update(dem_stiffness *m, bool add, size_t n_bonds, const dem_pair *bonds,
+                               const double (*direction)[2], dem_pivots *pivots)
+{
+    if (n_bonds == 0) return RP_OK;
+    cholmod_sparse *C =
+        cholmod_allocate_sparse(2 * m->n, n_bonds, 4 * n_bonds, false, true, 0, CHOLMOD_REAL, &m->common);
+    if (!C) return no_memory(m->n);
+    int *p = C->p, *rows = C->i;
+    double *v = C->x;
+    for (size_t k = 0; k < n_bonds; k++) {
+        p[k] = (int)(4 * k);
+        for (int i = 0; i < 4; i++) {
+            rows[4 * k + i] = m->place[2 * (i < 2 ? bonds[k].a : bonds[k].b) + i % 2];
+            v[4 * k + i] = i < 2 ? direction[k][i % 2] : -direction[k][i % 2];
+        }
+    }
+    p[n_bonds] = (int)(4 * n_bonds);
+    const bool good = cholmod_sort(C, &m->common) && cholmod_updown(add, C, m->L, &m->common);
+    cholmod_free_sparse(&C, &m->common);
+    if (!good && m->common.status == CHOLMOD_OUT_OF_MEMORY) return no_memory(m->n);
+    read_pivots(m, pivots);
     return RP_OK;
 }
 
