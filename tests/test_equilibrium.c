@@ -10,6 +10,7 @@
 #include "core/table.h"
 #include "dem/dem.h"
 #include "dem/equilibrium.h"
+#include "dem/stiffness.h"
 #include "tests/check.h"
 
 static const double DEG = M_PI / 180;
@@ -532,6 +533,24 @@ static void test_errors(void)
     CHECK_OK(dem_pile_solve(pile, &result)); /* a tower stands on end, but not for long */
     CU_ASSERT(result.negative_modes == 2);
     dem_pile_free(pile);
+    def.branch = DEM_BRANCH_MINIMUM;
+    CHECK_OK(dem_pile_create(&def, &pile));
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
+    dem_pile_free(pile);
+    def.branch = DEM_BRANCH_PRIMARY;
+    /* two piles of three on weak springs slide into one another, and were no neighbours */
+    dem_pile_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    for (int i = 3; i < 6; i++) {
+        two[i] = two[i - 3];
+        two[i].x += 2.2501;
+    }
+    dem_pile_definition meet = soft(0.01);
+    meet.disks = two;
+    meet.n = 6;
+    meet.k_x = 0.024;
+    CHECK_OK(dem_pile_create(&meet, &pile));
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads: equilibrium up to 1 of the load");
+    dem_pile_free(pile);
     /* a drop of 0.2 to the ground, beside nobody: nothing holds it in x */
     dem_pile_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
     def.disks = lone;
@@ -540,6 +559,50 @@ static void test_errors(void)
     CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "disk 2");
     CU_ASSERT(result.fault == DEM_PILE_SINGULAR);
     dem_pile_free(pile);
+}
+
+/* ---- the stiffness matrix ---- */
+
+/* A square with a diagonal, held at all corners: an update against a factorisation from the start, and
+ * against the product that it should undo. */
+static void test_stiffness_update(void)
+{
+    static const dem_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
+    static const double along[][2] = {{1, 0}, {0, 1}, {-0.6, 0.8}, {0, 1}, {1, 0}};
+    static const double load[8] = {0.3, -1.1, 0.7, 0.2, -0.9, 0.4, 1.3, -0.5};
+    double x[2][8], product[8];
+    for (int way = 0; way < 2; way++) {
+        dem_stiffness *m = NULL;
+        dem_pivots pivots;
+        CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
+        dem_stiffness_clear(m, 0.125);
+        dem_stiffness_add_site(m, 3, -2, 0); /* one negative mode */
+        for (size_t k = 0; k < 5; k++)       /* bond 2 is wanted, bond 4 is not */
+            if (way == 0 ? k != 4 : k != 2)
+                dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
+                                       along[k][1] * along[k][1]);
+        CHECK_OK(dem_stiffness_factorise(m, &pivots));
+        if (way == 1) {
+            CHECK_OK(dem_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
+            CHECK_OK(dem_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
+        }
+        CU_ASSERT(pivots.negative == 1 && pivots.smallest > 0);
+        CHECK_OK(dem_stiffness_solve(m, load, x[way]));
+        dem_stiffness_free(m);
+    }
+    for (size_t i = 0; i < 8; i++) product[i] = 0.125 * x[0][i] - (i == 6 ? 2 * x[0][i] : 0);
+    for (size_t k = 0; k < 4; k++) {
+        const size_t a = 2 * bonds[k].a, b = 2 * bonds[k].b;
+        const double stretch = (x[0][b] - x[0][a]) * along[k][0] + (x[0][b + 1] - x[0][a + 1]) * along[k][1];
+        for (size_t c = 0; c < 2; c++) {
+            product[a + c] -= stretch * along[k][c];
+            product[b + c] += stretch * along[k][c];
+        }
+    }
+    for (size_t i = 0; i < 8; i++) { /* numbers near 10, a few operations each */
+        CHECK_NEAR(x[1][i], x[0][i], 1e-12);
+        CHECK_NEAR(product[i], load[i], 1e-12);
+    }
 }
 
 /* ---- the program ---- */
@@ -676,6 +739,7 @@ void suite_equilibrium(void)
                                        {"order of the disks", test_relabelled},
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
+                                       {"stiffness updated", test_stiffness_update},
                                        {"the program", test_program},
                                        {NULL, NULL}};
     check_register("equilibrium", cases);

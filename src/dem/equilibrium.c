@@ -53,7 +53,7 @@ typedef struct {
 
 typedef struct {
     uint32_t disk;
-    bool broken;
+    bool broken, lost;   /* now; at least once */
     double x_0, k, N, H; /* k: stiffness, which follows N from one round to the next */
 } well;
 
@@ -506,7 +506,9 @@ static bool break_wells(dem_pile *pile)
         well *h = &pile->wells[i];
         const double x = pile->w[2 * h->disk];
         if (h->broken || fabs(x - h->x_0) <= pile->a) continue;
-        if (!pile->result.broken++) pile->result.first_broken = h->disk;
+        if (!pile->result.broken) pile->result.first_broken = h->disk;
+        pile->result.broken += !h->lost;
+        h->lost = true;
         h->x_0 = x;
         h->broken = !pile->def.set_again;
         any = true;
@@ -575,7 +577,7 @@ static rp_status find_state(dem_pile *pile, double eps, double a)
     const dem_pile_definition *def = &pile->def;
     const double even = def->mu / a * (double)pile->n / (double)pile->n_wells; /* until N is known */
     for (size_t i = 0; i < pile->n_wells; i++) {
-        pile->wells[i].broken = false;
+        pile->wells[i].broken = pile->wells[i].lost = false;
         pile->wells[i].k = def->well == DEM_WELL_SPRING ? def->k_x : even;
     }
     memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
