@@ -261,7 +261,7 @@ static void kernels_match_reference(void)
     /* normal law and tension; then slip, damping, rotation and rolling of the spring; or no spring, slip_roll
      */
     const long steps = check_fast() ? 2000 : 4000;
-    for (int laws = 0; laws < 4 * 16; laws++) {
+    for (int laws = 0; laws < 4 * 17; laws++) {
         const int shear = laws / 4, spin = shear / 4;
         dem_grain *grains;
         dem_definition def = box(60, 2.0, laws, &grains);
@@ -270,8 +270,8 @@ static void kernels_match_reference(void)
         def.tangential = shear < 12 ? DEM_SPRING : shear < 14 ? DEM_NONE : DEM_SLIP_ROLL;
         def.slip = shear & 1 ? DEM_TOTAL : DEM_TRUNCATED;
         def.damping = shear & 2 ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
-        def.rotation = shear < 12 ? spin > 0 : shear & 1;
-        def.material.mu_roll = spin == 2 ? 0.1 : 0.0;
+        def.rotation = shear < 12 ? spin > 0 : shear & 1 || shear == 16;
+        def.material.mu_roll = spin == 2 || shear == 16 ? 0.1 : 0.0;
         for (int i = 0; def.rotation && i < 60; i++) grains[i].omega = i % 7 - 3.0;
         if (def.normal == DEM_LINEAR) def.material.k_n = 1e5;
         if (def.tangential == DEM_NONE) def.material.mu = def.material.mu_roll = 0.0;
@@ -906,9 +906,7 @@ static void bad_definitions(void)
     REFUSES((bad.material.mu_roll = 0.1, bad.material.gamma_roll = -1.0), "particles: gamma_roll = -1");
     REFUSES((bad.material.mu_roll = 0.1, bad.material.mu = bad.walls[0].material.mu = 0.0,
              bad.tangential = DEM_NONE),
-            "mu_roll = 0.1: needs the tangential law spring");
-    REFUSES((bad.material.mu_roll = 0.1, bad.tangential = DEM_SLIP_ROLL),
-            "mu_roll = 0.1: needs the tangential law spring");
+            "mu_roll = 0.1: needs a tangential law");
     def.rotation = false;
     REFUSES(bad.walls[0].direction[0] = 0.3, "unit vector");
     REFUSES((bad.walls[0].extent[0] = 2.0, bad.walls[0].extent[1] = 1.0), "extent");

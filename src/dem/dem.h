@@ -65,7 +65,8 @@ typedef struct {
  * A grain that touches it is held in a well: along the ground, through the centre and without a torque, acts
  * -mu_static N (s - s0)/a, none beyond a half-width a: there the well is broken, until the contact ends.
  * `set` says when a grain gets its s0: at first touch, or once it is at rest along the ground (it slows down,
- * and the well's depth would hold it: m v_s^2 <= mu_static N a), or then and again after each break. */
+ * and the well is deep enough to hold it: m v_s^2 + I omega^2 <= mu_static N a), or then and again after each
+ * break. */
 enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN };
 typedef struct {
     int wall; /* its number, from 1; 0: no ground, and nothing else here counts */

@@ -30,8 +30,9 @@ static bool comes_to_rest(const dem_sim *sim, const dem_wall_slot *slot, double 
     const size_t i = slot->grain;
     const double v = along(sim, slot, sim->grain[i].v - ground_velocity);
     const double push = along(sim, slot, sim->force[i] + f + sim->mass[i] * sim->gravity);
-    return v * push <= 0.0 &&
-           sim->mass[i] * v * v <= sim->def.ground.mu_static * normal_force * sim->def.ground.a;
+    double twice = sim->mass[i] * v * v; /* its kinetic energy; a spin may turn into speed */
+    if (sim->spin) twice += sim->spin[i].omega * sim->spin[i].omega / sim->spin[i].inverse_inertia;
+    return v * push <= 0.0 && twice <= sim->def.ground.mu_static * normal_force * sim->def.ground.a;
 }
 
 dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,

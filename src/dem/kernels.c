@@ -19,9 +19,8 @@
     X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), DEM_DAMPING_INSIDE, false, false)
 #define ROTATING(X, name, normal, rolling)                                                                   \
     X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), true, rolling)
-#define SLIP_ROLL(X, name, normal)                                                                           \
-    X(name, normal, DEM_SLIP_ROLL, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), AS_IT_IS(rotation), \
-      false)
+#define SLIP_ROLL(X, name, normal, rotation, rolling)                                                        \
+    X(name, normal, DEM_SLIP_ROLL, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), rotation, rolling)
 #define KERNELS(X)                                                                                           \
     FRICTIONLESS(X, hertz_none_pull, DEM_HERTZ, true)                                                        \
     FRICTIONLESS(X, hertz_none_push, DEM_HERTZ, false)                                                       \
@@ -41,8 +40,12 @@
     ROTATING(X, linear_rotating, DEM_LINEAR, false)                                                          \
     ROTATING(X, hertz_rolling, DEM_HERTZ, true)                                                              \
     ROTATING(X, linear_rolling, DEM_LINEAR, true)                                                            \
-    SLIP_ROLL(X, hertz_slip_roll, DEM_HERTZ)                                                                 \
-    SLIP_ROLL(X, linear_slip_roll, DEM_LINEAR)
+    SLIP_ROLL(X, hertz_slip, DEM_HERTZ, false, false)                                                        \
+    SLIP_ROLL(X, linear_slip, DEM_LINEAR, false, false)                                                      \
+    SLIP_ROLL(X, hertz_slip_roll, DEM_HERTZ, true, false)                                                    \
+    SLIP_ROLL(X, linear_slip_roll, DEM_LINEAR, true, false)                                                  \
+    SLIP_ROLL(X, hertz_slip_rolling, DEM_HERTZ, true, true)                                                  \
+    SLIP_ROLL(X, linear_slip_rolling, DEM_LINEAR, true, true)
 
 #define X(name, ...)                                                                                         \
     static void kernel_##name(dem_sim *sim, double h)                                                        \

@@ -178,10 +178,11 @@ static double spring_energy(const dem_sim *sim, const dem_material *c, double mu
     if (contact->well == DEM_WELL_HOLDS)
         energy +=
             0.5 * sim->def.ground.mu_static * fmax(contact->normal_force, 0.0) / sim->def.ground.a * ds * ds;
-    if (sim->def.tangential != DEM_SPRING) return energy;
-    double pull = c->k_s * ds;
-    if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
-    energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    if (sim->def.tangential == DEM_SPRING) {
+        double pull = c->k_s * ds;
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
+        energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    }
     return energy + 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring;
 }
 

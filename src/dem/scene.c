@@ -187,7 +187,7 @@ static rp_status read_rolling(const config_setting_t *root, dem_definition *def)
     rp_params_defaults(rolling_schema, &v);
     rp_status status = group ? rp_config_group(group, rolling_schema, &v, NULL) : RP_OK;
     if (status) return status;
-    if (v.mu_roll > 0.0 && (!def->rotation || def->tangential != DEM_SPRING))
+    if (v.mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
         return rp_config_fail(
             group, "mu = %g: needs rotation = true and tangential = { law = \"spring\"; ... }", v.mu_roll);
     def->material.mu_roll = v.mu_roll;

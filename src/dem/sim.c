@@ -84,7 +84,7 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
         const bool spring = def->tangential == DEM_SPRING;
         const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
         const double rolls = c->mu_roll > 0.0 ? turns : 0.0;
-        k_tangential = spring ? (1.0 + turns) * c->k_s + rolls * c->k_roll : 0.0;
+        k_tangential = (spring ? (1.0 + turns) * c->k_s : 0.0) + rolls * c->k_roll;
         gamma_tangential = (1.0 + turns) * c->gamma_s + rolls * c->gamma_roll;
     }
     double k = fmax(k_normal, k_tangential), gamma = fmax(c->gamma_n, gamma_tangential);
@@ -218,10 +218,9 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
         status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
     if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
-    if (!status && c->mu_roll > 0.0 && (!def->rotation || def->tangential != DEM_SPRING))
-        status =
-            rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
-                    def->rotation ? "the tangential law spring, but the scene declares another" : "rotation");
+    if (!status && c->mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
+        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
+                         def->rotation ? "a tangential law, but the scene declares none" : "rotation");
     if (!status && has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
     if (!status && has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
     return status ? rp_prefix(status, "%s: ", of) : RP_OK;
