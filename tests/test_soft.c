@@ -377,6 +377,61 @@ static void collide_in_flight(void)
     dem_free(sim);
 }
 
+/* A blow on the end of a row passes through it within a step, whatever the order of the pairs. */
+static void passes_through_a_row(void)
+{
+    enum { N = 5 };
+    for (int side = -1; side <= 1; side += 2) {
+        dem_grain grains[N];
+        for (int i = 0; i < N; i++)
+            grains[i] = (dem_grain){.x = side * i * (1.0 + 1e-5), .y = 3.0, .r = R, .m = 1.0};
+        grains[0].vx = 2.0 * side;
+        dem_definition def = on_ground(grains, N);
+        def.gravity[1] = 0.0;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = start(&def);
+        dem_state s[N];
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_OK(dem_states(sim, s));
+        CU_ASSERT_EQUAL(collisions(sim), N - 1);
+        for (int i = 0; i < N; i++) CHECK_NEAR(s[i].vx, i == N - 1 ? 2.0 * side : 0.0, 1e-12);
+        /* in contact now and then, it moved 2 dt in all, less the gaps */
+        CHECK_NEAR(side * s[N - 1].x, 4.0 * (1.0 + 1e-5) + 2.0 * def.dt - 4e-5, 1e-12);
+        dem_free(sim);
+    }
+}
+
+/* A disk that slides on the ground, slowed and spun up evenly, hits a fixed one as fast as it is then, not as
+ * in the middle of the step. */
+static void hits_while_it_slides(void)
+{
+    const double a = -0.1, b = R - 1.0 / K, alpha = -0.1 * b / (0.5 * R * R), gap = 0.0037;
+    dem_grain grains[2] = {resting(), {.r = R, .m = 1.0, .fixed = true}};
+    grains[0].vx = 1.0;
+    grains[1].x = grains[0].x + 1.0 + gap;
+    grains[1].y = grains[0].y;
+    dem_definition def = on_ground(grains, 2);
+    def.rotation = true;
+    def.gravity[1] = -1.0;
+    def.ground.wall = 0;
+    def.hard = (dem_hard){true, 0.6, INFINITY};
+    const double t = (1.0 - sqrt(1.0 + 2.0 * a * gap)) / -a, dt = def.dt, n[2] = {1.0, 0.0};
+    dem_body disk = {{1.0 + a * t, 0.0}, alpha * t, R, 1.0, 1.0 / (0.5 * R * R)}, held = {{0.0, 0.0}, 0.0, R};
+    dem_impulse impulse;
+    CU_ASSERT(t > dt && t < 2.0 * dt && dem_impact(&disk, &held, n, 0.6, INFINITY, &impulse));
+    dem_sim *sim = start(&def);
+    dem_state s[2];
+    CHECK_OK(dem_run(sim, 2));
+    CHECK_OK(dem_states(sim, s));
+    CU_ASSERT_EQUAL(collisions(sim), 1);
+    /* of the middle of the second step, at 1.5 dt */
+    CHECK_NEAR(s[0].vx - 0.5 * dt * s[0].fx, disk.v[0] + a * (1.5 * dt - t), 1e-12);
+    CHECK_NEAR(s[0].vy - 0.5 * dt * s[0].fy, disk.v[1], 1e-12);
+    CHECK_NEAR(s[0].omega - 0.5 * dt * s[0].torque / (0.5 * R * R), disk.omega + alpha * (1.5 * dt - t),
+               1e-12);
+    dem_free(sim);
+}
+
 /* A hard pair leaves the list's reach within a step of its end without being missed. */
 static void no_collision_is_missed(void)
 {
@@ -476,6 +531,10 @@ static void refused(void)
             "static friction of its own");
     REFUSES(bad.ground.a = 1e-9, "too large for the lightest grain in a well");
     REFUSES(bad.material.gamma_s = -1.0, "gamma_s = -1");
+    REFUSES(bad.walls[0].material.gamma_s = 1e4, "the limit is");
+    REFUSES((bad.rotation = true, bad.material.k_roll = bad.walls[0].material.k_roll = 1e7,
+             bad.walls[0].material.mu_roll = 0.1),
+            "the limit is");
     REFUSES(bad.hard.restitution = 1.1, "hard: restitution = 1.1");
     REFUSES(bad.hard.mu = -0.1, "hard: mu = -0.1");
     REFUSES(bad.tension = true, "tension = false");
@@ -501,6 +560,8 @@ void suite_soft(void)
                                        {"a soft pair", soft_pair},
                                        {"bounces until the contact is soft", switches_to_soft},
                                        {"collisions in flight", collide_in_flight},
+                                       {"a blow passes through a row", passes_through_a_row},
+                                       {"a hit while sliding", hits_while_it_slides},
                                        {"no collision is missed", no_collision_is_missed},
                                        {"a heap of disks", heap_of_disks},
                                        {"refused", refused},
