@@ -5,6 +5,7 @@
 
 #include "dem/dem.h"
 #include "dem/impact.h"
+#include "dem/law_normal.h"
 #include "tests/check.h"
 
 static const double R = 0.5, K = 1e3, MU_STATIC = 0.3, A = 0.02;
@@ -257,6 +258,49 @@ static void rolling_resistance(void)
     dem_free(sim);
 }
 
+/* A disk of radius and mass 1 under the slip force -(v + omega) alone, by Euler's method, its torque `sign`
+ * times the force: its energy after, over that before. */
+static double spun_by(double sign)
+{
+    double v = 0.3, omega = 2.0;
+    for (int k = 0; k < 1000; k++) {
+        const double f = -(v + omega);
+        v += 1e-3 * f;
+        omega += 1e-3 * sign * f / 0.5;
+    }
+    return (v * v + 0.5 * omega * omega) / (0.3 * 0.3 + 0.5 * 2.0 * 2.0);
+}
+
+/* Farthest that a disk gets from the middle of a well, in half-widths, which it starts at 0.1 of: force
+ * `sign` (mu_static N/a) u. */
+static double strays(double sign)
+{
+    double u = 0.1, v = 0.0, most = 0.0;
+    for (int k = 0; k < 10000; k++) {
+        v += 1e-3 * sign * (fabs(u) <= 1.0 ? u : 0.0);
+        u += 1e-3 * v;
+        most = fmax(most, fabs(u));
+    }
+    return most;
+}
+
+/* What the soft particles' equations do as they are printed. */
+static void misprints(void)
+{
+    /* (36): the torque has the sign that speeds a spinning disk up */
+    CU_ASSERT(spun_by(1.0) < 1.0 && spun_by(-1.0) > 1.0);
+    /* (33) with (34): n = (0, 1) on the ground, so F_x = -F_t, and the well of (30) pushes outwards */
+    CU_ASSERT(strays(-1.0) < 0.101 && strays(1.0) > 1.0);
+    /* (30): a disk at rest in the middle, x_k = x_(k+1) = x0, is pushed; with a plus it is not */
+    const double x0 = 4.0;
+    CU_ASSERT(-MU_STATIC / A * ((x0 - x0) / 2.0 - x0) > MU_STATIC);
+    CU_ASSERT(-MU_STATIC / A * ((x0 + x0) / 2.0 - x0) == 0.0);
+    /* (25): two disks that part fast attract one another */
+    const double k_s = 1e3, k_d = 10.0, overlap = 1e-3, parting = 0.5;
+    CU_ASSERT(k_s * overlap - k_d * parting < 0.0);
+    CU_ASSERT(dem_law_normal(DEM_LINEAR, false, k_s, k_d, 1.0, overlap, parting) == 0.0);
+}
+
 /* Two unequal disks that meet off centre, softly: momentum and angular momentum are kept, energy falls. */
 static void soft_pair(void)
 {
@@ -290,8 +334,9 @@ static void soft_pair(void)
 }
 
 /* A disk that is dropped onto the ground, or onto a fixed disk, bounces hard, and loses the part 1 - e^2 of
- * its energy at each bounce, to round-off: leapfrog is exact in free flight, and the moments of touch are
- * found. When a step of gravity makes up the speed (22) it rests on its overlap m g/K. */
+ * its energy at each bounce, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in free
+ * flight, and the moments of touch are found. When a step of gravity makes up the speed (22) it rests on its
+ * overlap m g/K. */
 static void switches_to_soft(void)
 {
     static const double restitution[] = {0.3, 0.6, 0.93};
@@ -305,10 +350,13 @@ static void switches_to_soft(void)
         dem_sim *sim = start(&def);
         dem_state s[2];
         long seen = 0;
+        double when = -v;
         for (long step = 0; step < 40000; step++) {
             CHECK_OK(dem_run(sim, 1));
             if (collisions(sim) == seen) continue;
+            when += 2.0 * v * pow(e, (double)seen);
             seen = collisions(sim);
+            CHECK_NEAR(dem_time(sim), when + 0.5 * def.dt, 0.5 * def.dt + 1e-9);
             CHECK_OK(dem_states(sim, s));
             const double w = v * pow(e, (double)seen);
             CU_ASSERT(w > e * def.dt);
@@ -557,6 +605,7 @@ void suite_soft(void)
                                        {"slip: viscous, then capped", slip_is_viscous_then_capped},
                                        {"sliding to rolling", slides_then_rolls},
                                        {"resistance to rolling", rolling_resistance},
+                                       {"equations as printed", misprints},
                                        {"a soft pair", soft_pair},
                                        {"bounces until the contact is soft", switches_to_soft},
                                        {"collisions in flight", collide_in_flight},
