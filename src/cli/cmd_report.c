@@ -11,7 +11,9 @@
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
  *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
- * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
+ * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error,
+ * and
+ * @TABLE k=v COL, as the last words, that of another table.
  */
 #include <math.h>
 #include <stddef.h>
@@ -124,17 +126,33 @@ static rp_status number_word(const place *p, int index, double *number)
                 : RP_OK;
 }
 
+/* The limit that the words from `at` on name: @COL of the same row, @TABLE key=value ... COL of another
+ * table, or a number. */
+static rp_status find_limit(const place *p, int at, const rp_table *t, size_t row, double *limit, double *se)
+{
+    *se = 0.0;
+    if (at >= p->n || p->words[at][0] != '@') return number_word(p, at, limit);
+    if (at + 1 == p->n) return find_value(t, row, p->words[at] + 1, limit, se);
+    place other = {.tables = p->tables, .n = 1 + p->n - at, .words = {p->words[0], p->words[at] + 1}};
+    for (int w = at + 1; w < p->n; w++) other.words[2 + w - at - 1] = p->words[w];
+    char path[4096];
+    rp_table table = {0};
+    int next;
+    rp_status status = read_table(&other, path, &table);
+    if (!status) status = find_row(&other, &table, &row, &next);
+    if (!status && next >= other.n)
+        status = rp_fail(RP_BAD_INPUT, "{{%s ... %s ...}}: no column", p->words[0], p->words[at]);
+    if (!status) status = find_value(&table, row, other.words[next], limit, se);
+    rp_table_free(&table);
+    return status;
+}
+
 static rp_status print_verdict(const place *p, int next, const rp_table *t, size_t row, FILE *out)
 {
     double value, se = 0.0, limit = 0.0, limit_se = 0.0;
-    rp_status status;
-    if (next + 1 < p->n && p->words[next + 1][0] == '@') {
-        status = find_value(t, row, p->words[next + 1] + 1, &limit, &limit_se);
-        limit = fabs(limit);
-    } else {
-        status = number_word(p, next + 1, &limit);
-    }
+    rp_status status = find_limit(p, next + 1, t, row, &limit, &limit_se);
     if (status) return status;
+    if (p->words[next + 1][0] == '@') limit = fabs(limit);
     if (strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
