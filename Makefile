@@ -151,6 +151,8 @@ $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
+$(T)/%_fit_theta_t.tsv: $(T)/%.tsv
+	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --from 0.05 --to 0.2 >$@
 
 # Calibration on planted piles; too few intervals that hold the truth (exit status 1) are a result too.
 $(T)/calibrate_verify.tsv: $(T)/calibrate_runs.tsv $(T)/calibrate_planted_runs.tsv
