@@ -112,7 +112,9 @@ T := $(B)/tables
 REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
-FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp,$(wildcard figures/*.gp)))
+# of ensembles that only `make studies` makes
+STUDY_FIGURES := lh_forensics
+FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
 figures: $(B)/paper-repro.md ## every figure, into build/figures, and build/paper-repro.md
@@ -126,7 +128,7 @@ $(B)/figures/$(1).svg: figures/$(1).gp figures/style.gp $(call figure_tables,$(1
 	  figures/style.gp figures/$(1).gp || exit 1; done
 	@echo "figure  $(1)"
 endef
-$(foreach f,$(FIGURES),$(eval $(call figure_rule,$(f))))
+$(foreach f,$(FIGURES) $(STUDY_FIGURES),$(eval $(call figure_rule,$(f))))
 
 # A sweep's tables: one row a grid point, and one row a run. Only runs that are not stored are made. Argument:
 # further options of `repose sweep plan`.
@@ -149,6 +151,8 @@ $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
+$(T)/%_fit_theta_t.tsv: $(T)/%.tsv
+	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --from 0.05 --to 0.2 >$@
 
 # Calibration on planted piles; too few intervals that hold the truth (exit status 1) are a result too.
 $(T)/calibrate_verify.tsv: $(T)/calibrate_runs.tsv $(T)/calibrate_planted_runs.tsv
@@ -169,6 +173,9 @@ TREND_lh_ks := --x k_s --scale log --pair
 # where the upper part of the range starts, for those with one
 UPPER_lh2b_all := 3.5
 UPPER_lh_ks := 1e4
+TREND_lh_gear := --x integrator --by dt --pair
+TREND_lh_rotation := --x rotation --by mu --pair
+TREND_lh5 := --x v_cut --scale log
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
@@ -179,6 +186,11 @@ $(T)/%_trend_method2.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r2_deg $(TREND_$*) >$@
 $(T)/%_trend_bottom.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_lower_less_upper_deg $(TREND_$*) >$@
+# Gravity turned against the box turned, and one rate against another, on the same piles.
+$(T)/lh_tilt_trend_%.tsv: $(T)/lh_tilt_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt --by mu,tilt_rate_deg --pair >$@
+$(T)/lh_tilt_rate_%.tsv: $(T)/lh_tilt_runs.tsv
+	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt_rate_deg --scale log --by mu,tilt --pair >$@
 $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
@@ -187,9 +199,15 @@ $(T)/%_size.tsv: $(T)/%_runs.tsv
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
 
+# Which choices that the paper leaves open agree with its numbers.
+FORENSICS := combinations effects levels
+FACTORS := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
+$(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensics_runs.tsv sweeps/lh_forensics_claims.tsv
+	@$(REPOSE) forensics $< --claims $(word 2,$^) --factors $(FACTORS) --report $* >$@
+
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
-STUDY_lh2a := 200
+STUDY_lh2a := 100
 STUDY_lh2b := 30
 STUDY_lh2b_beyond := 10
 STUDY_lh_kn := 50
@@ -200,11 +218,14 @@ STUDY_lh_ks := 50
 STUDY_lh_wall := 20
 STUDY_lh_grain := 20
 STUDY_lh_smooth0 := 50
+STUDY_lh_gear := 100
+STUDY_lh_tilt := 40
+STUDY_lh_tilt_static := 24
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_%,$(.VARIABLES))) ## larger ensembles for the figures; resumable
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
@@ -258,9 +279,10 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.
 REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13
-REPORT_TABLES := $(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_]+' $(REPORT) | awk '{ print $$2 }' | sort -u)
+# what only `make studies` makes is taken as it is there
+REPORT_TABLES := $(filter-out lh_forensics%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
-	@$(REPOSE) report $< --tables $(T) -o $@
+	@$(REPOSE) report $< --tables $(T) --missing '(make studies)' -o $@
 	@echo "report  $@"
 report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository, from the tables
 	@mkdir -p figures/shown

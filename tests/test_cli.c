@@ -184,7 +184,8 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
 static const char *const without_default[] = {"--help ", "--set ",        "--box ", "--reduce ", "--base ",
-                                              "--pair ", "--successive ", "-o ",    "--runs ",   NULL};
+                                              "--pair ", "--successive ", "-o ",    "--runs ",   "--missing ",
+                                              NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -787,6 +788,14 @@ static void test_report(void)
     GOOD("report in.md --tables .");
     CU_ASSERT_STRING_EQUAL(out, "reproduced, undecided, not reproduced, can't be tested: no result; "
                                 "reproduced, reproduced.\n");
+    write_text("u.tsv", "# k\tv\tv_se\n7\t0.1\t0.2\n8\t0.1\t0.01\n");
+    write_text("in.md", "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
+                        "{{above none mu=1 p 0}}.\n");
+    GOOD("report in.md --tables . --missing later");
+    CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
+    FAILS(65, "none.tsv", "report in.md --tables .");
+    write_text("in.md", "{{above t mu=0.1 p @u k=7}}");
+    FAILS(65, "no column", "report in.md --tables .");
     write_text("in.md", "{{holds t mu=0.1 frob within}}");
     FAILS(65, "in.md:1: ./t.tsv: no column frob", "report in.md --tables .");
     write_text("in.md", "{{holds t mu=0.1 verdict}}");

@@ -11,29 +11,34 @@
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
  *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
- * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
+ * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error,
+ * and
+ * @TABLE k=v COL, as the last words, that of another table.
  */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 
 enum { MAX_WORDS = 12 };
 
 typedef struct {
-    const char *tables, *output;
+    const char *tables, *output, *missing;
 } report_options;
 
 static const rp_param options[] = {
     {"tables", "", RP_TEXT, offsetof(report_options, tables), "build/tables", "", "folder of the tables"},
+    {"missing", "", RP_TEXT, offsetof(report_options, missing), "", "",
+     "what stands where a table has not been made; empty: that is an error"},
     {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
     {0}};
 
 static const cli_command command = {
     "report",
-    "TEMPLATE [--tables DIR] [-o FILE]",
+    "TEMPLATE [--tables DIR] [--missing TEXT] [-o FILE]",
     "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
     "below, least, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
@@ -43,7 +48,7 @@ static const cli_command command = {
 
 /* One place in the text, split into words. */
 typedef struct {
-    const char *tables;
+    const char *tables, *missing;
     char *words[MAX_WORDS];
     int n;
 } place;
@@ -121,17 +126,33 @@ static rp_status number_word(const place *p, int index, double *number)
                 : RP_OK;
 }
 
+/* The limit that the words from `at` on name: @COL of the same row, @TABLE key=value ... COL of another
+ * table, or a number. */
+static rp_status find_limit(const place *p, int at, const rp_table *t, size_t row, double *limit, double *se)
+{
+    *se = 0.0;
+    if (at >= p->n || p->words[at][0] != '@') return number_word(p, at, limit);
+    if (at + 1 == p->n) return find_value(t, row, p->words[at] + 1, limit, se);
+    place other = {.tables = p->tables, .n = 1 + p->n - at, .words = {p->words[0], p->words[at] + 1}};
+    for (int w = at + 1; w < p->n; w++) other.words[2 + w - at - 1] = p->words[w];
+    char path[4096];
+    rp_table table = {0};
+    int next;
+    rp_status status = read_table(&other, path, &table);
+    if (!status) status = find_row(&other, &table, &row, &next);
+    if (!status && next >= other.n)
+        status = rp_fail(RP_BAD_INPUT, "{{%s ... %s ...}}: no column", p->words[0], p->words[at]);
+    if (!status) status = find_value(&table, row, other.words[next], limit, se);
+    rp_table_free(&table);
+    return status;
+}
+
 static rp_status print_verdict(const place *p, int next, const rp_table *t, size_t row, FILE *out)
 {
     double value, se = 0.0, limit = 0.0, limit_se = 0.0;
-    rp_status status;
-    if (next + 1 < p->n && p->words[next + 1][0] == '@') {
-        status = find_value(t, row, p->words[next + 1] + 1, &limit, &limit_se);
-        limit = fabs(limit);
-    } else {
-        status = number_word(p, next + 1, &limit);
-    }
+    rp_status status = find_limit(p, next + 1, t, row, &limit, &limit_se);
     if (status) return status;
+    if (p->words[next + 1][0] == '@') limit = fabs(limit);
     if (strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
@@ -243,18 +264,29 @@ static rp_status fill_place(const place *p, FILE *out)
     return status;
 }
 
-static rp_status fill_line(char *line, const char *tables, FILE *out)
+/* Put the text for missing tables in the place, if that is wanted and its table is missing. */
+static bool fill_missing(const place *p, FILE *out)
+{
+    char path[4096];
+    if (!*p->missing || p->n < 2) return false;
+    snprintf(path, sizeof path, "%s/%s.tsv", p->tables, p->words[1]);
+    if (access(path, F_OK) == 0) return false;
+    fputs(p->missing, out);
+    return true;
+}
+
+static rp_status fill_line(char *line, const report_options *o, FILE *out)
 {
     for (char *open; (open = strstr(line, "{{"));) {
         char *close = strstr(open, "}}");
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
         fwrite(line, 1, (size_t)(open - line), out);
         *close = '\0';
-        place p = {.tables = tables};
+        place p = {.tables = o->tables, .missing = o->missing};
         for (char *save, *word = strtok_r(open + 2, " ", &save); word && p.n < MAX_WORDS;
              word = strtok_r(NULL, " ", &save))
             p.words[p.n++] = word;
-        rp_status status = fill_place(&p, out);
+        rp_status status = fill_missing(&p, out) ? RP_OK : fill_place(&p, out);
         if (status) return status;
         line = close + 2;
     }
@@ -279,7 +311,7 @@ rp_status cmd_report(int argc, char **argv)
     char *line = NULL;
     size_t room = 0;
     for (int number = 1; !status && getline(&line, &room, in) >= 0; number++)
-        if ((status = fill_line(line, o.tables, out)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
+        if ((status = fill_line(line, &o, out)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
     free(line);
     fclose(in);
     return rp_file_close(o.output, out, status);

@@ -1,0 +1,44 @@
+# What Lee & Herrmann 1993 leave open. (a) Change of theta_R at mu = 0.2 with each choice; (b) likelihood of all
+# published numbers under each combination, ordered.
+width = 20.0
+height = 12.0
+load 'figures/style.gp'
+combinations = 'lh_forensics_combinations.tsv' # t('lh_forensics_combinations.tsv')
+effects = 'lh_forensics_effects.tsv'           # t('lh_forensics_effects.tsv')
+# main effects on the first claim, and the ways to read the surface, one a line from the top
+lines = "< awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
+        "print ++n \"\\t\" $2 \" \" $3 \"\\t\" $5 \"\\t\" $7 \"\\t\" $8 }' ".T.effects
+ranked(status) = "< awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } ".\
+        "!/^#/ && $NF == \"".status."\" { print $1 \"\\t\" $l }' ".T.combinations
+best = real(system("awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } !/^#/ { print $l; exit }' ".T.combinations))
+number = int(system("awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\"' ".T.effects." | wc -l"))
+unset datafile
+set datafile separator tab
+set multiplot
+set origin 0, 0
+set size 0.56, 1
+set lmargin 25
+set xlabel 'change of {/:Italic θ}_R at {/:Italic μ} = 0.2 (degrees)'
+set yrange [number + 0.8:0.2]
+set ytics font ',7' scale 0
+set grid noytics
+set arrow 1 from 0, graph 0 to 0, graph 1 nohead lw 0.7 lc rgb '#808080'
+set label 1 '(a)' at graph 0.02, 0.975 font ',9'
+set label 2 'bars: 95 % interval' at graph 0.98, 0.02 right font ',7'
+plot lines using 3:1:4:5:ytic(2) with xerrorbars pt 7 ps 0.5 lc 3 notitle
+unset arrow 1
+set origin 0.55, 0
+set size 0.45, 1
+set lmargin 9
+set yrange [*:*]
+set ytics font ',8' scale 0.6
+set xlabel 'combination, ordered'
+set ylabel 'log likelihood less that of the best'
+set yrange [-25:1.5]
+set xrange [0:*]
+set label 1 '(b)' at graph 0.03, 0.975 font ',9'
+set label 2 sprintf('%s of %s not excluded at 5 %%; %s by chance', system("sed -n 's/^# not_excluded: //p' ".T.combinations), system("sed -n 's/^# complete: //p' ".T.combinations), system("sed -n 's/^# by_chance: //p' ".T.combinations)) at graph 0.03, 0.05 left font ',7'
+set key top right
+plot ranked('excluded') using 1:($2 - best) pt 6 ps 0.35 lc 1 title 'excluded', \
+     ranked('not_excluded') using 1:($2 - best) pt 7 ps 0.5 lc 3 title 'not excluded'
+unset multiplot
