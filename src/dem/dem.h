@@ -1,4 +1,5 @@
-/* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
+/* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2), or
+ * the soft and hard ones of Liffman, Chan & Hughes 1992.
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
  * gravity or the box may turn. Angles and spins are counter-clockwise.
