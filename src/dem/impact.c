@@ -113,7 +113,6 @@ static bool collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
 {
     const motion m_i = motion_of(sim, i), m_j = motion_of(sim, j);
     const dem_vec d = m_i.x - m_j.x, v = m_i.v - m_j.v, a = m_i.a - m_j.a;
-    if (dem_dot(d, d) < reach * reach) return false; /* a soft contact */
     const double t = time_of_touch(d, v, a, reach, sim->def.dt);
     if (isinf(t)) return false;
     const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / reach);
@@ -145,42 +144,52 @@ static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
     return true;
 }
 
-static bool collide_all(dem_sim *sim)
+/* Of grains that go no farther than `way` in the step. */
+static bool collide_all(dem_sim *sim, double way)
 {
     bool any = false;
-    for (size_t k = 0; k < sim->n_pairs; k++)
-        any |= collide_pair(sim, sim->pair_i[k], sim->pair_j[k], sim->pair_radii[k]);
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+        const dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], most = reach + 2.0 * way;
+        if (r2 >= reach * reach && r2 <= most * most) /* nearer is a soft contact */
+            any |= collide_pair(sim, i, j, reach);
+    }
     for (size_t k = 0; k < sim->n_wall_slots; k++) any |= collide_wall(sim, sim->wall_slot[k]);
     return any;
 }
 
-/* First grain that the coming step brings to where the neighbour list may lack a pair of its; n for none. */
-static size_t beyond_list(const dem_sim *sim)
+/* Longest way of a grain over the coming step; *beyond is a grain that it brings to where the neighbour list
+ * may lack a pair of its, n for none. */
+static double longest_way(const dem_sim *sim, size_t *beyond)
 {
     const double dt = sim->def.dt, reach = 0.25 * sim->skin * sim->skin;
-    size_t i = 0;
-    for (; i < sim->n; i++) {
+    double most = 0.0;
+    *beyond = sim->n;
+    for (size_t i = 0; i < sim->n; i++) {
         const motion m = motion_of(sim, i);
-        const dem_vec moved = m.x + dt * (m.v + 0.5 * dt * m.a) - sim->ref[i];
-        if (!(dem_dot(moved, moved) <= reach)) break;
+        const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
+        if (dem_dot(way, way) > most) most = dem_dot(way, way);
+        if (!(dem_dot(moved, moved) <= reach)) *beyond = i;
     }
-    return i;
+    return sqrt(most);
 }
 
 /* A collision may send a grain into the next: a few rounds, then what still closes meets softly. */
 rp_status dem_impacts_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
-    if (beyond_list(sim) < sim->n) {
+    size_t beyond;
+    double way = longest_way(sim, &beyond);
+    if (beyond < sim->n) {
         rp_status status = dem_neighbours_rebuild(sim);
         if (status) return status;
-        const size_t i = beyond_list(sim);
-        if (i < sim->n)
-            return dem_stop(sim, DEM_FAULT_TOO_FAST, i,
+        way = longest_way(sim, &beyond);
+        if (beyond < sim->n)
+            return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond half the skin of the neighbour list, %g, in one step",
                             0.5 * sim->skin);
     }
-    for (int round = 0; round < ROUNDS && collide_all(sim); round++) {
-    }
+    for (int round = 0; round < ROUNDS && collide_all(sim, way); round++) way = longest_way(sim, &beyond);
     return RP_OK;
 }
