@@ -208,7 +208,7 @@ $(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensi
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
-STUDY_lh2a := 200
+STUDY_lh2a := 100
 STUDY_lh2b := 30
 STUDY_lh2b_beyond := 10
 STUDY_lh_kn := 50
@@ -222,7 +222,6 @@ STUDY_lh_smooth0 := 50
 STUDY_lh_gear := 100
 STUDY_lh_tilt := 40
 STUDY_lh_tilt_static := 24
-STUDY_lh_rotation := 20
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
