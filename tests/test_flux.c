@@ -269,6 +269,24 @@ static void ends_without_result(void)
     free(p);
 }
 
+/* Leave ones on the stack where the next call has its variables. */
+static void __attribute__((noinline)) soil_stack(void)
+{
+    volatile unsigned char soil[1 << 16];
+    for (size_t i = 0; i < sizeof soil; i++) soil[i] = 1;
+}
+
+/* Stored runs are known by it: it has all its digits, and is the same at every call. */
+static void fingerprint_repeats(void)
+{
+    char first[33] = "", again[33] = "";
+    CHECK_OK(protocol->fingerprint(first));
+    CU_ASSERT(strlen(first) == 32);
+    soil_stack();
+    CHECK_OK(protocol->fingerprint(again));
+    CU_ASSERT_STRING_EQUAL(first, again);
+}
+
 void suite_flux(void)
 {
     static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
@@ -277,6 +295,7 @@ void suite_flux(void)
                                        {"grains are counted", grains_are_counted},
                                        {"outputs from the series", outputs_from_series},
                                        {"ends without a result", ends_without_result},
+                                       {"fingerprint", fingerprint_repeats},
                                        {NULL, NULL}};
     check_register("constant flux", cases);
 }
