@@ -239,6 +239,14 @@ static void ends_without_result(void)
     CU_ASSERT(strstr(result.message, "has not levelled off") != NULL);
     CU_ASSERT(isnan(output(&result, "theta_deg")) && output(&result, "insertions_made") == 30.0);
     free(p);
+    /* too short for a correlation time: mean and largest angle stay */
+    static const char *const no_plateau[] = {"W=1.4", "insertions=40", NULL};
+    p = params(no_plateau);
+    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CU_ASSERT_STRING_EQUAL(result.status, "ok");
+    CU_ASSERT(isnan(output(&result, "tau_insertions")) && isnan(output(&result, "theta_max_draws_deg")));
+    CU_ASSERT(output(&result, "theta_max_deg") > output(&result, "theta_deg"));
+    free(p);
     p = params(short_of_steps);
     CHECK_OK(protocol->run(p, 1993, 0, &result));
     CU_ASSERT(output(&result, "steps") == 30000.0);
