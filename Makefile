@@ -174,7 +174,8 @@ TREND_lh_ks := --x k_s --scale log --pair
 UPPER_lh2b_all := 3.5
 UPPER_lh_ks := 1e4
 TREND_lh_gear := --x integrator --by dt --pair
-TREND_lh_rotation := --x rotation --by mu --pair
+# with rotation a fill has a pile for each mu_roll: 0 is the one that differs in rotation alone
+TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh5 := --x v_cut --scale log
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
