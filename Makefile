@@ -208,20 +208,19 @@ $(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensi
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
-STUDY_lh2a := 100
-STUDY_lh2b := 30
+STUDY_lh2a := 60
 STUDY_lh2b_beyond := 10
-STUDY_lh_kn := 50
-STUDY_lh_kn_wall := 50
-STUDY_lh_kn_restitution := 50
-STUDY_lh_gamma := 50
-STUDY_lh_ks := 50
+STUDY_lh_kn := 40
+STUDY_lh_kn_wall := 40
+STUDY_lh_kn_restitution := 40
+STUDY_lh_gamma := 40
+STUDY_lh_ks := 40
 STUDY_lh_wall := 20
 STUDY_lh_grain := 20
-STUDY_lh_smooth0 := 50
-STUDY_lh_gear := 100
-STUDY_lh_tilt := 40
-STUDY_lh_tilt_static := 24
+STUDY_lh_smooth0 := 40
+STUDY_lh_gear := 60
+STUDY_lh_tilt := 20
+STUDY_lh_tilt_static := 12
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
