@@ -174,7 +174,8 @@ TREND_lh_ks := --x k_s --scale log --pair
 UPPER_lh2b_all := 3.5
 UPPER_lh_ks := 1e4
 TREND_lh_gear := --x integrator --by dt --pair
-TREND_lh_rotation := --x rotation --by mu --pair
+# with rotation a fill has a pile for each mu_roll: 0 is the one that differs in rotation alone
+TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh5 := --x v_cut --scale log
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
@@ -207,20 +208,19 @@ $(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensi
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
-STUDY_lh2a := 100
-STUDY_lh2b := 30
+STUDY_lh2a := 60
 STUDY_lh2b_beyond := 10
-STUDY_lh_kn := 50
-STUDY_lh_kn_wall := 50
-STUDY_lh_kn_restitution := 50
-STUDY_lh_gamma := 50
-STUDY_lh_ks := 50
+STUDY_lh_kn := 40
+STUDY_lh_kn_wall := 40
+STUDY_lh_kn_restitution := 40
+STUDY_lh_gamma := 40
+STUDY_lh_ks := 40
 STUDY_lh_wall := 20
 STUDY_lh_grain := 20
-STUDY_lh_smooth0 := 50
-STUDY_lh_gear := 100
-STUDY_lh_tilt := 40
-STUDY_lh_tilt_static := 24
+STUDY_lh_smooth0 := 40
+STUDY_lh_gear := 60
+STUDY_lh_tilt := 20
+STUDY_lh_tilt_static := 12
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)

@@ -789,11 +789,21 @@ static void test_report(void)
     CU_ASSERT_STRING_EQUAL(out, "reproduced, undecided, not reproduced, can't be tested: no result; "
                                 "reproduced, reproduced.\n");
     write_text("u.tsv", "# k\tv\tv_se\n7\t0.1\t0.2\n8\t0.1\t0.01\n");
-    write_text("in.md", "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
-                        "{{above none mu=1 p 0}}.\n");
+    write_text("in.md",
+               "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
+               "{{above none mu=1 p 0}}.\n");
     GOOD("report in.md --tables . --missing later");
     CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
     FAILS(65, "none.tsv", "report in.md --tables .");
+    write_text("c.tsv", "# n\tv\n1400\t12.345678\n");
+    write_text("in.md", "{{cell c n}} {{cell c n %%.0f}} {{cell c n %%.2g}} {{cell c v}} {{cell c v %%.1f}} "
+                        "{{cell c v %%.0f}}\n");
+    GOOD("report in.md --tables .");
+    CU_ASSERT_STRING_EQUAL(out, "1400 1400 1.4e+03 12.3 12.3 12\n");
+    write_text("in.md", "{{cell c v %%.17g}}");
+    FAILS(65, "a format such as", "report in.md --tables .");
+    write_text("in.md", "{{cell c v %%.3d}}");
+    FAILS(65, "a format such as", "report in.md --tables .");
     write_text("in.md", "{{above t mu=0.1 p @u k=7}}");
     FAILS(65, "no column", "report in.md --tables .");
     write_text("in.md", "{{holds t mu=0.1 frob within}}");

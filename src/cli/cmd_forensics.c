@@ -536,6 +536,24 @@ static rp_status print_effects(const study *s)
 
 /* ---- command ---- */
 
+/* The same counts of the combinations that were simulated, whatever the reading of their surface. */
+static void note_simulated(const study *s, const ang_agreement *a)
+{
+    size_t complete = 0, passed = 0;
+    for (size_t c = 0; c < s->n_combinations; c++) {
+        bool any_complete = false, any_passed = false;
+        for (size_t v = 0; v < N_VARIANTS; v++) {
+            const ang_agreement *one = &a[c * N_VARIANTS + v];
+            any_complete |= one->complete;
+            any_passed |= one->complete && !one->excluded;
+        }
+        complete += any_complete;
+        passed += any_passed;
+    }
+    rp_table_note(stdout, "simulated_complete", "%zu", complete);
+    rp_table_note(stdout, "simulated_not_excluded", "%zu", passed);
+}
+
 static rp_status print_report(const study *s, const forensics_options *o)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
@@ -560,6 +578,7 @@ static rp_status print_report(const study *s, const forensics_options *o)
         rp_table_note(stdout, "complete", "%zu", complete);
         rp_table_note(stdout, "not_excluded", "%zu", passed);
         rp_table_note(stdout, "by_chance", "%.3g", by_chance);
+        note_simulated(s, main);
     }
     if (!status && o->report == REPORT_COMBINATIONS) status = print_combinations(s, main, held);
     if (!status && o->report == REPORT_LEVELS) print_levels(s, main);

@@ -4,7 +4,8 @@
  * cells equal all key=value given (numbers compare as numbers).
  *   {{value T k=v COL}}            value +- standard error, from COL_mean and COL_se, or COL and its _se
  * column
- *   {{cell T k=v COL FORMAT}}      the cell itself, printed with %.3g or the format given
+ *   {{cell T k=v COL FORMAT}}      the cell itself, printed with the format given (%.Ng or %.Nf); without one
+ *                                  a count as it stands, else with %.3g
  *   {{agree T k=v COL PAPER SE}}   verdict: within two standard errors of the paper's value?
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
@@ -200,17 +201,20 @@ static rp_status print_cell(const place *p, int next, const rp_table *t, size_t 
     int column = rp_table_column(t, p->words[next]);
     if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
     const char *cell = t->cells[row * t->n_columns + (size_t)column];
-    /* precision alone is taken from the text, so that it cannot be a harmful format */
-    int precision = 3;
-    if (next + 1 < p->n && sscanf(p->words[next + 1], "%%.%1dg", &precision) != 1)
-        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g expected",
-                       p->words[next + 1]);
-    char *end;
+    /* precision and letter alone are taken from the text, so that it cannot be a harmful format */
+    const char *format = next + 1 < p->n ? p->words[next + 1] : "%.3g";
+    int precision = 3, used = 0;
+    char letter = 'g', *end;
+    if (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
+        !strchr("fg", letter))
+        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g or %%.0f expected",
+                       format);
+    const bool whole = next + 1 == p->n && !cell[strspn(cell, "0123456789")]; /* a count is not rounded */
     double value = strtod(cell, &end);
-    if (*end)
+    if (*end || whole)
         fputs(cell, out);
     else
-        fprintf(out, "%.*g", precision, value);
+        fprintf(out, letter == 'f' ? "%.*f" : "%.*g", precision, value);
     return RP_OK;
 }
 
