@@ -200,11 +200,15 @@ $(T)/%_size.tsv: $(T)/%_runs.tsv
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
 
-# Which choices that the paper leaves open agree with its numbers.
+# Which choices that the paper leaves open agree with its numbers; and a second look at what is left.
 FORENSICS := combinations effects levels
-FACTORS := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
-$(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensics_runs.tsv sweeps/lh_forensics_claims.tsv
-	@$(REPOSE) forensics $< --claims $(word 2,$^) --factors $(FACTORS) --report $* >$@
+FACTORS_lh_forensics := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
+FACTORS_lh_forensics_confirm := slip,mu_wall,open
+define forensics_rule
+$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv sweeps/lh_forensics_claims.tsv
+	@$(REPOSE) forensics $$< --claims $$(word 2,$$^) --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
+endef
+$(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))))
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
@@ -225,7 +229,8 @@ $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) ## larger ensembles for the figures; resumable
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
