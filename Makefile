@@ -151,6 +151,8 @@ $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
+$(T)/%_fit_theta_t.tsv: $(T)/%.tsv
+	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --from 0.05 --to 0.2 >$@
 
 # Calibration on planted piles; too few intervals that hold the truth (exit status 1) are a result too.
 $(T)/calibrate_verify.tsv: $(T)/calibrate_runs.tsv $(T)/calibrate_planted_runs.tsv
@@ -172,7 +174,8 @@ TREND_lh_ks := --x k_s --scale log --pair
 UPPER_lh2b_all := 3.5
 UPPER_lh_ks := 1e4
 TREND_lh_gear := --x integrator --by dt --pair
-TREND_lh_rotation := --x rotation --by mu --pair
+# with rotation a fill has a pile for each mu_roll: 0 is the one that differs in rotation alone
+TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh5 := --x v_cut --scale log
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
@@ -197,34 +200,37 @@ $(T)/%_size.tsv: $(T)/%_runs.tsv
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
 
-# Which choices that the paper leaves open agree with its numbers.
+# Which choices that the paper leaves open agree with its numbers; and a second look at what is left.
 FORENSICS := combinations effects levels
-FACTORS := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
-$(FORENSICS:%=$(T)/lh_forensics_%.tsv): $(T)/lh_forensics_%.tsv: $(T)/lh_forensics_runs.tsv sweeps/lh_forensics_claims.tsv
-	@$(REPOSE) forensics $< --claims $(word 2,$^) --factors $(FACTORS) --report $* >$@
+FACTORS_lh_forensics := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
+FACTORS_lh_forensics_confirm := slip,mu_wall,open
+define forensics_rule
+$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv sweeps/lh_forensics_claims.tsv
+	@$(REPOSE) forensics $$< --claims $$(word 2,$$^) --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
+endef
+$(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))))
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
-STUDY_lh2a := 200
-STUDY_lh2b := 30
+STUDY_lh2a := 60
 STUDY_lh2b_beyond := 10
-STUDY_lh_kn := 50
-STUDY_lh_kn_wall := 50
-STUDY_lh_kn_restitution := 50
-STUDY_lh_gamma := 50
-STUDY_lh_ks := 50
+STUDY_lh_kn := 40
+STUDY_lh_kn_wall := 40
+STUDY_lh_kn_restitution := 40
+STUDY_lh_gamma := 40
+STUDY_lh_ks := 40
 STUDY_lh_wall := 20
 STUDY_lh_grain := 20
-STUDY_lh_smooth0 := 50
-STUDY_lh_gear := 100
-STUDY_lh_tilt := 40
-STUDY_lh_tilt_static := 24
-STUDY_lh_rotation := 20
+STUDY_lh_smooth0 := 40
+STUDY_lh_gear := 60
+STUDY_lh_tilt := 20
+STUDY_lh_tilt_static := 12
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) ## larger ensembles for the figures; resumable
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \

@@ -1,4 +1,7 @@
 # Lee & Herrmann 1993, figure 4: tilting angle against friction.
+fit = T.'lh3_fit_theta_t.tsv' # t('lh3_fit_theta_t.tsv')
+slope = real(system("awk '!/^#/ && $NF == \"free\" { print $1 }' ".fit))
+start = real(system("awk '!/^#/ && $NF == \"free\" { print $3 }' ".fit))
 stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
@@ -9,4 +12,5 @@ set label 1 sprintf('gravity turned by %s degree a step; bars: standard error ov
 plot t('lh3.tsv') using (column('mu')):(column('theta_t_displacement_deg_mean')):(column('theta_t_displacement_deg_se')) \
        with yerrorbars pt 7 ps 0.7 lc 2 title '5 % of the grains moved by 0.1 {/:Italic d}', \
      '' using (column('mu') + 0.003):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) \
-       with yerrorbars pt 4 ps 0.7 lc 3 title 'kinetic energy above 10^{-5} {/:Italic mgd} and the sway'
+       with yerrorbars pt 4 ps 0.7 lc 3 title 'kinetic energy above 10^{-5} {/:Italic mgd} and the sway', \
+     [0.05:0.2] start + slope*x with lines lc 2 dt 2 title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2'

@@ -238,3 +238,74 @@ rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage)
     if (status) return status;
     return rp_file_close(path, out, dem_write_contacts(run->sim, out));
 }
+
+long sweep_box_grains(const sweep_box *box, double H, long N)
+{
+    const double r = box->radius_mean;
+    return N > 0 ? N : lround(box->W * H / (4.0 * r * r));
+}
+
+rp_status sweep_box_check_fill(const sweep_box *box, double H, long N)
+{
+    rp_status status = sweep_box_check(box, 2.0 * H);
+    if (!status && sweep_box_grains(box, H, N) < 1)
+        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, H);
+    return status;
+}
+
+void sweep_box_fill(sweep_box_run *run, double H, long n, long max_steps, unsigned long seed,
+                    unsigned long stream)
+{
+    const sweep_box *b = run->box;
+    run->scene.has_fill = true;
+    run->scene.fill = (dem_fill){
+        n,          b->W,     2.0 * H,    b->radius_mean, b->radius_width, b->radius_min, b->radius_max,
+        b->density, b->shape, (long)seed, (long)stream};
+    const double rows = H / (20.0 * run->d);
+    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
+    run->max_steps = max_steps > 0 ? max_steps : lround(fmin(most, 2e9));
+}
+
+rp_status sweep_places_note(sweep_box_run *run, sweep_places *at)
+{
+    const size_t n_all = (size_t)run->scene.fill.N + sweep_box_floor(run->box, NULL);
+    at->n = 0;
+    at->x = malloc((n_all + 1) * sizeof *at->x);
+    at->y = malloc((n_all + 1) * sizeof *at->y);
+    if (!at->x || !at->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
+    for (size_t id = 0; id <= n_all; id++) at->x[id] = NAN;
+    rp_status status = dem_states(run->sim, run->states);
+    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+        const dem_state *s = &run->states[i];
+        if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
+        at->x[s->id] = s->x;
+        at->y[s->id] = s->y;
+        at->n++;
+    }
+    return status;
+}
+
+void sweep_places_free(sweep_places *at)
+{
+    free(at->x);
+    free(at->y);
+}
+
+rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
+                             size_t *moved)
+{
+    rp_status status = dem_states(run->sim, run->states);
+    size_t seen = 0;
+    *moved = 0;
+    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+        const dem_state *s = &run->states[i];
+        if (isnan(at->x[s->id])) continue;
+        seen++;
+        double x = s->x, y = s->y;
+        dem_box_frame(run->sim, &x, &y);
+        double dx = x - at->x[s->id], dy = y - at->y[s->id];
+        *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
+    }
+    *moved += at->n - seen;
+    return status;
+}

@@ -141,6 +141,29 @@ rp_status sweep_box_table(const sweep_tables *tables, const char *name, char *pa
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state, if the run leaves tables. */
 rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage);
 
+/* Number of grains of a box of height H: N, or for N < 1 as many as W H holds squares of the diameter d.
+ * Check a box that they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream);
+ * max_steps < 1: 4e5, times 500/gamma_n and the square of the number of rows over 20 where these exceed 1. */
+long sweep_box_grains(const sweep_box *box, double H, long N);
+rp_status sweep_box_check_fill(const sweep_box *box, double H, long N);
+void sweep_box_fill(sweep_box_run *run, double H, long n, long max_steps, unsigned long seed,
+                    unsigned long stream);
+
+/* Where the grains of the pile, 0 < x < W, were. Free with sweep_places_free, also after an error. */
+typedef struct {
+    size_t n;      /* grains in the pile */
+    double *x, *y; /* in the box's frame, by id, from 1; NaN for grains outside the pile */
+} sweep_places;
+
+/* Errors: RP_NO_MEMORY. */
+rp_status sweep_places_note(sweep_box_run *run, sweep_places *at);
+void sweep_places_free(sweep_places *at);
+
+/* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
+ * places; grains that have left the scene count. Errors: RP_NO_MEMORY. */
+rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
+                             size_t *moved);
+
 double sweep_degrees(double radians);
 
 #endif

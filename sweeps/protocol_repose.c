@@ -139,19 +139,11 @@ typedef struct {
     long steps_before; /* of a simulation that was tilted before this one */
 } experiment;
 
-static long grain_number(const repose_params *p)
-{
-    const double r = p->box.radius_mean;
-    return p->N > 0 ? p->N : lround(p->box.W * p->H / (4.0 * r * r));
-}
-
 static rp_status check(const void *params)
 {
     const repose_params *p = params;
-    rp_status status = sweep_box_check(&p->box, 2.0 * p->H);
+    rp_status status = sweep_box_check_fill(&p->box, p->H, p->N);
     if (status) return status;
-    if (grain_number(p) < 1)
-        return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->box.W, p->H);
     if (p->stop == STOP_REST && p->box.slip == DEM_TOTAL)
         return rp_fail(
             RP_BAD_INPUT,
@@ -331,57 +323,6 @@ static rp_status measure_pile(experiment *e)
     return status ? status : measure_variants(e);
 }
 
-/* Where the grains of the pile were, by id; and how far from there they are. */
-typedef struct {
-    size_t n, n_all; /* in the pile; of all grains */
-    double *x, *y;   /* in the box's frame, by id, from 1; NaN for grains outside the pile */
-} places;
-
-static rp_status places_note(experiment *e, places *at)
-{
-    at->n = 0;
-    at->n_all = (size_t)e->box.scene.fill.N + sweep_box_floor(&e->p->box, NULL);
-    at->x = malloc((at->n_all + 1) * sizeof *at->x);
-    at->y = malloc((at->n_all + 1) * sizeof *at->y);
-    if (!at->x || !at->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
-    for (size_t id = 0; id <= at->n_all; id++) at->x[id] = NAN;
-    rp_status status = dem_states(e->box.sim, e->box.states);
-    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
-        const dem_state *s = &e->box.states[i];
-        if (!(s->x > 0.0 && s->x < e->p->box.W) || s->fixed) continue;
-        at->x[s->id] = s->x;
-        at->y[s->id] = s->y;
-        at->n++;
-    }
-    return status;
-}
-
-static void places_free(places *at)
-{
-    free(at->x);
-    free(at->y);
-}
-
-/* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
- * places; grains that have left the scene count. */
-static rp_status places_moved(experiment *e, const places *at, double reach, int contacts, size_t *moved)
-{
-    rp_status status = dem_states(e->box.sim, e->box.states);
-    size_t seen = 0;
-    *moved = 0;
-    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
-        const dem_state *s = &e->box.states[i];
-        if (isnan(at->x[s->id])) continue;
-        seen++;
-        double x = s->x, y = s->y;
-        dem_box_frame(e->box.sim, &x, &y);
-        double dx = x - at->x[s->id], dy = y - at->y[s->id];
-        *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
-    }
-    *moved += at->n - seen;
-    return status;
-}
-
 static void turn(experiment *e, double deg_per_step)
 {
     (e->p->tilt == TILT_BOX ? dem_box_turn : dem_gravity_turn)(e->box.sim, deg_per_step * (M_PI / 180.0));
@@ -394,8 +335,8 @@ static rp_status tilt_at_rate(experiment *e)
     const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
     const double sway_deg = 0.5, most_deg = 60.0;
     double *v = e->values, sway = 0.0;
-    places at = {0};
-    rp_status status = places_note(e, &at);
+    sweep_places at = {0};
+    rp_status status = sweep_places_note(&e->box, &at);
     turn(e, e->p->tilt_rate_deg);
     for (double turned = 0.0; !status && turned < most_deg;) {
         status = sweep_box_advance(&e->box, every);
@@ -403,7 +344,7 @@ static rp_status tilt_at_rate(experiment *e)
         turned += (double)every * e->p->tilt_rate_deg;
         size_t moved;
         dem_rest rest;
-        status = places_moved(e, &at, 0.1 * e->box.d, 0, &moved);
+        status = sweep_places_moved(&e->box, &at, 0.1 * e->box.d, 0, &moved);
         if (!status) status = dem_rest_state(e->box.sim, 0.0, e->p->box.W, &rest);
         if (status) break;
         if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
@@ -414,7 +355,7 @@ static rp_status tilt_at_rate(experiment *e)
             v[OUT_THETA_T_ENERGY] = turned;
         if (isfinite(v[OUT_THETA_T_DISPLACEMENT]) && isfinite(v[OUT_THETA_T_ENERGY])) break;
     }
-    places_free(&at);
+    sweep_places_free(&at);
     v[OUT_THETA_RT] = v[OUT_THETA_R3] + v[OUT_THETA_T_DISPLACEMENT];
     if (!status && (isnan(v[OUT_THETA_T_DISPLACEMENT]) || isnan(v[OUT_THETA_T_ENERGY])))
         snprintf(e->box.result->message, sizeof e->box.result->message,
@@ -429,8 +370,8 @@ static rp_status tilt_quasi_static(experiment *e)
     const double step_deg = 0.1, most_deg = 60.0;
     const long steps =
         lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
-    places at = {0};
-    rp_status status = places_note(e, &at);
+    sweep_places at = {0};
+    rp_status status = sweep_places_note(&e->box, &at);
     for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
         turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
@@ -439,11 +380,11 @@ static rp_status tilt_quasi_static(experiment *e)
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
-        if (!status) status = places_moved(e, &at, 0.5 * e->box.d, 2, &moved);
+        if (!status) status = sweep_places_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
         if (!status && moved > 0) e->values[OUT_THETA_T_STATIC] = turned;
         if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
     }
-    places_free(&at);
+    sweep_places_free(&at);
     return status;
 }
 
@@ -502,16 +443,10 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
 {
     const repose_params *p = params;
     const sweep_box *b = &p->box;
-    const long n = grain_number(p);
+    const long n = sweep_box_grains(b, p->H, p->N);
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin(&e.box, b, (size_t)n + sweep_box_floor(b, NULL), tables, result);
-    e.box.scene.has_fill = true;
-    e.box.scene.fill = (dem_fill){
-        n,          b->W,     2.0 * p->H, b->radius_mean, b->radius_width, b->radius_min, b->radius_max,
-        b->density, b->shape, (long)seed, (long)run};
-    const double rows = p->H / (20.0 * e.box.d);
-    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
-    e.box.max_steps = p->max_steps > 0 ? p->max_steps : lround(fmin(most, 2e9));
+    sweep_box_fill(&e.box, p->H, n, p->max_steps, seed, run);
     if (!status) status = run_phases(&e);
     e.values[OUT_CELLS] = e.box.cells;
     return sweep_box_end(&e.box, status);

@@ -118,28 +118,19 @@ typedef struct {
     const stress_params *p;
     sweep_box_run box;
     double *values;
-    double weight; /* of all grains at rest */
-    double *x, *y; /* where the pile's grains were, by id; NaN for others */
-    size_t n_pile;
+    double weight;   /* of all grains at rest */
+    sweep_places at; /* of the pile at rest */
     ang_contact *forces;
     size_t room;
     reading readings[N_TILTS];
     size_t n_readings;
 } experiment;
 
-static long grain_number(const stress_params *p)
-{
-    const double r = p->box.radius_mean;
-    return p->N > 0 ? p->N : lround(p->box.W * p->H / (4.0 * r * r));
-}
-
 static rp_status check(const void *params)
 {
     const stress_params *p = params;
-    rp_status status = sweep_box_check(&p->box, 2.0 * p->H);
+    rp_status status = sweep_box_check_fill(&p->box, p->H, p->N);
     if (status) return status;
-    if (grain_number(p) < 1)
-        return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", p->box.W, p->H);
     if (p->box.slip == DEM_TOTAL)
         return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest");
     if (p->box.floor_grains)
@@ -178,37 +169,19 @@ static rp_status make_pile(experiment *e)
 
 static rp_status note_places(experiment *e)
 {
-    const size_t n = (size_t)e->box.scene.fill.N + 1;
-    const double W = e->p->box.W;
-    e->x = malloc(n * sizeof *e->x);
-    e->y = malloc(n * sizeof *e->y);
-    if (!e->x || !e->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
-    for (size_t id = 0; id < n; id++) e->x[id] = NAN;
-    rp_status status = dem_states(e->box.sim, e->box.states);
-    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
-        const dem_state *s = &e->box.states[i];
-        e->weight += s->m * e->p->box.g;
-        if (!(s->x > 0.0 && s->x < W)) continue;
-        e->x[s->id] = s->x;
-        e->y[s->id] = s->y;
-        e->n_pile++;
-    }
-    e->values[OUT_GRAINS] = (double)e->n_pile;
-    return status;
+    rp_status status = sweep_places_note(&e->box, &e->at);
+    if (status) return status;
+    for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
+    e->values[OUT_GRAINS] = (double)e->at.n;
+    return RP_OK;
 }
 
 /* Have 5 % of the pile's grains moved more than 0.1 d? */
 static rp_status has_moved(experiment *e, bool *moved)
 {
-    rp_status status = dem_states(e->box.sim, e->box.states);
-    const double reach = 0.1 * e->box.d;
-    size_t stayed = 0;
-    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
-        const dem_state *s = &e->box.states[i];
-        double dx = s->x - e->x[s->id], dy = s->y - e->y[s->id];
-        stayed += dx * dx + dy * dy <= reach * reach; /* false for NaN */
-    }
-    *moved = (double)(e->n_pile - stayed) >= 0.05 * (double)e->n_pile;
+    size_t n;
+    rp_status status = sweep_places_moved(&e->box, &e->at, 0.1 * e->box.d, 0, &n);
+    *moved = !status && (double)n >= 0.05 * (double)e->at.n;
     return status;
 }
 
@@ -415,19 +388,12 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
 {
     const stress_params *p = params;
     const sweep_box *b = &p->box;
-    const long n = grain_number(p);
+    const long n = sweep_box_grains(b, p->H, p->N);
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin(&e.box, b, (size_t)n, tables, result);
-    e.box.scene.has_fill = true;
-    e.box.scene.fill = (dem_fill){
-        n,          b->W,     2.0 * p->H, b->radius_mean, b->radius_width, b->radius_min, b->radius_max,
-        b->density, b->shape, (long)seed, (long)run};
-    const double rows = p->H / (20.0 * e.box.d);
-    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
-    e.box.max_steps = p->max_steps > 0 ? p->max_steps : lround(fmin(most, 2e9));
+    sweep_box_fill(&e.box, p->H, n, p->max_steps, seed, run);
     if (!status) status = run_phases(&e);
-    free(e.x);
-    free(e.y);
+    sweep_places_free(&e.at);
     free(e.forces);
     return sweep_box_end(&e.box, status);
 }

@@ -19,6 +19,8 @@
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
+    X(suite_soft)                                                                                            \
+    X(suite_hard)                                                                                            \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \

@@ -788,10 +788,102 @@ static void test_report(void)
     GOOD("report in.md --tables .");
     CU_ASSERT_STRING_EQUAL(out, "reproduced, undecided, not reproduced, can't be tested: no result; "
                                 "reproduced, reproduced.\n");
+    write_text("u.tsv", "# k\tv\tv_se\n7\t0.1\t0.2\n8\t0.1\t0.01\n");
+    write_text("in.md",
+               "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
+               "{{above none mu=1 p 0}}.\n");
+    GOOD("report in.md --tables . --missing later");
+    CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
+    FAILS(65, "none.tsv", "report in.md --tables .");
+    write_text("c.tsv", "# n\tv\n1400\t12.345678\n");
+    write_text("in.md", "{{cell c n}} {{cell c n %%.0f}} {{cell c n %%.2g}} {{cell c v}} {{cell c v %%.1f}} "
+                        "{{cell c v %%.0f}}\n");
+    GOOD("report in.md --tables .");
+    CU_ASSERT_STRING_EQUAL(out, "1400 1400 1.4e+03 12.3 12.3 12\n");
+    write_text("in.md", "{{cell c v %%.17g}}");
+    FAILS(65, "a format such as", "report in.md --tables .");
+    write_text("in.md", "{{cell c v %%.3d}}");
+    FAILS(65, "a format such as", "report in.md --tables .");
+    write_text("in.md", "{{above t mu=0.1 p @u k=7}}");
+    FAILS(65, "no column", "report in.md --tables .");
     write_text("in.md", "{{holds t mu=0.1 frob within}}");
     FAILS(65, "in.md:1: ./t.tsv: no column frob", "report in.md --tables .");
     write_text("in.md", "{{holds t mu=0.1 verdict}}");
     FAILS(65, "a text is missing", "report in.md --tables .");
+    leave();
+}
+
+/* ---- forensics ---- */
+
+/* Piles of 20 degrees, of 14 with law = new, 3 more at W = 8; one combination of law and k has no pile there.
+ */
+static void write_forensics(void)
+{
+    static const char *const ends[] = {"",
+                                       "_centre_zero_origin",
+                                       "_centre_skip",
+                                       "_centre_skip_origin",
+                                       "_raw_centre_zero",
+                                       "_raw_centre_zero_origin",
+                                       "_raw_centre_skip",
+                                       "_raw_centre_skip_origin",
+                                       "_top_zero",
+                                       "_top_zero_origin",
+                                       "_top_skip",
+                                       "_top_skip_origin"};
+    char path[256];
+    path_of("runs.tsv", path);
+    FILE *file = fopen(path, "w");
+    fputs("# status\tlaw\tk\tW", file);
+    for (size_t v = 0; v < 12; v++) fprintf(file, "\ttheta_r3%s_deg", ends[v]);
+    fputs("\n", file);
+    for (int i = 0; i < 32; i++) {
+        const int law = i / 16, k = i / 8 % 2, W = i / 4 % 2;
+        fprintf(file, "%s\t%s\t%g\t%d", law && k && W ? "leaked" : "ok", law ? "new" : "old", k ? 2e6 : 1e6,
+                W ? 8 : 4);
+        for (size_t v = 0; v < 12; v++)
+            fprintf(file, "\t%.17g", 20.0 - 6.0 * law + 3.0 * W + (i % 4 - 1.5) * 0.4 + (v % 2 ? 9.0 : 0.0));
+        fputs("\n", file);
+    }
+    fclose(file);
+}
+
+#define CLAIMS "# claim\tkind\tvalue\terror\theld_out\tcoefficient\tcolumn\tW\n"
+
+static void test_forensics(void)
+{
+    enter();
+    write_forensics();
+    write_text("claims.tsv",
+               CLAIMS "angle\tvalue\t20\t0.5\t0\t1\ttheta_r3\t4\nrise\tsign\t1\t0.5\t0\t1\ttheta_r3\t8\n"
+                      "rise\tsign\t1\t0.5\t0\t-1\ttheta_r3\t4\nlater\tvalue\t23\t1\t1\t1\ttheta_r3\t8\n");
+    GOOD("forensics runs.tsv --claims claims.tsv --factors law,k");
+    CU_ASSERT(strstr(out, "# combinations: 4, each with 12 ways") != NULL);
+    CU_ASSERT(strstr(out, "# complete: 36\n# not_excluded: 12\n") != NULL);
+    CU_ASSERT(strstr(out, "# simulated_complete: 3\n# simulated_not_excluded: 2\n") != NULL);
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 48);
+    CU_ASSERT_STRING_EQUAL(t.cells[rp_table_column(&t, "law")], "old");
+    CU_ASSERT(strstr(t.cells[2], "origin") == NULL); /* 9 degrees more */
+    CHECK_NEAR(cell(&t, 0, "angle_deg"), 20.0, 1e-12);
+    CHECK_NEAR(cell(&t, 0, "rise_deg"), 3.0, 1e-12);
+    /* four values of variance 0.16 * 5/3: the same in all combinations, so the pooled one */
+    CHECK_NEAR(cell(&t, 0, "angle_se_deg"), sqrt(0.16 * 5.0 / 3.0 / 4.0), 1e-12);
+    CU_ASSERT(cell(&t, 0, "p_held_out") > 0.2);
+    CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "not_excluded");
+    CU_ASSERT_STRING_EQUAL(t.cells[48 * t.n_columns - 1], "incomplete");
+    rp_table_free(&t);
+    GOOD("forensics runs.tsv --claims claims.tsv --factors law --report levels");
+    t = read_table("out");
+    CHECK_NEAR(cell(&t, 1, "complete"), 12.0, 0.0); /* half of the runs are enough */
+    CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
+    rp_table_free(&t);
+    FAILS(65, "no column frob", "forensics runs.tsv --claims claims.tsv --factors frob");
+    write_text("bad.tsv", CLAIMS "a\tguess\t1\t1\t0\t1\ttheta_r3\t4\n");
+    FAILS(65, "bad.tsv:2: kind = guess: allowed: value | sign",
+          "forensics runs.tsv --claims bad.tsv --factors law");
+    write_text("bad.tsv", CLAIMS "a\tvalue\t1\t1\t0\t1\ttheta_r3\t4\na\tvalue\t2\t1\t0\t1\ttheta_r3\t8\n");
+    FAILS(65, "bad.tsv:3: claim a: kind, value", "forensics runs.tsv --claims bad.tsv --factors law");
     leave();
 }
 
@@ -1162,6 +1254,7 @@ void suite_cli(void)
                                        {"angle stress, critical", test_stress_tables},
                                        {"report", test_report},
                                        {"angle trend, size, fit --successive", test_angle_trends},
+                                       {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},
                                        {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},

@@ -249,7 +249,7 @@ static void extra_rebuilds(void)
 /* The scene ran with the instructions it asked for, where its laws have them. */
 static void check_name(const dem_definition *def, const char *name)
 {
-    const bool wide = !def->rotation || def->tangential == DEM_NONE;
+    const bool wide = def->tangential == DEM_NONE || (def->tangential == DEM_SPRING && !def->rotation);
     CU_ASSERT_STRING_NOT_EQUAL(name, "reference");
     CU_ASSERT((strstr(name, "_avx2") != NULL) == (wide && def->kernel == DEM_AVX2));
     CU_ASSERT((strstr(name, "_avx512") != NULL) == (wide && def->kernel == DEM_AVX512));
@@ -258,19 +258,20 @@ static void check_name(const dem_definition *def, const char *name)
 /* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
 static void kernels_match_reference(void)
 {
-    /* normal law and tension; then slip, damping, rotation and rolling of the spring; or no spring */
+    /* normal law and tension; then slip, damping, rotation and rolling of the spring; or no spring, slip_roll
+     */
     const long steps = check_fast() ? 2000 : 4000;
-    for (int laws = 0; laws < 4 * 14; laws++) {
+    for (int laws = 0; laws < 4 * 17; laws++) {
         const int shear = laws / 4, spin = shear / 4;
         dem_grain *grains;
         dem_definition def = box(60, 2.0, laws, &grains);
         def.normal = laws & 1 ? DEM_LINEAR : DEM_HERTZ;
         def.tension = laws & 2;
-        def.tangential = shear < 12 ? DEM_SPRING : DEM_NONE;
+        def.tangential = shear < 12 ? DEM_SPRING : shear < 14 ? DEM_NONE : DEM_SLIP_ROLL;
         def.slip = shear & 1 ? DEM_TOTAL : DEM_TRUNCATED;
         def.damping = shear & 2 ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
-        def.rotation = shear < 12 ? spin > 0 : shear == 13;
-        def.material.mu_roll = spin == 2 ? 0.1 : 0.0;
+        def.rotation = shear < 12 ? spin > 0 : shear & 1 || shear == 16;
+        def.material.mu_roll = spin == 2 || shear == 16 ? 0.1 : 0.0;
         for (int i = 0; def.rotation && i < 60; i++) grains[i].omega = i % 7 - 3.0;
         if (def.normal == DEM_LINEAR) def.material.k_n = 1e5;
         if (def.tangential == DEM_NONE) def.material.mu = def.material.mu_roll = 0.0;

@@ -239,6 +239,14 @@ static void ends_without_result(void)
     CU_ASSERT(strstr(result.message, "has not levelled off") != NULL);
     CU_ASSERT(isnan(output(&result, "theta_deg")) && output(&result, "insertions_made") == 30.0);
     free(p);
+    /* too short for a correlation time: mean and largest angle stay */
+    static const char *const no_plateau[] = {"W=1.4", "insertions=40", NULL};
+    p = params(no_plateau);
+    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CU_ASSERT_STRING_EQUAL(result.status, "ok");
+    CU_ASSERT(isnan(output(&result, "tau_insertions")) && isnan(output(&result, "theta_max_draws_deg")));
+    CU_ASSERT(output(&result, "theta_max_deg") > output(&result, "theta_deg"));
+    free(p);
     p = params(short_of_steps);
     CHECK_OK(protocol->run(p, 1993, 0, &result));
     CU_ASSERT(output(&result, "steps") == 30000.0);
@@ -269,6 +277,24 @@ static void ends_without_result(void)
     free(p);
 }
 
+/* Leave ones on the stack where the next call has its variables. */
+static void __attribute__((noinline)) soil_stack(void)
+{
+    volatile unsigned char soil[1 << 16];
+    for (size_t i = 0; i < sizeof soil; i++) soil[i] = 1;
+}
+
+/* Stored runs are known by it: it has all its digits, and is the same at every call. */
+static void fingerprint_repeats(void)
+{
+    char first[33] = "", again[33] = "";
+    CHECK_OK(protocol->fingerprint(first));
+    CU_ASSERT(strlen(first) == 32);
+    soil_stack();
+    CHECK_OK(protocol->fingerprint(again));
+    CU_ASSERT_STRING_EQUAL(first, again);
+}
+
 void suite_flux(void)
 {
     static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
@@ -277,6 +303,7 @@ void suite_flux(void)
                                        {"grains are counted", grains_are_counted},
                                        {"outputs from the series", outputs_from_series},
                                        {"ends without a result", ends_without_result},
+                                       {"fingerprint", fingerprint_repeats},
                                        {NULL, NULL}};
     check_register("constant flux", cases);
 }

@@ -35,7 +35,8 @@ static void test_judge(void)
 {
     const double level = 0.1;
     const int trials = check_fast() ? 60 : 400;
-    double y[N_COMBINATIONS * N_CLAIMS], se[N_COMBINATIONS * N_CLAIMS], by_chance;
+    double y[N_COMBINATIONS * N_CLAIMS], se[N_COMBINATIONS * N_CLAIMS];
+    ang_chance by_chance;
     ang_agreement a[N_COMBINATIONS];
     gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
     for (int c = 0; c < N_COMBINATIONS; c++)
@@ -76,12 +77,13 @@ static void test_chance(void)
     const ang_claim claims[2] = {{ANG_CLAIM_VALUE, 1.0, 0.5}, {ANG_CLAIM_VALUE, 1.0, 0.5}};
     const double y[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, se[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
     ang_agreement a[3];
-    double by_chance;
+    ang_chance by_chance;
     gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
     CHECK_OK(ang_claims_judge(3, 2, claims, y, se, 0.2, 2000, 2000, rng, a, &by_chance));
-    CHECK_NEAR(by_chance, 3.0 * 0.8, 0.15); /* five errors of 2000 draws, the three in step */
+    CHECK_NEAR(by_chance.mean, 3.0 * 0.8, 0.15); /* five errors of 2000 draws, the three in step */
+    CHECK_NEAR(by_chance.as_many, 0.8, 0.06); /* all three pass the claims, and pass together or not at all */
     CHECK_OK(ang_claims_judge(3, 2, claims, y, se, 0.2, 20, 0, rng, a, &by_chance));
-    CU_ASSERT(isnan(by_chance));
+    CU_ASSERT(isnan(by_chance.mean) && isnan(by_chance.as_many));
     CU_ASSERT(ang_claims_judge(3, 0, claims, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_NO_RESULT);
     CU_ASSERT(ang_claims_judge(3, 2, claims, y, se, 1.0, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
     CU_ASSERT(ang_claims_judge(3, 2, claims, y, se, 0.2, 19, 0, rng, a, &by_chance) == RP_BAD_INPUT);

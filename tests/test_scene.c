@@ -75,6 +75,12 @@ static void written_and_read(void)
         "100;\n"
         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
         "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 2.0; y = 0.2; r = 0.1; vx = 9.0; } );\n",
+        "steps = 900; rotation = true; normal = { law = \"linear\"; k_n = 1.0e5; tension = false; };\n"
+        "tangential = { law = \"slip_roll\"; gamma_s = 31.0; mu = 0.07; };\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+        "ground = { mu_static = 0.4; a = 0.013; set = \"again\"; };\n"
+        "hard = { restitution = 0.3; mu = \"infinite\"; };\n"
+        "particles = ( { x = 0.0; y = 0.13; r = 0.1; vx = 9.0; }, { x = 0.3; y = 0.21; r = 0.1; } );\n",
         "steps = 600; particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; },\n"
         "                           { x = 0.02; y = 0.21; r = 0.1; } );\n"};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
@@ -102,7 +108,8 @@ static void written_and_read(void)
         CHECK_OK(dem_states(a, p));
         CHECK_OK(dem_states(b, q));
         CU_ASSERT(memcmp(p, q, sizeof p) == 0);
-        CU_ASSERT(p[0].fixed == (k == 4) && !p[1].fixed);
+        CU_ASSERT(p[0].fixed == (k == 5) && !p[1].fixed);
+        CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
         CU_ASSERT((dem_box_angle(a) != 0.0) == (k == 3));
         dem_free(a);
         dem_free(b);
@@ -122,6 +129,8 @@ static void refused(void)
         {"dt = 0.0;", ":2: dt = 0: out of range"},
         {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
         {"rolling = { mu = 0.1; };", ":2: mu = 0.1: needs rotation"},
+        {"ground = { mu_static = 0.5; };", ":2: a: missing"},
+        {"hard = { restitution = 1.1; };", ":2: restitution = 1.1: out of range, allowed: [0, 1]"},
         {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
         {"gravity = 981.0;", ":2: gravity: two numbers"},
         {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet | gear5"},

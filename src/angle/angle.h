@@ -416,13 +416,18 @@ typedef struct {
     double log_likelihood, limit, p_value;
 } ang_agreement;
 
+/* Combinations that pass claims put together from the numbers of unrelated combinations: how many on average,
+ * and in which share of the draws at least as many as pass the claims themselves. */
+typedef struct {
+    double mean, as_many;
+} ang_chance;
+
 /* Judge combinations by the numbers y[c * n + k] +- se[c * n + k] that combination c gives for claim k, by
- * n_draws simulated publications each. *by_chance: how many combinations would pass, on average over
- * n_chance draws, claims put together from the numbers of unrelated combinations.
+ * n_draws simulated publications each, and count chance in n_chance draws (0: NaN).
  * Errors: RP_NO_RESULT (no claims), RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status ang_claims_judge(size_t n_combinations, size_t n, const ang_claim claims[], const double y[],
                            const double se[], double level, size_t n_draws, size_t n_chance, gsl_rng *rng,
-                           ang_agreement agreement[], double *by_chance);
+                           ang_agreement agreement[], ang_chance *chance);
 
 /* Change of y from a factor's level 0 to another; 95 % interval and p-value by Student's t. */
 typedef struct {

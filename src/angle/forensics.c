@@ -70,32 +70,38 @@ static void calibrate(size_t n, const ang_claim claims[], const double y[], cons
     out->excluded = out->log_likelihood < out->limit;
 }
 
-/* How many combinations pass, on average, data of no combination: each claim's number is that of a
- * combination drawn for it alone. */
-static double pass_by_chance(size_t n_combinations, size_t n, const ang_claim claims[], const double y[],
-                             const double se[], const ang_agreement agreement[], size_t n_draws, gsl_rng *rng,
-                             ang_claim *drawn, size_t *complete)
+/* How many combinations pass data of no combination: each claim's number is that of a combination drawn for
+ * it alone. The mean over draws, and the share of draws that leave at least as many as the true data. */
+static ang_chance pass_by_chance(size_t n_combinations, size_t n, const ang_claim claims[], const double y[],
+                                 const double se[], const ang_agreement agreement[], size_t n_draws,
+                                 gsl_rng *rng, ang_claim *drawn, size_t *complete)
 {
-    size_t m = 0, passed = 0;
-    for (size_t c = 0; c < n_combinations; c++)
+    size_t m = 0, passed = 0, as_many = 0, observed = 0;
+    for (size_t c = 0; c < n_combinations; c++) {
         if (agreement[c].complete) complete[m++] = c;
+        observed += agreement[c].complete && !agreement[c].excluded;
+    }
     for (size_t d = 0; d < n_draws && m > 0; d++) {
         double s = scale(gsl_rng_uniform(rng));
         for (size_t k = 0; k < n; k++) {
             size_t at = complete[gsl_rng_uniform_int(rng, m)] * n + k;
             drawn[k].value = publish(&claims[k], y[at], se[at], s, rng);
         }
+        size_t here = 0;
         for (size_t i = 0; i < m; i++) {
             const size_t c = complete[i];
-            passed += ang_claims_log_likelihood(n, drawn, y + c * n, se + c * n) >= agreement[c].limit;
+            here += ang_claims_log_likelihood(n, drawn, y + c * n, se + c * n) >= agreement[c].limit;
         }
+        passed += here;
+        as_many += here >= observed;
     }
-    return n_draws > 0 ? (double)passed / (double)n_draws : NAN;
+    if (n_draws == 0) return (ang_chance){NAN, NAN};
+    return (ang_chance){(double)passed / (double)n_draws, (double)as_many / (double)n_draws};
 }
 
 rp_status ang_claims_judge(size_t n_combinations, size_t n, const ang_claim claims[], const double y[],
                            const double se[], double level, size_t n_draws, size_t n_chance, gsl_rng *rng,
-                           ang_agreement agreement[], double *by_chance)
+                           ang_agreement agreement[], ang_chance *chance)
 {
     if (n == 0) return rp_fail(RP_NO_RESULT, "no claims");
     for (size_t k = 0; k < n; k++)
@@ -121,7 +127,7 @@ rp_status ang_claims_judge(size_t n_combinations, size_t n, const ang_claim clai
         for (size_t k = 0; k < n; k++) a->complete &= isfinite(y[c * n + k]) && isfinite(se[c * n + k]);
         if (a->complete) calibrate(n, claims, y + c * n, se + c * n, level, n_draws, rng, drawn, logs, a);
     }
-    *by_chance = pass_by_chance(n_combinations, n, claims, y, se, agreement, n_chance, rng, drawn, complete);
+    *chance = pass_by_chance(n_combinations, n, claims, y, se, agreement, n_chance, rng, drawn, complete);
     free(drawn);
     free(logs);
     free(complete);

@@ -54,7 +54,9 @@ static const cli_command command = {
     "judge: "
     "they\n"
     "test the combinations that are not excluded.\n"
-    "combinations: likelihood, p-value, status and numbers; effects: change of each number from a factor's "
+    "combinations: likelihood, p-value, status and numbers; simulated: rank of a simulated combination, at "
+    "its best\n"
+    "surface, 0 at the others; effects: change of each number from a factor's "
     "first "
     "level\n"
     "(95 % interval; the residual holds interactions); levels: what is left of each level.",
@@ -215,13 +217,22 @@ static rp_status read_term(study *s, const rp_table *t, size_t row, const int co
                        kind);
     for (term->claim = 0; term->claim < s->n_claims; term->claim++)
         if (strcmp(s->about[term->claim].name, name) == 0) break;
+    const ang_claim stated = {sign ? ANG_CLAIM_SIGN : ANG_CLAIM_VALUE, sign ? value : value * deg,
+                              error * deg};
+    if (term->claim < s->n_claims) {
+        const ang_claim *known = &s->claims[term->claim];
+        if (known->kind != stated.kind || known->value != stated.value || known->error != stated.error ||
+            s->about[term->claim].held_out != (held_out != 0.0))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: claim %s: kind, value, error or held_out differ from its first row",
+                           t->path, t->lines[row], name);
+    }
     if (term->claim == s->n_claims) {
         if (s->n_claims == MAX_CLAIMS)
             return rp_fail(RP_BAD_INPUT, "%s: at most %d claims", t->path, MAX_CLAIMS);
         snprintf(s->about[s->n_claims].name, sizeof s->about->name, "%s", name);
         s->about[s->n_claims].held_out = held_out != 0.0;
-        s->claims[s->n_claims++] =
-            (ang_claim){sign ? ANG_CLAIM_SIGN : ANG_CLAIM_VALUE, sign ? value : value * deg, error * deg};
+        s->claims[s->n_claims++] = stated;
     }
     for (int v = 0; v < N_VARIANTS; v++) {
         char column[80];
@@ -325,7 +336,7 @@ static rp_status read_numbers(study *s)
 
 /* Judge all combinations and variants by the claims that are held out, or that are not. */
 static rp_status judge(const study *s, bool held_out, const forensics_options *o, ang_agreement agreement[],
-                       double *by_chance)
+                       ang_chance *chance)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
     ang_claim claims[MAX_CLAIMS];
@@ -343,7 +354,7 @@ static rp_status judge(const study *s, bool held_out, const forensics_options *o
         }
     if (!status && n > 0)
         status = ang_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
-                                  held_out ? 0 : (size_t)o->draws, rng, agreement, by_chance);
+                                  held_out ? 0 : (size_t)o->draws, rng, agreement, chance);
     if (!status && n == 0)
         for (size_t c = 0; c < m; c++) agreement[c] = (ang_agreement){false, true, NAN, NAN, NAN};
     if (rng) gsl_rng_free(rng);
@@ -374,9 +385,9 @@ static int by_likelihood(const void *a, const void *b)
 static void print_combination_header(const study *s)
 {
     printf("#");
-    for (size_t f = 0; f < s->n_factors + 4; f++) printf("\t");
+    for (size_t f = 0; f < s->n_factors + 5; f++) printf("\t");
     for (size_t k = 0; k < s->n_claims; k++) printf("\tdeg\tdeg");
-    printf("\t\n# rank\tcombination\tsurface");
+    printf("\t\n# rank\tcombination\tsimulated\tsurface");
     for (size_t f = 0; f < s->n_factors; f++) printf("\t%s", s->factor[f].name);
     printf("\tlog_likelihood\tp_value\tp_held_out");
     for (size_t k = 0; k < s->n_claims; k++)
@@ -389,9 +400,11 @@ static rp_status print_combinations(const study *s, const ang_agreement *main, c
     const size_t m = s->n_combinations * N_VARIANTS;
     size_t *order = malloc((m + 1) * sizeof *order);
     double *key = malloc((m + 1) * sizeof *key);
-    if (!order || !key) {
+    bool *seen = calloc(s->n_combinations + 1, sizeof *seen);
+    if (!order || !key || !seen) {
         free(order);
         free(key);
+        free(seen);
         return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     }
     for (size_t c = 0; c < m; c++) {
@@ -401,9 +414,11 @@ static rp_status print_combinations(const study *s, const ang_agreement *main, c
     sort_key = key;
     qsort(order, m, sizeof *order, by_likelihood);
     print_combination_header(s);
-    for (size_t i = 0; i < m; i++) {
-        size_t c = order[i], combination = c / N_VARIANTS;
-        printf("%zu\t%zu\t%s", i + 1, combination, variant_word(c % N_VARIANTS));
+    for (size_t i = 0, n_seen = 0; i < m; i++) {
+        size_t c = order[i], combination = c / N_VARIANTS, simulated = 0;
+        if (!seen[combination]) simulated = ++n_seen;
+        seen[combination] = true;
+        printf("%zu\t%zu\t%zu\t%s", i + 1, combination, simulated, variant_word(c % N_VARIANTS));
         for (size_t f = 0; f < s->n_factors; f++)
             printf("\t%s", s->factor[f].levels[s->level[combination * s->n_factors + f]]);
         printf("\t%.17g\t%.17g\t%.17g", main[c].log_likelihood, main[c].p_value, held[c].p_value);
@@ -413,6 +428,7 @@ static rp_status print_combinations(const study *s, const ang_agreement *main, c
     }
     free(order);
     free(key);
+    free(seen);
     return RP_OK;
 }
 
@@ -536,14 +552,32 @@ static rp_status print_effects(const study *s)
 
 /* ---- command ---- */
 
+/* The same counts of the combinations that were simulated, whatever the reading of their surface. */
+static void note_simulated(const study *s, const ang_agreement *a)
+{
+    size_t complete = 0, passed = 0;
+    for (size_t c = 0; c < s->n_combinations; c++) {
+        bool any_complete = false, any_passed = false;
+        for (size_t v = 0; v < N_VARIANTS; v++) {
+            const ang_agreement *one = &a[c * N_VARIANTS + v];
+            any_complete |= one->complete;
+            any_passed |= one->complete && !one->excluded;
+        }
+        complete += any_complete;
+        passed += any_passed;
+    }
+    rp_table_note(stdout, "simulated_complete", "%zu", complete);
+    rp_table_note(stdout, "simulated_not_excluded", "%zu", passed);
+}
+
 static rp_status print_report(const study *s, const forensics_options *o)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
-    double by_chance = NAN, unused;
+    ang_chance chance = {NAN, NAN}, unused;
     ang_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
     rp_status status = main && held ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     if (!status && o->report != REPORT_EFFECTS) {
-        status = judge(s, false, o, main, &by_chance);
+        status = judge(s, false, o, main, &chance);
         if (!status) status = judge(s, true, o, held, &unused);
     }
     if (!status) {
@@ -559,7 +593,9 @@ static rp_status print_report(const study *s, const forensics_options *o)
         }
         rp_table_note(stdout, "complete", "%zu", complete);
         rp_table_note(stdout, "not_excluded", "%zu", passed);
-        rp_table_note(stdout, "by_chance", "%.3g", by_chance);
+        rp_table_note(stdout, "by_chance", "%.2g", chance.mean);
+        rp_table_note(stdout, "chance_of_as_many", "%.2g", chance.as_many);
+        note_simulated(s, main);
     }
     if (!status && o->report == REPORT_COMBINATIONS) status = print_combinations(s, main, held);
     if (!status && o->report == REPORT_LEVELS) print_levels(s, main);

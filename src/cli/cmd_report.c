@@ -4,14 +4,17 @@
  * cells equal all key=value given (numbers compare as numbers).
  *   {{value T k=v COL}}            value +- standard error, from COL_mean and COL_se, or COL and its _se
  * column
- *   {{cell T k=v COL FORMAT}}      the cell itself, printed with %.3g or the format given
+ *   {{cell T k=v COL FORMAT}}      the cell itself, printed with the format given (%.Ng or %.Nf); without one
+ *                                  a count as it stands, else with %.3g
  *   {{agree T k=v COL PAPER SE}}   verdict: within two standard errors of the paper's value?
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
  *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
- * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error.
+ * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error,
+ * and
+ * @TABLE k=v COL, as the last words, that of another table.
  */
 #include <math.h>
 #include <stddef.h>
@@ -124,17 +127,33 @@ static rp_status number_word(const place *p, int index, double *number)
                 : RP_OK;
 }
 
+/* The limit that the words from `at` on name: @COL of the same row, @TABLE key=value ... COL of another
+ * table, or a number. */
+static rp_status find_limit(const place *p, int at, const rp_table *t, size_t row, double *limit, double *se)
+{
+    *se = 0.0;
+    if (at >= p->n || p->words[at][0] != '@') return number_word(p, at, limit);
+    if (at + 1 == p->n) return find_value(t, row, p->words[at] + 1, limit, se);
+    place other = {.tables = p->tables, .n = 1 + p->n - at, .words = {p->words[0], p->words[at] + 1}};
+    for (int w = at + 1; w < p->n; w++) other.words[2 + w - at - 1] = p->words[w];
+    char path[4096];
+    rp_table table = {0};
+    int next;
+    rp_status status = read_table(&other, path, &table);
+    if (!status) status = find_row(&other, &table, &row, &next);
+    if (!status && next >= other.n)
+        status = rp_fail(RP_BAD_INPUT, "{{%s ... %s ...}}: no column", p->words[0], p->words[at]);
+    if (!status) status = find_value(&table, row, other.words[next], limit, se);
+    rp_table_free(&table);
+    return status;
+}
+
 static rp_status print_verdict(const place *p, int next, const rp_table *t, size_t row, FILE *out)
 {
     double value, se = 0.0, limit = 0.0, limit_se = 0.0;
-    rp_status status;
-    if (next + 1 < p->n && p->words[next + 1][0] == '@') {
-        status = find_value(t, row, p->words[next + 1] + 1, &limit, &limit_se);
-        limit = fabs(limit);
-    } else {
-        status = number_word(p, next + 1, &limit);
-    }
+    rp_status status = find_limit(p, next + 1, t, row, &limit, &limit_se);
     if (status) return status;
+    if (p->words[next + 1][0] == '@') limit = fabs(limit);
     if (strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
@@ -182,17 +201,20 @@ static rp_status print_cell(const place *p, int next, const rp_table *t, size_t 
     int column = rp_table_column(t, p->words[next]);
     if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
     const char *cell = t->cells[row * t->n_columns + (size_t)column];
-    /* precision alone is taken from the text, so that it cannot be a harmful format */
-    int precision = 3;
-    if (next + 1 < p->n && sscanf(p->words[next + 1], "%%.%1dg", &precision) != 1)
-        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g expected",
-                       p->words[next + 1]);
-    char *end;
+    /* precision and letter alone are taken from the text, so that it cannot be a harmful format */
+    const char *format = next + 1 < p->n ? p->words[next + 1] : "%.3g";
+    int precision = 3, used = 0;
+    char letter = 'g', *end;
+    if (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
+        !strchr("fg", letter))
+        return rp_fail(RP_BAD_INPUT, "{{cell ...}}: \"%s\": a format such as %%.3g or %%.0f expected",
+                       format);
+    const bool whole = next + 1 == p->n && !cell[strspn(cell, "0123456789")]; /* a count is not rounded */
     double value = strtod(cell, &end);
-    if (*end)
+    if (*end || whole)
         fputs(cell, out);
     else
-        fprintf(out, "%.*g", precision, value);
+        fprintf(out, letter == 'f' ? "%.*f" : "%.*g", precision, value);
     return RP_OK;
 }
 

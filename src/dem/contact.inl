@@ -44,16 +44,17 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
         double f_n =
             dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
         dem_vec f = f_n * direction;
-        if (tangential == DEM_SPRING) {
+        if (tangential != DEM_NONE) {
             dem_vec s = dem_clockwise(direction);
             double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
             if (rotation) {
                 arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
                 v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
             }
-            if (gear) spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
+            if (gear && tangential == DEM_SPRING)
+                spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
             double f_s =
-                dem_law_shear(slip, damping, c.k_s, c.gamma_s, mu, mass[k], v_s, f_n, h, &spring[k]);
+                dem_law_tangential(tangential, slip, damping, &c, mu, mass[k], v_s, f_n, h, &spring[k]);
             f += f_s * s;
             if (rotation) {
                 double couple = 0.0;

@@ -1,4 +1,5 @@
-/* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2).
+/* The DEM simulator: grains in two dimensions with the contact forces of Lee & Herrmann 1993, eqs (1)-(2), or
+ * the soft and hard ones of Liffman, Chan & Hughes 1992.
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
  * gravity or the box may turn. Angles and spins are counter-clockwise.
@@ -13,8 +14,10 @@
 
 #include "core/status.h"
 
-enum { DEM_HERTZ, DEM_LINEAR };    /* normal law */
-enum { DEM_NONE, DEM_SPRING };     /* tangential law */
+enum { DEM_HERTZ, DEM_LINEAR }; /* normal law */
+/* tangential law: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a spring
+ * (Liffman, Chan & Hughes 1992, eqs (27)-(32)) */
+enum { DEM_NONE, DEM_SPRING, DEM_SLIP_ROLL };
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
@@ -59,6 +62,28 @@ typedef struct {
     bool fixed;
 } dem_grain;
 
+/* Static friction of a ground, a whole line that never opens: Liffman, Chan & Hughes 1992, eqs (30) and (33).
+ * A grain that touches it is held in a well: along the ground, through the centre and without a torque, acts
+ * -mu_static N (s - s0)/a, none beyond a half-width a: there the well is broken, until the contact ends.
+ * `set` says when a grain gets its s0: at first touch, or once it is at rest along the ground (it slows down,
+ * and the well is deep enough to hold it: m v_s^2 + I omega^2 <= mu_static N a), or then and again after each
+ * break. */
+enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN };
+typedef struct {
+    int wall; /* its number, from 1; 0: no ground, and nothing else here counts */
+    double mu_static, a;
+    int set;
+} dem_ground;
+
+/* Hard collisions of what approaches fast; impact.h. Grains, or a grain and a wall, that would come to touch
+ * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
+ * presses them together: eq (22), where a rebound would be taken back within the step. Those then overlap: a
+ * soft contact, that lasts until they part. */
+typedef struct {
+    bool on;
+    double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
+} dem_hard;
+
 typedef struct {
     double gravity[2];
     double dt;
@@ -68,6 +93,8 @@ typedef struct {
     bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     int shape;     /* gives the moments of inertia */
     dem_material material;
+    dem_ground ground;    /* not with the tangential law DEM_SPRING */
+    dem_hard hard;        /* needs DEM_VERLET and no tension */
     double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
@@ -164,7 +191,7 @@ bool dem_kernel_runs(int kernel);
 /* How much work the run was. */
 typedef struct {
     size_t pairs, contacts, wall_slots; /* now */
-    long rebuilds;                      /* since the start */
+    long rebuilds, collisions;          /* since the start; hard ones */
     double grain_steps;                 /* sum over steps of the grains present */
 } dem_counts;
 void dem_count_work(const dem_sim *sim, dem_counts *counts);
@@ -183,19 +210,21 @@ typedef struct {
  * Errors: RP_NO_MEMORY. */
 rp_status dem_states(const dem_sim *sim, dem_state *states);
 
+enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN };
 typedef struct {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
+    int well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
 
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n);
 
-/* Energies: kinetic of the translation, elastic (normal, shear and rolling springs), gravity (from the
- * origin; of what can move), kinetic of the rotation. */
+/* Energies: kinetic of the translation, elastic (normal, shear and rolling springs, wells of the ground),
+ * gravity (from the origin; of what can move), kinetic of the rotation. */
 typedef struct {
     double kinetic, elastic, gravity, rotational;
 } dem_energy;

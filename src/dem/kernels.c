@@ -19,6 +19,8 @@
     X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), DEM_DAMPING_INSIDE, false, false)
 #define ROTATING(X, name, normal, rolling)                                                                   \
     X(name, normal, DEM_SPRING, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), true, rolling)
+#define SLIP_ROLL(X, name, normal, rotation, rolling)                                                        \
+    X(name, normal, DEM_SLIP_ROLL, AS_IT_IS(slip), AS_IT_IS(tension), AS_IT_IS(damping), rotation, rolling)
 #define KERNELS(X)                                                                                           \
     FRICTIONLESS(X, hertz_none_pull, DEM_HERTZ, true)                                                        \
     FRICTIONLESS(X, hertz_none_push, DEM_HERTZ, false)                                                       \
@@ -37,7 +39,13 @@
     ROTATING(X, hertz_rotating, DEM_HERTZ, false)                                                            \
     ROTATING(X, linear_rotating, DEM_LINEAR, false)                                                          \
     ROTATING(X, hertz_rolling, DEM_HERTZ, true)                                                              \
-    ROTATING(X, linear_rolling, DEM_LINEAR, true)
+    ROTATING(X, linear_rolling, DEM_LINEAR, true)                                                            \
+    SLIP_ROLL(X, hertz_slip, DEM_HERTZ, false, false)                                                        \
+    SLIP_ROLL(X, linear_slip, DEM_LINEAR, false, false)                                                      \
+    SLIP_ROLL(X, hertz_slip_roll, DEM_HERTZ, true, false)                                                    \
+    SLIP_ROLL(X, linear_slip_roll, DEM_LINEAR, true, false)                                                  \
+    SLIP_ROLL(X, hertz_slip_rolling, DEM_HERTZ, true, true)                                                  \
+    SLIP_ROLL(X, linear_slip_rolling, DEM_LINEAR, true, true)
 
 #define X(name, ...)                                                                                         \
     static void kernel_##name(dem_sim *sim, double h)                                                        \
@@ -80,7 +88,7 @@ static void choose_wide(dem_sim *sim)
     if (!avx512 && !avx2) return;
     sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
     if (def->integrator == DEM_VERLET) sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
-    if (def->rotation && def->tangential == DEM_SPRING) return;
+    if (def->tangential == DEM_SLIP_ROLL || (def->rotation && def->tangential == DEM_SPRING)) return;
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
 #else

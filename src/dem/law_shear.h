@@ -32,6 +32,26 @@ static inline double dem_law_shear(int slip, int damping, double k_s, double gam
     return inside ? -held : -dashpot - held;
 }
 
+/* Viscous slip capped by friction: Liffman, Chan & Hughes 1992, eqs (27), (29), (32), with the sign of v_s
+ * and the magnitude that their minimum needs, and k_slip = gamma_s m_eff. Their "rolling" friction is
+ * Coulomb's limit of the slip, mu here: it does not resist rolling. */
+static inline double dem_law_slip_roll(double gamma_s, double mu, double m_eff, double v_s,
+                                       double normal_force)
+{
+    double slip = gamma_s * m_eff * v_s, cap = mu * (normal_force > 0.0 ? normal_force : 0.0);
+    return fabs(slip) > cap ? -copysign(cap, v_s) : -slip;
+}
+
+/* The tangential law of the scene, which is not DEM_NONE. */
+static inline double dem_law_tangential(int law, int slip, int damping, const dem_material *c, double mu,
+                                        double m_eff, double v_s, double normal_force, double h,
+                                        double *spring)
+{
+    return law == DEM_SPRING
+               ? dem_law_shear(slip, damping, c->k_s, c->gamma_s, mu, m_eff, v_s, normal_force, h, spring)
+               : dem_law_slip_roll(c->gamma_s, mu, m_eff, v_s, normal_force);
+}
+
 /* Rolling resistance as the same spring and slider (Ai, Chen, Rotter & Ooi 2011, model C): force at the
  * distance R_eff = r_i r_j/(r_i + r_j) (a wall: r_i) from both centres, against v_roll = R_eff (omega_i -
  * omega_j), at most mu_roll max(F_n, 0), dashpot included; *xi is the rolling displacement. The torques

@@ -396,11 +396,13 @@ static rp_status find_wall_slots(dem_sim *sim)
                 !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
             dem_wall_slot *slot = &sim->wall_slot[sim->n_wall_slots++];
-            *slot = (dem_wall_slot){k, i, 0.0, 0.0, distance < 0.0 ? -1.0 : 1.0};
+            *slot = (dem_wall_slot){.wall = k, .grain = i, .side = distance < 0.0 ? -1.0 : 1.0};
             if (held != NOWHERE) {
                 slot->spring = w->wall_slot[held].spring;
                 slot->roll = w->wall_slot[held].roll;
                 slot->side = w->wall_slot[held].side;
+                slot->rest = w->wall_slot[held].rest;
+                slot->well = w->wall_slot[held].well;
             }
         }
     }

@@ -113,9 +113,9 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
                (sim->radius[j] - 0.5 * overlap) * sim->spin[j].omega;
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
                                 overlap, dem_dot(v, n));
-    if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->mu, sim->pair_mass[k],
-                            v_s, f_n, 0.0, &spring);
+    if (sim->def.tangential != DEM_NONE)
+        f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c, sim->mu,
+                                 sim->pair_mass[k], v_s, f_n, 0.0, &spring);
     if (sim->rolling) {
         const double r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
         couple = r_eff * dem_law_rolling(c, sim->pair_mass[k],
@@ -132,7 +132,9 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
     double overlap, f_s = 0.0, couple = 0.0;
     double spring = sim->wall_slot[k].spring, roll = sim->wall_slot[k].roll;
     if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) return false;
-    const size_t i = sim->wall_slot[k].grain, w = sim->wall_slot[k].wall;
+    const dem_wall_slot *slot = &sim->wall_slot[k];
+    const size_t i = slot->grain, w = slot->wall;
+    const int well = slot->well;
     const dem_material *c = &sim->def.walls[w].material;
     dem_vec v = sim->grain[i].v - wall_velocity, x = sim->grain[i].x;
     dem_vec at = x - (sim->radius[i] - overlap) * normal;
@@ -140,15 +142,19 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
                                 dem_dot(v, normal));
     double v_s = dem_dot(v, dem_clockwise(normal));
     if (sim->spin) v_s += (sim->radius[i] - overlap) * sim->spin[i].omega;
-    if (sim->def.tangential == DEM_SPRING)
-        f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s, sim->wall_mu[w],
-                            sim->mass[i], v_s, f_n, 0.0, &spring);
+    if (sim->def.tangential != DEM_NONE)
+        f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c, sim->wall_mu[w],
+                                 sim->mass[i], v_s, f_n, 0.0, &spring);
+    if (well != DEM_WELL_NONE) {
+        f_s += dem_ground_force(sim, slot, f_n);
+        spring = well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, slot) : 0.0;
+    }
     if (sim->rolling)
         couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
                                                   sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
                                                   f_n, 0.0, &roll);
     *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
-                             overlap,    f_n, f_s,    spring, couple, roll};
+                             overlap,    f_n, f_s,    spring, couple, roll,  well};
     return true;
 }
 
@@ -169,10 +175,14 @@ static double spring_energy(const dem_sim *sim, const dem_material *c, double mu
     double overlap = contact->overlap, ds = fabs(contact->shear_spring);
     double energy = sim->def.normal == DEM_HERTZ ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
                                                  : 0.5 * c->k_n * overlap * overlap;
-    if (sim->def.tangential != DEM_SPRING) return energy;
-    double pull = c->k_s * ds;
-    if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
-    energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    if (contact->well == DEM_WELL_HOLDS)
+        energy +=
+            0.5 * sim->def.ground.mu_static * fmax(contact->normal_force, 0.0) / sim->def.ground.a * ds * ds;
+    if (sim->def.tangential == DEM_SPRING) {
+        double pull = c->k_s * ds;
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
+        energy += pull * ds - 0.5 * pull * pull / c->k_s;
+    }
     return energy + 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring;
 }
 
@@ -259,5 +269,6 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi)
 
 void dem_count_work(const dem_sim *sim, dem_counts *counts)
 {
-    *counts = (dem_counts){sim->n_pairs, sim->n_touching, sim->n_wall_slots, sim->rebuilds, sim->grain_steps};
+    *counts = (dem_counts){sim->n_pairs,  sim->n_touching, sim->n_wall_slots,
+                           sim->rebuilds, sim->collisions, sim->grain_steps};
 }

@@ -25,6 +25,11 @@ typedef struct {
 } law_values;
 
 typedef struct {
+    long wall;
+    dem_ground ground;
+} ground_values;
+
+typedef struct {
     dem_material material;
     long open_at_step;
     double open_speed;
@@ -74,7 +79,8 @@ static const rp_param normal_schema[] = {
     {0}};
 
 static const rp_param tangential_schema[] = {
-    {"law", "", RP_CHOICE, AT(law_values, law), "none", "none | spring", "shear force, eq (2b)"},
+    {"law", "", RP_CHOICE, AT(law_values, law), "none", "none | spring | slip_roll",
+     "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n"},
     {"k_s", "dyn/cm", RP_REAL, AT(law_values, material.k_s), "1e4", "(0, inf)", "shear stiffness"},
     {"gamma_s", "1/s", RP_REAL, AT(law_values, material.gamma_s), "auto", "[0, inf) | auto",
      "shear damping; auto: gamma_n/100"},
@@ -91,6 +97,22 @@ static const rp_param rolling_schema[] = {
     {"k", "dyn/cm", RP_REAL, AT(dem_material, k_roll), "auto", "[0, inf) | auto", "its stiffness; auto: k_s"},
     {"gamma", "1/s", RP_REAL, AT(dem_material, gamma_roll), "auto", "[0, inf) | auto",
      "its damping; auto: gamma_s"},
+    {0}};
+
+static const rp_param ground_schema[] = {
+    {"wall", "", RP_INT, AT(ground_values, wall), "1", "[1, 8]", "its number: a whole line"},
+    {"mu_static", "", RP_REAL, AT(ground_values, ground.mu_static), NULL, "[0, inf)",
+     "static friction: largest force of a well over the normal force"},
+    {"a", "cm", RP_REAL, AT(ground_values, ground.a), NULL, "(0, inf)",
+     "half-width of a well, beyond which it is broken"},
+    {"set", "", RP_CHOICE, AT(ground_values, ground.set), "rest", "touch | rest | again",
+     "when a grain gets its well: at first touch; once it is at rest; then and again after each break"},
+    {0}};
+
+static const rp_param hard_schema[] = {
+    {"restitution", "", RP_REAL, AT(dem_hard, restitution), NULL, "[0, 1]",
+     "of collisions of what approaches fast"},
+    {"mu", "", RP_REAL, AT(dem_hard, mu), "0.0", "[0, inf) | infinite", "their coefficient of friction"},
     {0}};
 
 static const rp_param wall_schema[] = {
@@ -147,6 +169,8 @@ const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
                                              {"tangential", tangential_schema},
                                              {"rolling", rolling_schema},
                                              {"walls", wall_schema},
+                                             {"ground", ground_schema},
+                                             {"hard", hard_schema},
                                              {"particles", particle_schema},
                                              {"fill", fill_schema},
                                              {NULL, NULL}};
@@ -248,6 +272,26 @@ static rp_status read_walls(const config_setting_t *root, dem_definition *def)
     }
     def->n_walls = (size_t)n;
     return RP_OK;
+}
+
+static rp_status read_ground(const config_setting_t *root, dem_definition *def)
+{
+    const config_setting_t *group = config_setting_get_member(root, "ground");
+    ground_values v;
+    rp_params_defaults(ground_schema, &v);
+    rp_status status = group ? rp_config_group(group, ground_schema, &v, NULL) : RP_OK;
+    if (!group || status) return status;
+    def->ground = v.ground;
+    def->ground.wall = (int)v.wall;
+    return RP_OK;
+}
+
+static rp_status read_hard(const config_setting_t *root, dem_definition *def)
+{
+    const config_setting_t *group = config_setting_get_member(root, "hard");
+    rp_params_defaults(hard_schema, &def->hard);
+    def->hard.on = group != NULL;
+    return group ? rp_config_group(group, hard_schema, &def->hard, NULL) : RP_OK;
 }
 
 static rp_status read_particles(const config_setting_t *list, const scene_values *top, dem_scene *scene)
@@ -391,8 +435,8 @@ static rp_status change(config_t *config, const char *text)
 
 static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
 {
-    static const char *const others[] = {"gravity", "normal",    "tangential", "rolling",
-                                         "walls",   "particles", "fill",       NULL};
+    static const char *const others[] = {"gravity",   "normal", "tangential", "rolling", "walls",
+                                         "particles", "fill",   "ground",     "hard",    NULL};
     rp_status status = rp_config_read(path, config);
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
@@ -418,6 +462,8 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     scene->steps = top.steps;
     status = read_laws(root, def);
     if (!status) status = read_walls(root, def);
+    if (!status) status = read_ground(root, def);
+    if (!status) status = read_hard(root, def);
     if (!status) status = read_grains(path, root, &top, scene);
     return status;
 }
@@ -534,6 +580,9 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     write_group(out, "tangential", tangential_schema, &tangential);
     write_group(out, "rolling", rolling_schema, &def->material);
     write_walls(out, def);
+    const ground_values ground = {def->ground.wall, def->ground};
+    if (def->ground.wall) write_group(out, "ground", ground_schema, &ground);
+    if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
     if (scene->has_fill)
         write_group(out, "fill", fill_schema, &scene->fill);
     else

@@ -80,10 +80,11 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
 {
     double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
     double k_tangential = 0.0, gamma_tangential = 0.0;
-    if (def->tangential == DEM_SPRING) {
+    if (def->tangential != DEM_NONE) {
+        const bool spring = def->tangential == DEM_SPRING;
         const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
         const double rolls = c->mu_roll > 0.0 ? turns : 0.0;
-        k_tangential = (1.0 + turns) * c->k_s + rolls * c->k_roll;
+        k_tangential = (spring ? (1.0 + turns) * c->k_s : 0.0) + rolls * c->k_roll;
         gamma_tangential = (1.0 + turns) * c->gamma_s + rolls * c->gamma_roll;
     }
     double k = fmax(k_normal, k_tangential), gamma = fmax(c->gamma_n, gamma_tangential);
@@ -101,7 +102,7 @@ static double gear_step_limit(const dem_definition *def, const dem_material *c, 
 {
     double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
     double k = fmax(k_normal, def->tangential == DEM_SPRING ? c->k_s : 0.0);
-    double gamma = fmax(c->gamma_n, def->tangential == DEM_SPRING ? c->gamma_s : 0.0);
+    double gamma = fmax(c->gamma_n, def->tangential != DEM_NONE ? c->gamma_s : 0.0);
     double rate = hypot(3.0 * gamma * 551.0 / 90.0, 2.0 * sqrt(k / m_eff));
     return rate > 0.0 ? 1.0 / rate : INFINITY;
 }
@@ -123,6 +124,16 @@ static double speed_step_limit(const dem_definition *def, const dem_material *c,
     double weight = m_eff * v * v / (4.0 * r);
     double overlap = def->normal == DEM_HERTZ ? pow(weight / c->k_n, 2.0 / 3.0) : weight / c->k_n;
     return fmin(limit, gear_step_limit(def, c, m_eff, overlap));
+}
+
+/* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
+ * makes it stiffer, but breaks it or is over before that can grow. */
+static double well_step_limit(const dem_definition *def, double m, double r, double v)
+{
+    const double stiffness = def->ground.mu_static *
+                             fmax(m * v * v / (4.0 * r), m * hypot(def->gravity[0], def->gravity[1])) /
+                             def->ground.a;
+    return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
 }
 
 /* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
@@ -171,6 +182,11 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
             limit = t;
             which = "the lightest grain at a wall";
         }
+        t = (int)w + 1 == def->ground.wall ? well_step_limit(def, m_min, r_min, v) : INFINITY;
+        if (t < limit) {
+            limit = t;
+            which = "the lightest grain in a well of the ground";
+        }
     }
     if (what) *what = which;
     return limit;
@@ -195,8 +211,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
     if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
     if (!status && def->tangential == DEM_SPRING) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && def->tangential == DEM_SPRING)
-        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
+    if (!status && def->tangential != DEM_NONE) status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
     if (!status && def->tangential == DEM_NONE && c->mu > 0.0)
@@ -233,6 +248,39 @@ static rp_status check_walls(const dem_definition *def)
                 "%s: open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end", of,
                 w->open_speed);
     }
+    return RP_OK;
+}
+
+static rp_status check_ground(const dem_definition *def)
+{
+    const dem_ground *g = &def->ground;
+    if (g->wall == 0) return RP_OK;
+    if (g->wall < 0 || (size_t)g->wall > def->n_walls)
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: there are %zu walls", g->wall, def->n_walls);
+    const dem_wall *w = &def->walls[g->wall - 1];
+    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: must be a whole line that never opens", g->wall);
+    if (def->tangential == DEM_SPRING)
+        return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
+    rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
+    if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
+    return status ? rp_prefix(status, "ground: ") : RP_OK;
+}
+
+static rp_status check_hard(const dem_definition *def)
+{
+    const dem_hard *hard = &def->hard;
+    if (!hard->on) return RP_OK;
+    if (!(hard->restitution >= 0.0 && hard->restitution <= 1.0))
+        return rp_fail(RP_BAD_INPUT, "hard: restitution = %g: out of range, allowed: [0, 1]",
+                       hard->restitution);
+    if (!(hard->mu >= 0.0))
+        return rp_fail(RP_BAD_INPUT, "hard: mu = %g: out of range, allowed: [0, inf) | infinite", hard->mu);
+    if (def->integrator != DEM_VERLET)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need the integrator verlet");
+    /* a pair that has just collided must not be held back */
+    if (def->tension)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
     return RP_OK;
 }
 
@@ -281,6 +329,8 @@ static rp_status check_definition(const dem_definition *def)
     rp_status status = check_grain_values(def);
     if (!status) status = check_material(def, &def->material, "particles");
     if (!status) status = check_walls(def);
+    if (!status) status = check_ground(def);
+    if (!status) status = check_hard(def);
     if (status) return status;
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
@@ -636,14 +686,15 @@ void dem_free(dem_sim *sim)
 rp_status dem_run(dem_sim *sim, long steps)
 {
     const double h = sim->def.dt;
+    rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
+        if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
         bool stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
         sim->step++;
-        rp_status status = stale ? dem_neighbours_rebuild(sim) : RP_OK;
-        if (status) return status;
+        if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
         sim->kernel(sim, h);
         dem_walls_apply(sim, h);
         if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;

@@ -23,6 +23,8 @@ typedef struct {
 typedef struct {
     uint32_t wall, grain;
     double spring, roll, side;
+    double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
+    int well;
 } dem_wall_slot;
 
 /* What the Gear scheme keeps of a grain besides: its derivatives 2 to 5, x^(k) dt^k/k!, and by how much the
@@ -97,6 +99,7 @@ struct dem_sim {
 
     struct dem_scratch *scratch; /* of the neighbour list */
     long rebuilds;
+    long collisions;
     double grain_steps;
 };
 
@@ -155,6 +158,23 @@ void dem_walls_turn(dem_sim *sim);
 
 /* Add the forces of the walls; walls.c. */
 void dem_walls_apply(dem_sim *sim, double h);
+
+static inline bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot)
+{
+    return (int)slot->wall + 1 == sim->def.ground.wall;
+}
+
+/* Displacement of a grain in its well, and the force along the ground's tangent that this gives; ground.c. */
+double dem_ground_displacement(const dem_sim *sim, const dem_wall_slot *slot);
+double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double normal_force);
+
+/* Set or break the well of a contact under forces of the contact `f` and of the pairs, and give the well's
+ * force. */
+dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
+                        dem_vec ground_velocity);
+
+/* Hard collisions of the coming step, before it; impact.c. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_impacts_apply(dem_sim *sim);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * overlap; brings slot->side up to date. False where the wall is open. */

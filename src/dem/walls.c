@@ -71,6 +71,7 @@ void dem_walls_apply(dem_sim *sim, double h)
         double overlap;
         if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
             slot->spring = slot->roll = 0.0;
+            slot->well = DEM_WELL_NONE;
             continue;
         }
         const size_t i = slot->grain;
@@ -80,13 +81,15 @@ void dem_walls_apply(dem_sim *sim, double h)
         double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i],
                                     overlap, dem_dot(v, n));
         dem_vec f = f_n * n;
-        if (sim->def.tangential == DEM_SPRING) {
+        if (sim->def.tangential != DEM_NONE) {
             dem_vec s = dem_clockwise(n);
-            if (sim->gear) slot->spring += dem_dot(sim->gear[i].slide, s);
+            if (sim->gear && sim->def.tangential == DEM_SPRING)
+                slot->spring += dem_dot(sim->gear[i].slide, s);
             double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
             if (sim->spin) v_s += arm * sim->spin[i].omega;
-            double f_s = dem_law_shear(sim->def.slip, sim->def.damping, c->k_s, c->gamma_s,
-                                       sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+            double f_s =
+                dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
+                                   sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
             f += s * f_s;
             if (sim->spin) sim->spin[i].torque += arm * f_s;
             if (sim->rolling)
@@ -96,6 +99,7 @@ void dem_walls_apply(dem_sim *sim, double h)
                                     sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
                                     &slot->roll);
         }
+        if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
         sim->force[i] += f;
         sim->wall_force[slot->wall] -= f;
     }

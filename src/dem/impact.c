@@ -1,0 +1,195 @@
+/* Hard collisions; see impact.h. In a run, what would come to touch in the coming step collides at the moment
+ * of touching, if it comes fast; else a soft contact forms. */
+#include "dem/impact.h"
+
+#include <math.h>
+
+#include "dem/sim.h"
+
+/* (6), (13) and (14): the impulse (p_x, p_y), and the turn that its tangential part gives either body alike.
+ */
+static void push(dem_body *body, double p_x, double p_y, double p_t)
+{
+    body->v[0] += body->inverse_mass * p_x;
+    body->v[1] += body->inverse_mass * p_y;
+    body->omega += body->inverse_inertia * body->arm * p_t;
+}
+
+bool dem_impact(dem_body *one, dem_body *two, const double n[2], double restitution, double mu,
+                dem_impulse *impulse)
+{
+    const double vx = one->v[0] - two->v[0], vy = one->v[1] - two->v[1];
+    const double v_n = vx * n[0] + vy * n[1];
+    if (!(v_n > 0.0)) return false;
+    /* (9) with (17), (18) */
+    const double v_t = vy * n[0] - vx * n[1] + one->arm * one->omega + two->arm * two->omega;
+    const double inverse_n = one->inverse_mass + two->inverse_mass;
+    const double inverse_t =
+        inverse_n + one->arm * one->arm * one->inverse_inertia + two->arm * two->arm * two->inverse_inertia;
+    const double p_n = -(1.0 + restitution) * v_n / inverse_n; /* (12) */
+    const double no_slip = -v_t / inverse_t, most = -mu * p_n; /* (16); (7) as a magnitude */
+    impulse->slips = fabs(no_slip) > most;                     /* (19) */
+    const double p_t = impulse->slips ? copysign(most, no_slip) : no_slip;
+    impulse->normal = p_n;
+    impulse->tangential = p_t;
+    const double p_x = p_n * n[0] - p_t * n[1], p_y = p_n * n[1] + p_t * n[0]; /* (20), (21) */
+    push(one, p_x, p_y, p_t);
+    push(two, -p_x, -p_y, p_t);
+    return true;
+}
+
+/* Over the coming step, to which all times count from its start, a grain that nothing stops moves with a
+ * constant acceleration. Leapfrog is exact for that: places of the start and the end, velocity of the middle.
+ */
+typedef struct {
+    dem_vec x, v, a; /* place and velocity of the start */
+} motion;
+
+static motion motion_of(const dem_sim *sim, size_t i)
+{
+    const bool moves = sim->inverse_mass[i] > 0.0;
+    const dem_vec a = moves ? sim->force[i] * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
+    return (motion){sim->grain[i].x, sim->grain[i].v + 0.5 * sim->def.dt * a, a};
+}
+
+static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
+{
+    const dem_vec v = m->v + t * m->a;
+    dem_body body = {{v[0], v[1]}, .arm = sim->radius[i], .inverse_mass = sim->inverse_mass[i]};
+    if (sim->spin) {
+        const dem_spin *p = &sim->spin[i];
+        body.inverse_inertia = p->inverse_inertia;
+        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * p->torque;
+    }
+    return body;
+}
+
+/* Let grain i, at time t, go on as another body: all its step has the new velocity, and starts from where
+ * that leads back to. */
+static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
+{
+    const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
+    sim->grain[i].v += gain;
+    sim->grain[i].x -= t * gain;
+    if (!sim->spin) return;
+    sim->spin[i].omega += to->omega - from->omega;
+    sim->spin[i].angle -= t * (to->omega - from->omega);
+}
+
+/* Collide two bodies, unless, eq (22), a step of the acceleration that presses them together makes up the
+ * speed at which they close. */
+static bool collide(dem_sim *sim, dem_body *one, dem_body *two, dem_vec n, double pressing)
+{
+    const double closing = (one->v[0] - two->v[0]) * n[0] + (one->v[1] - two->v[1]) * n[1];
+    const dem_hard *hard = &sim->def.hard;
+    dem_impulse impulse;
+    if (closing <= sim->def.dt * pressing ||
+        !dem_impact(one, two, (double[]){n[0], n[1]}, hard->restitution, hard->mu, &impulse))
+        return false;
+    sim->collisions++;
+    return true;
+}
+
+/* First time within the step at which |d + v t + a t^2/2| = reach, more at its start; INFINITY for none. From
+ * the straight line between start and end by Newton's method. */
+static double time_of_touch(dem_vec d, dem_vec v, dem_vec a, double reach, double dt)
+{
+    const dem_vec line = v + 0.5 * dt * a;
+    const double gap2 = dem_dot(d, d) - reach * reach, b = dem_dot(d, line),
+                 root2 = b * b - dem_dot(line, line) * gap2;
+    if (!(b < 0.0 && root2 >= 0.0)) return INFINITY;
+    double t = gap2 / (sqrt(root2) - b);
+    if (t > dt) return INFINITY;
+    for (int k = 0; k < 4; k++) { /* the error is dt/8 at first, and falls to round-off */
+        const dem_vec place = d + t * (v + 0.5 * t * a);
+        const double slope = 2.0 * dem_dot(place, v + t * a);
+        if (!(slope < 0.0)) return INFINITY; /* it only grazes */
+        t -= (dem_dot(place, place) - reach * reach) / slope;
+    }
+    return t >= 0.0 && t <= dt ? t : INFINITY;
+}
+
+static bool collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
+{
+    const motion m_i = motion_of(sim, i), m_j = motion_of(sim, j);
+    const dem_vec d = m_i.x - m_j.x, v = m_i.v - m_j.v, a = m_i.a - m_j.a;
+    const double t = time_of_touch(d, v, a, reach, sim->def.dt);
+    if (isinf(t)) return false;
+    const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / reach);
+    const dem_body one = body_at(sim, i, &m_i, t), two = body_at(sim, j, &m_j, t);
+    dem_body one_after = one, two_after = two;
+    if (!collide(sim, &one_after, &two_after, n, dem_dot(a, n))) return false;
+    deflect(sim, i, &one, &one_after, t);
+    deflect(sim, j, &two, &two_after, t);
+    return true;
+}
+
+/* The corner at the end of a wall counts as the line across the direction to it. */
+static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
+{
+    const size_t i = slot.grain;
+    dem_vec normal, wall_velocity;
+    double overlap;
+    if (!dem_wall_touch(sim, &slot, &normal, &overlap, &wall_velocity) || overlap > 0.0) return false;
+    const motion m = motion_of(sim, i);
+    const double closing = -dem_dot(m.v - wall_velocity, normal), pressing = -dem_dot(m.a, normal),
+                 root2 = closing * closing - 2.0 * pressing * overlap;
+    if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return false;
+    const double t = -2.0 * overlap / (sqrt(root2) + closing);
+    if (t > sim->def.dt) return false;
+    const dem_body before = body_at(sim, i, &m, t);
+    dem_body after = before, wall = {{wall_velocity[0], wall_velocity[1]}};
+    if (!collide(sim, &after, &wall, -normal, pressing)) return false;
+    deflect(sim, i, &before, &after, t);
+    return true;
+}
+
+/* Of grains that go no farther than `way` in the step. */
+static bool collide_all(dem_sim *sim, double way)
+{
+    bool any = false;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+        const dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], most = reach + 2.0 * way;
+        if (r2 >= reach * reach && r2 <= most * most) /* nearer is a soft contact */
+            any |= collide_pair(sim, i, j, reach);
+    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++) any |= collide_wall(sim, sim->wall_slot[k]);
+    return any;
+}
+
+/* Longest way of a grain over the coming step; *beyond is a grain that it brings to where the neighbour list
+ * may lack a pair of its, n for none. */
+static double longest_way(const dem_sim *sim, size_t *beyond)
+{
+    const double dt = sim->def.dt, reach = 0.25 * sim->skin * sim->skin;
+    double most = 0.0;
+    *beyond = sim->n;
+    for (size_t i = 0; i < sim->n; i++) {
+        const motion m = motion_of(sim, i);
+        const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
+        if (dem_dot(way, way) > most) most = dem_dot(way, way);
+        if (!(dem_dot(moved, moved) <= reach)) *beyond = i;
+    }
+    return sqrt(most);
+}
+
+/* A collision may send a grain into the next: a few rounds, then what still closes meets softly. */
+rp_status dem_impacts_apply(dem_sim *sim)
+{
+    enum { ROUNDS = 8 };
+    size_t beyond;
+    double way = longest_way(sim, &beyond);
+    if (beyond < sim->n) {
+        rp_status status = dem_neighbours_rebuild(sim);
+        if (status) return status;
+        way = longest_way(sim, &beyond);
+        if (beyond < sim->n)
+            return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
+                            "moves beyond half the skin of the neighbour list, %g, in one step",
+                            0.5 * sim->skin);
+    }
+    for (int round = 0; round < ROUNDS && collide_all(sim, way); round++) way = longest_way(sim, &beyond);
+    return RP_OK;
+}

@@ -1,0 +1,619 @@
+/* Soft particles on a ground, and how hard collisions become soft contacts: against closed forms. Lengths in
+ * diameters, masses in those of a disk, g = 1. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "dem/impact.h"
+#include "dem/law_normal.h"
+#include "tests/check.h"
+
+static const double R = 0.5, K = 1e3, MU_STATIC = 0.3, A = 0.02;
+
+/* Disks above a ground through the origin; the tangential law is slip_roll. */
+static dem_definition on_ground(const dem_grain *grains, size_t n)
+{
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -1.0;
+    def.dt = 2e-3;
+    def.normal = DEM_LINEAR;
+    def.tension = false;
+    def.shape = DEM_DISK;
+    def.tangential = DEM_SLIP_ROLL;
+    def.material = (dem_material){.k_n = K, .gamma_n = 20.0, .gamma_s = 5.0, .mu = 0.1};
+    def.n_walls = 1;
+    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.ground = (dem_ground){.wall = 1, .mu_static = MU_STATIC, .a = A, .set = DEM_WELL_REST};
+    def.grains = grains;
+    def.n_grains = n;
+    return def;
+}
+
+/* At rest in the vertical. */
+static dem_grain resting(void)
+{
+    return (dem_grain){.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
+}
+
+static dem_sim *start(const dem_definition *def)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+static dem_state state_of_one(const dem_sim *sim)
+{
+    dem_state s;
+    CU_ASSERT_FATAL(dem_count(sim) == 1);
+    CHECK_OK(dem_states(sim, &s));
+    return s;
+}
+
+static dem_contact only_contact(const dem_sim *sim)
+{
+    dem_contact *list, c;
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CU_ASSERT_FATAL(n == 1);
+    c = list[0];
+    free(list);
+    return c;
+}
+
+static double total_energy(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.rotational + e.elastic + e.gravity;
+}
+
+static long collisions(const dem_sim *sim)
+{
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    return counts.collisions;
+}
+
+/* (45): a disk sinks by m g/K; a column of four by the weight above. */
+static void sinks_by_its_weight(void)
+{
+    dem_grain grains[4];
+    for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
+    dem_definition def = on_ground(grains, 4);
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 40000));
+    dem_contact *list;
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CU_ASSERT_EQUAL(n, 4);
+    for (size_t k = 0; k < n; k++) {
+        const double load = list[k].wall == 0 ? 4.0 : 4.0 - fmin(list[k].id_a, list[k].id_b);
+        /* round-off of places, 1e-16, times K; the slowest sway has died out */
+        CHECK_NEAR(list[k].normal_force, load, 1e-10);
+        CHECK_NEAR(list[k].overlap, load / K, 1e-13);
+    }
+    free(list);
+    dem_free(sim);
+}
+
+/* As it is loaded slowly the disk moves by m g_x a/(mu N) and is held up to mu N. Beyond, the well breaks and
+ * the viscous slip carries it, at g_x/gamma_s where that is below the limit. */
+static void well_holds_and_breaks(void)
+{
+    const dem_grain grain = resting();
+    dem_definition def = on_ground(&grain, 1);
+    def.material.mu = def.walls[0].material.mu = 10.0;
+    def.ground.set = DEM_WELL_AGAIN;
+    dem_sim *sim = start(&def);
+    for (int k = 1; k <= 99; k++) {
+        dem_gravity_set(sim, (double[]){0.01 * k * MU_STATIC, -1.0});
+        CHECK_OK(dem_run(sim, k % 33 == 0 ? 8000 : 2000));
+        if (k % 33) continue;
+        const dem_contact c = only_contact(sim);
+        CU_ASSERT_EQUAL(c.well, DEM_WELL_HOLDS);
+        CHECK_NEAR(c.shear_spring, 0.01 * k * A, 1e-9); /* the last sway has died out as exp(-gamma_s t/2) */
+        CHECK_NEAR(c.shear_force, -0.01 * k * MU_STATIC, 1e-7);
+        CHECK_NEAR(state_of_one(sim).x, grain.x + 0.01 * k * A, 1e-9);
+    }
+    dem_gravity_set(sim, (double[]){1.01 * MU_STATIC, -1.0});
+    for (int k = 0; k < 2000 && only_contact(sim).well == DEM_WELL_HOLDS; k++) CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT(pow(state_of_one(sim).vx, 2.0) < 0.1 * MU_STATIC * A); /* slow, but on the way up */
+    for (int k = 0; k < 100; k++) {
+        CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
+        CHECK_OK(dem_run(sim, 1));
+    }
+    dem_gravity_set(sim, (double[]){3.0 * MU_STATIC, -1.0});
+    CHECK_OK(dem_run(sim, 20000));
+    CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
+    CHECK_NEAR(state_of_one(sim).vx, 3.0 * MU_STATIC / 5.0, 1e-12);
+    dem_free(sim);
+}
+
+/* Without other friction a disk in its well is a harmonic oscillator, omega^2 = mu_static g/a; it leaves with
+ * what its energy is above the depth mu N a/2. */
+static void energy_of_well(void)
+{
+    const double omega = sqrt(MU_STATIC / A), escape = sqrt(MU_STATIC * A);
+    for (int leaves = 0; leaves < 2; leaves++) {
+        dem_grain grain = resting();
+        grain.vx = leaves ? 1.3 * escape : 0.8 * escape;
+        dem_definition def = on_ground(&grain, 1);
+        def.tangential = DEM_NONE;
+        def.material.mu = def.walls[0].material.mu = 0.0;
+        def.ground.set = DEM_WELL_TOUCH;
+        dem_sim *sim = start(&def);
+        const double before = total_energy(sim), error = pow(omega * def.dt, 2.0);
+        const long period = lround(2.0 * M_PI / (omega * def.dt));
+        for (long step = 1; step <= period; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            if (leaves) continue;
+            const double t = (double)step * def.dt;
+            CHECK_NEAR(state_of_one(sim).x - grain.x, 0.8 * A * sin(omega * t), error * A);
+            CHECK_NEAR(total_energy(sim) - before, 0.0, error * 0.5 * escape * escape);
+        }
+        CU_ASSERT_EQUAL(only_contact(sim).well, leaves ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
+        /* the force ends within a step of a: an error of first order, omega dt of the depth */
+        if (leaves) CHECK_NEAR(state_of_one(sim).vx / escape, sqrt(1.3 * 1.3 - 1.0), omega * def.dt);
+        dem_free(sim);
+    }
+}
+
+/* When a disk that slides in gets its well, and whether it gets another. */
+static void when_wells_are_set(void)
+{
+    for (int set = DEM_WELL_TOUCH; set <= DEM_WELL_AGAIN; set++) {
+        dem_grain grain = resting();
+        grain.vx = 2.0;
+        dem_definition def = on_ground(&grain, 1);
+        def.ground.set = set;
+        dem_sim *sim = start(&def);
+        CHECK_OK(dem_run(sim, 5));
+        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
+        CHECK_OK(dem_run(sim, 40000));
+        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
+        const double x = state_of_one(sim).x;
+        if (set != DEM_WELL_TOUCH) CHECK_NEAR(only_contact(sim).shear_spring, 0.0, 1e-9);
+        /* a push beyond the break, then none: at rest again */
+        dem_gravity_set(sim, (double[]){1.5 * MU_STATIC, -1.0});
+        CHECK_OK(dem_run(sim, 1000));
+        dem_gravity_set(sim, (double[]){0.0, -1.0});
+        CHECK_OK(dem_run(sim, 20000));
+        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_AGAIN ? DEM_WELL_HOLDS : DEM_WELL_BROKEN);
+        CU_ASSERT(state_of_one(sim).x > x + A);
+        dem_free(sim);
+    }
+}
+
+/* Slip below its limit decays as exp(-gamma_s t); above it the disk is slowed by mu g. */
+static void slip_is_viscous_then_capped(void)
+{
+    dem_grain grain = resting();
+    grain.vx = 0.7;
+    dem_definition def = on_ground(&grain, 1);
+    def.ground.wall = 0;
+    def.material.mu = def.walls[0].material.mu = 10.0;
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 500));
+    const double fade = exp(-5.0);
+    CHECK_NEAR(state_of_one(sim).vx / (0.7 * fade), 1.0, 0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
+    dem_free(sim);
+    def.walls[0].material.mu = 0.1;
+    sim = start(&def);
+    CHECK_OK(dem_run(sim, 500));
+    CHECK_NEAR(state_of_one(sim).vx, 0.7 - 0.1, 1e-12);
+    dem_free(sim);
+}
+
+/* A disk that slides, or spins on the spot, ends up rolling: with arm b, q = I/(m b^2), a speed v_0/(1 + q)
+ * or q b omega_0/(1 + q). A spin never grows beyond rolling: (36) as printed would make it. */
+static void slides_then_rolls(void)
+{
+    const double b = R - 1.0 / K, q = 0.5 * R * R / (b * b);
+    for (int spins = 0; spins < 2; spins++) {
+        dem_grain grain = resting();
+        grain.vx = spins ? 0.0 : 2.0;
+        grain.omega = spins ? -6.0 : 0.0;
+        dem_definition def = on_ground(&grain, 1);
+        def.rotation = true;
+        def.ground.wall = 0;
+        dem_sim *sim = start(&def);
+        double last = total_energy(sim), least = 0.0;
+        for (int k = 0; k < 40; k++) {
+            CHECK_OK(dem_run(sim, 500));
+            CU_ASSERT(total_energy(sim) <= last * (1.0 + 1e-12));
+            last = total_energy(sim);
+            least = fmin(least, state_of_one(sim).omega);
+            if (k == 0) CHECK_NEAR(state_of_one(sim).vx, spins ? 0.1 : 1.9, 1e-12);
+        }
+        const dem_state s = state_of_one(sim);
+        const double rolls = (spins ? q * b * 6.0 : 2.0) / (1.0 + q);
+        CHECK_NEAR(s.vx, rolls, 1e-9);
+        CHECK_NEAR(s.omega, -rolls / b, 1e-9);
+        CU_ASSERT(least >= (spins ? -6.0 : s.omega - 1e-9));
+        dem_free(sim);
+    }
+}
+
+/* Resistance to rolling brings a rolling disk to a stop, and its spring's energy is counted. */
+static void rolling_resistance(void)
+{
+    dem_grain grain = resting();
+    grain.vx = 1.0;
+    grain.omega = -2.0;
+    dem_definition def = on_ground(&grain, 1);
+    def.rotation = true;
+    def.walls[0].material.mu_roll = 0.05;
+    def.walls[0].material.k_roll = def.material.k_roll = 50.0;
+    dem_sim *sim = start(&def);
+    double last = total_energy(sim);
+    for (int k = 0; k < 400; k++) {
+        CHECK_OK(dem_run(sim, 50));
+        CU_ASSERT(total_energy(sim) <= last + 1e-9);
+        last = total_energy(sim);
+    }
+    CHECK_NEAR(state_of_one(sim).vx, 0.0, 1e-6);
+    CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_HOLDS);
+    dem_free(sim);
+}
+
+/* A disk of radius and mass 1 under the slip force -(v + omega) alone, by Euler's method, its torque `sign`
+ * times the force: its energy after, over that before. */
+static double spun_by(double sign)
+{
+    double v = 0.3, omega = 2.0;
+    for (int k = 0; k < 1000; k++) {
+        const double f = -(v + omega);
+        v += 1e-3 * f;
+        omega += 1e-3 * sign * f / 0.5;
+    }
+    return (v * v + 0.5 * omega * omega) / (0.3 * 0.3 + 0.5 * 2.0 * 2.0);
+}
+
+/* Farthest that a disk gets from the middle of a well, in half-widths, which it starts at 0.1 of: force
+ * `sign` (mu_static N/a) u. */
+static double strays(double sign)
+{
+    double u = 0.1, v = 0.0, most = 0.0;
+    for (int k = 0; k < 10000; k++) {
+        v += 1e-3 * sign * (fabs(u) <= 1.0 ? u : 0.0);
+        u += 1e-3 * v;
+        most = fmax(most, fabs(u));
+    }
+    return most;
+}
+
+/* What the soft particles' equations do as they are printed. */
+static void misprints(void)
+{
+    /* (36): the torque has the sign that speeds a spinning disk up */
+    CU_ASSERT(spun_by(1.0) < 1.0 && spun_by(-1.0) > 1.0);
+    /* (33) with (34): n = (0, 1) on the ground, so F_x = -F_t, and the well of (30) pushes outwards */
+    CU_ASSERT(strays(-1.0) < 0.101 && strays(1.0) > 1.0);
+    /* (30): a disk at rest in the middle, x_k = x_(k+1) = x0, is pushed; with a plus it is not */
+    const double x0 = 4.0;
+    CU_ASSERT(-MU_STATIC / A * ((x0 - x0) / 2.0 - x0) > MU_STATIC);
+    CU_ASSERT(-MU_STATIC / A * ((x0 + x0) / 2.0 - x0) == 0.0);
+    /* (25): two disks that part fast attract one another */
+    const double k_s = 1e3, k_d = 10.0, overlap = 1e-3, parting = 0.5;
+    CU_ASSERT(k_s * overlap - k_d * parting < 0.0);
+    CU_ASSERT(dem_law_normal(DEM_LINEAR, false, k_s, k_d, 1.0, overlap, parting) == 0.0);
+}
+
+/* Two unequal disks that meet off centre, softly: momentum and angular momentum are kept, energy falls. */
+static void soft_pair(void)
+{
+    const dem_grain grains[2] = {{0.0, 2.0, 0.5, 1.0, 1.0, 0.3, 0.0, 2.0},
+                                 {0.9, 2.5, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0}};
+    dem_definition def = on_ground(grains, 2);
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    dem_sim *sim = start(&def);
+    double sums[2][3], least = 2.0, first = total_energy(sim), last = 0.0;
+    for (int k = 0; k < 2; k++) {
+        dem_state s[2];
+        CHECK_OK(dem_states(sim, s));
+        memset(sums[k], 0, sizeof sums[k]);
+        for (int i = 0; i < 2; i++) {
+            sums[k][0] += s[i].m * s[i].vx;
+            sums[k][1] += s[i].m * s[i].vy;
+            sums[k][2] += s[i].m * (s[i].x * s[i].vy - s[i].y * s[i].vx) +
+                          dem_inertia(DEM_DISK, s[i].m, s[i].r) * s[i].omega;
+        }
+        for (int step = 0; k == 0 && step < 1000; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            CHECK_OK(dem_states(sim, s));
+            least = fmin(least, hypot(s[1].x - s[0].x, s[1].y - s[0].y));
+        }
+        last = total_energy(sim);
+    }
+    for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-11); /* 1000 steps' round-off */
+    CU_ASSERT(least < 0.9 && last < 0.9 * first);
+    dem_free(sim);
+}
+
+/* A disk that is dropped onto the ground, or onto a fixed disk, bounces hard, and loses the part 1 - e^2 of
+ * its energy at each bounce, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in free
+ * flight, and the moments of touch are found. When a step of gravity makes up the speed (22) it rests on its
+ * overlap m g/K. */
+static void switches_to_soft(void)
+{
+    static const double restitution[] = {0.3, 0.6, 0.93};
+    for (int k = 0; k < 6; k++) {
+        const bool onto_disk = k >= 3;
+        const double e = restitution[k % 3], h = 0.7, v = sqrt(2.0 * h), top = onto_disk ? 3.0 * R : R;
+        const dem_grain grains[2] = {{.x = 0.3, .y = top + h, .r = R, .m = 1.0},
+                                     {.x = onto_disk ? 0.3 : 9.0, .y = R, .r = R, .m = 1.0, .fixed = true}};
+        dem_definition def = on_ground(grains, 2);
+        def.hard = (dem_hard){true, e, 0.4};
+        dem_sim *sim = start(&def);
+        dem_state s[2];
+        long seen = 0;
+        double when = -v;
+        for (long step = 0; step < 40000; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            if (collisions(sim) == seen) continue;
+            when += 2.0 * v * pow(e, (double)seen);
+            seen = collisions(sim);
+            CHECK_NEAR(dem_time(sim), when + 0.5 * def.dt, 0.5 * def.dt + 1e-9);
+            CHECK_OK(dem_states(sim, s));
+            const double w = v * pow(e, (double)seen);
+            CU_ASSERT(w > e * def.dt);
+            if (w > def.dt) /* else the return may lie within the step, and is soft */
+                CHECK_NEAR(0.5 * s[0].vy * s[0].vy + s[0].y - top, 0.5 * w * w, 1e-12);
+        }
+        CU_ASSERT_EQUAL(seen, 1 + (long)floor(log(def.dt / v) / log(e)));
+        CHECK_NEAR(only_contact(sim).overlap, 1.0 / K, 1e-13);
+        dem_free(sim);
+    }
+}
+
+/* In a run two free disks, one of them fixed, or a disk and a wall collide at the moment that they touch: the
+ * velocities are those of dem_impact there, and the places lie on straight lines through that moment. */
+static void collide_in_flight(void)
+{
+    for (int fixed = 0; fixed < 2; fixed++) {
+        dem_grain grains[2] = {{0.0, 2.0, 0.5, 1.0, 3.0, 0.7, 0.0, 2.0, false},
+                               {1.3, 2.4, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0, false}};
+        if (fixed) grains[1] = (dem_grain){1.3, 2.4, 0.4, 0.6, .fixed = true};
+        dem_definition def = on_ground(grains, 2);
+        def.gravity[1] = 0.0;
+        def.rotation = true;
+        def.hard = (dem_hard){true, 0.8, 0.15};
+        const double dx = -1.3, dy = -0.4, vx = 3.0 - grains[1].vx, vy = 0.7;
+        const double b = dx * vx + dy * vy, c = dx * dx + dy * dy - 0.81, v2 = vx * vx + vy * vy;
+        const double t = (-b - sqrt(b * b - v2 * c)) / v2;
+        const double n[2] = {-(dx + vx * t) / 0.9, -(dy + vy * t) / 0.9};
+        dem_body bodies[2];
+        for (int i = 0; i < 2; i++) {
+            const dem_grain *p = &grains[i];
+            bodies[i] = (dem_body){
+                {p->vx, p->vy}, p->omega, p->r, 1.0 / p->m, 1.0 / dem_inertia(DEM_DISK, p->m, p->r)};
+            if (p->fixed) bodies[i].inverse_mass = bodies[i].inverse_inertia = 0.0;
+        }
+        dem_impulse impulse;
+        CU_ASSERT(dem_impact(&bodies[0], &bodies[1], n, 0.8, 0.15, &impulse));
+        dem_sim *sim = start(&def);
+        const double end = 200 * def.dt;
+        dem_state s[2];
+        CHECK_OK(dem_run(sim, 200));
+        CHECK_OK(dem_states(sim, s));
+        CU_ASSERT(collisions(sim) == 1 && t < end);
+        for (int i = 0; i < 2; i++) {
+            CHECK_NEAR(s[i].vx, bodies[i].v[0], 1e-12);
+            CHECK_NEAR(s[i].vy, bodies[i].v[1], 1e-12);
+            CHECK_NEAR(s[i].omega, bodies[i].omega, 1e-11);
+            CHECK_NEAR(s[i].x, grains[i].x + grains[i].vx * t + bodies[i].v[0] * (end - t), 1e-12);
+            CHECK_NEAR(s[i].y, grains[i].y + grains[i].vy * t + bodies[i].v[1] * (end - t), 1e-12);
+            CHECK_NEAR(s[i].angle, grains[i].omega * t + bodies[i].omega * (end - t), 1e-11);
+        }
+        dem_free(sim);
+    }
+    /* onto the ground: t = 0.5 / 2 */
+    const dem_grain grain = {0.0, 1.0, 0.5, 1.0, 1.0, -2.0};
+    dem_definition def = on_ground(&grain, 1);
+    def.gravity[1] = 0.0;
+    def.hard = (dem_hard){true, 0.5, 0.1};
+    dem_sim *sim = start(&def);
+    CHECK_OK(dem_run(sim, 300));
+    const dem_state s = state_of_one(sim);
+    CHECK_NEAR(s.vy, 1.0, 1e-12);
+    CHECK_NEAR(s.vx, 1.0 - 0.1 * 3.0, 1e-12);
+    CHECK_NEAR(s.y, 0.5 + (300 * def.dt - 0.25), 1e-12);
+    CHECK_NEAR(s.x, 0.25 + 0.7 * (300 * def.dt - 0.25), 1e-12);
+    dem_free(sim);
+}
+
+/* A blow on the end of a row passes through it within a step, whatever the order of the pairs. */
+static void passes_through_a_row(void)
+{
+    enum { N = 5 };
+    for (int side = -1; side <= 1; side += 2) {
+        dem_grain grains[N];
+        for (int i = 0; i < N; i++)
+            grains[i] = (dem_grain){.x = side * i * (1.0 + 1e-5), .y = 3.0, .r = R, .m = 1.0};
+        grains[0].vx = 2.0 * side;
+        dem_definition def = on_ground(grains, N);
+        def.gravity[1] = 0.0;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = start(&def);
+        dem_state s[N];
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_OK(dem_states(sim, s));
+        CU_ASSERT_EQUAL(collisions(sim), N - 1);
+        for (int i = 0; i < N; i++) CHECK_NEAR(s[i].vx, i == N - 1 ? 2.0 * side : 0.0, 1e-12);
+        /* in contact now and then, it moved 2 dt in all, less the gaps */
+        CHECK_NEAR(side * s[N - 1].x, 4.0 * (1.0 + 1e-5) + 2.0 * def.dt - 4e-5, 1e-12);
+        dem_free(sim);
+    }
+}
+
+/* A disk that slides on the ground, slowed and spun up evenly, hits a fixed one as fast as it is then, not as
+ * in the middle of the step. */
+static void hits_while_it_slides(void)
+{
+    const double a = -0.1, b = R - 1.0 / K, alpha = -0.1 * b / (0.5 * R * R), gap = 0.0037;
+    dem_grain grains[2] = {resting(), {.r = R, .m = 1.0, .fixed = true}};
+    grains[0].vx = 1.0;
+    grains[1].x = grains[0].x + 1.0 + gap;
+    grains[1].y = grains[0].y;
+    dem_definition def = on_ground(grains, 2);
+    def.rotation = true;
+    def.gravity[1] = -1.0;
+    def.ground.wall = 0;
+    def.hard = (dem_hard){true, 0.6, INFINITY};
+    const double t = (1.0 - sqrt(1.0 + 2.0 * a * gap)) / -a, dt = def.dt, n[2] = {1.0, 0.0};
+    dem_body disk = {{1.0 + a * t, 0.0}, alpha * t, R, 1.0, 1.0 / (0.5 * R * R)}, held = {{0.0, 0.0}, 0.0, R};
+    dem_impulse impulse;
+    CU_ASSERT(t > dt && t < 2.0 * dt && dem_impact(&disk, &held, n, 0.6, INFINITY, &impulse));
+    dem_sim *sim = start(&def);
+    dem_state s[2];
+    CHECK_OK(dem_run(sim, 2));
+    CHECK_OK(dem_states(sim, s));
+    CU_ASSERT_EQUAL(collisions(sim), 1);
+    /* of the middle of the second step, at 1.5 dt */
+    CHECK_NEAR(s[0].vx - 0.5 * dt * s[0].fx, disk.v[0] + a * (1.5 * dt - t), 1e-12);
+    CHECK_NEAR(s[0].vy - 0.5 * dt * s[0].fy, disk.v[1], 1e-12);
+    CHECK_NEAR(s[0].omega - 0.5 * dt * s[0].torque / (0.5 * R * R), disk.omega + alpha * (1.5 * dt - t),
+               1e-12);
+    dem_free(sim);
+}
+
+/* A hard pair leaves the list's reach within a step of its end without being missed. */
+static void no_collision_is_missed(void)
+{
+    for (int k = 0; k < 60; k++) {
+        const dem_grain grains[2] = {{0.0, 3.0, R, 1.0, 8.0, 0.0},
+                                     {2.0 + 0.0173 * k, 3.1, R, 1.0, -9.0, 0.0}};
+        dem_definition def = on_ground(grains, 2);
+        def.gravity[1] = 0.0;
+        def.skin = 0.05; /* half of it is 1.4 steps of the faster */
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = start(&def);
+        const double energy = total_energy(sim);
+        CHECK_OK(dem_run(sim, 120));
+        CU_ASSERT_EQUAL(collisions(sim), 1);
+        CHECK_NEAR(total_energy(sim), energy, 1e-10);
+        dem_free(sim);
+    }
+}
+
+enum { HEAP = 30 };
+
+static dem_sim *heap(dem_definition *def)
+{
+    dem_fill fill = {HEAP, 6.0, 12.0, R, 0.05, 0.35, 0.65, 1.0, DEM_DISK, 1992, 1};
+    static dem_grain grains[HEAP];
+    CHECK_OK(dem_fill_random(&fill, grains));
+    for (int i = 0; i < HEAP; i++) grains[i].vx = i % 5 - 2.0;
+    *def = on_ground(grains, HEAP);
+    def->rotation = true;
+    def->material.mu_roll = 0.1;
+    def->material.k_roll = 50.0;
+    def->walls[0].material = def->material;
+    def->ground.set = DEM_WELL_AGAIN;
+    def->hard = (dem_hard){true, 0.5, 0.3};
+    return start(def);
+}
+
+/* Disks that rain down: energy only falls, the same bits from a copy and by every instance of the pair loop,
+ * and some have collided, some rest in wells. */
+static void heap_of_disks(void)
+{
+    dem_definition def;
+    dem_sim *sim = heap(&def), *copy;
+    double last = total_energy(sim);
+    const double first = last;
+    for (int k = 0; k < 60; k++) {
+        CHECK_OK(dem_run(sim, 100));
+        if (k == 20) CHECK_OK(dem_clone(sim, &copy));
+        CU_ASSERT(total_energy(sim) < last + 1e-3 * first);
+        last = total_energy(sim);
+    }
+    CHECK_OK(dem_run(copy, 3900));
+    dem_state s[HEAP], c[HEAP];
+    memset(s, 0, sizeof s);
+    memset(c, 0, sizeof c);
+    CHECK_OK(dem_states(sim, s));
+    CHECK_OK(dem_states(copy, c));
+    CU_ASSERT(memcmp(s, c, sizeof s) == 0);
+    CU_ASSERT(collisions(sim) > HEAP && collisions(copy) == collisions(sim));
+    dem_contact *list;
+    size_t n, wells = 0;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;
+    CU_ASSERT(wells > 3);
+    free(list);
+    dem_free(copy);
+    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
+        if (!dem_kernel_runs(def.kernel)) continue;
+        copy = start(&def);
+        CHECK_OK(dem_run(copy, 6000));
+        CHECK_OK(dem_states(copy, c));
+        CU_ASSERT(memcmp(s, c, sizeof s) == 0);
+        dem_free(copy);
+    }
+    dem_free(sim);
+}
+
+static void refused(void)
+{
+    const dem_grain grain = resting();
+    dem_definition def = on_ground(&grain, 1), bad;
+    dem_sim *sim;
+    def.hard = (dem_hard){true, 0.5, 0.3};
+#define REFUSES(change, text)                                                                                \
+    do {                                                                                                     \
+        bad = def;                                                                                           \
+        change;                                                                                              \
+        CHECK_FAILS(dem_create(&bad, &sim), RP_BAD_INPUT, text);                                             \
+    } while (0)
+    REFUSES(bad.ground.wall = 2, "ground: wall = 2: there are 1 walls");
+    REFUSES(bad.ground.wall = -1, "ground: wall = -1");
+    REFUSES(bad.walls[0].extent[1] = 3.0, "must be a whole line");
+    REFUSES(bad.walls[0].open_at_step = 3, "must be a whole line");
+    REFUSES(bad.ground.a = 0.0, "ground: a = 0");
+    REFUSES(bad.ground.mu_static = -0.1, "ground: mu_static = -0.1");
+    REFUSES((bad.tangential = DEM_SPRING, bad.material.k_s = bad.walls[0].material.k_s = 1.0),
+            "static friction of its own");
+    REFUSES(bad.ground.a = 1e-9, "too large for the lightest grain in a well");
+    REFUSES(bad.material.gamma_s = -1.0, "gamma_s = -1");
+    REFUSES(bad.walls[0].material.gamma_s = 1e4, "the limit is");
+    REFUSES((bad.rotation = true, bad.material.k_roll = bad.walls[0].material.k_roll = 1e7,
+             bad.walls[0].material.mu_roll = 0.1),
+            "the limit is");
+    REFUSES(bad.hard.restitution = 1.1, "hard: restitution = 1.1");
+    REFUSES(bad.hard.mu = -0.1, "hard: mu = -0.1");
+    REFUSES(bad.tension = true, "tension = false");
+    REFUSES(bad.integrator = DEM_GEAR5, "hard: collisions need the integrator verlet");
+#undef REFUSES
+    dem_grain fast = {.x = 0.0, .y = 9.0, .r = R, .m = 1.0, .vx = 60.0};
+    def.grains = &fast;
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "too_fast at step 0: grain 1: moves beyond half the skin");
+    CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_TOO_FAST);
+    dem_free(sim);
+}
+
+void suite_soft(void)
+{
+    static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
+                                       {"a well holds up to mu N, then breaks", well_holds_and_breaks},
+                                       {"a well's energy", energy_of_well},
+                                       {"when wells are set", when_wells_are_set},
+                                       {"slip: viscous, then capped", slip_is_viscous_then_capped},
+                                       {"sliding to rolling", slides_then_rolls},
+                                       {"resistance to rolling", rolling_resistance},
+                                       {"equations as printed", misprints},
+                                       {"a soft pair", soft_pair},
+                                       {"bounces until the contact is soft", switches_to_soft},
+                                       {"collisions in flight", collide_in_flight},
+                                       {"a blow passes through a row", passes_through_a_row},
+                                       {"a hit while sliding", hits_while_it_slides},
+                                       {"no collision is missed", no_collision_is_missed},
+                                       {"a heap of disks", heap_of_disks},
+                                       {"refused", refused},
+                                       {NULL, NULL}};
+    check_register("soft particles", cases);
+}
