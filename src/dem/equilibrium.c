@@ -25,15 +25,14 @@ static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
 static const double APART = 3;          /* residual over that of the load step's start: going astray */
-static const double UPDATE_MAX =
-    0.01; /* of the disks: as many contacts may change without a new factorisation */
-static const double SINGULAR = 1e-11; /* K_s: smaller pivots are rounding */
-static const double HOLD = 1e-9;      /* K_s: of disks that nothing holds, while it is sought what might */
-static const double SAME_PIVOTS =
-    1e-6; /* of the smallest pivot: a change of the stiffness that changes no sign */
-static const double SOFTEN_MIN = 1e-3; /* least softening of a singular or negative stiffness */
-static const double KICK = 0.1;        /* of the largest force: how far a saddle is left for a minimum */
-/* The linearised problem; the branch that a load follows, stable or not; downhill to a minimum. */
+static const double UPDATE_MAX = 0.03;  /* of the disks: contacts that may change without factorising anew */
+static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
+static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
+static const double SOFTEN_MIN = 1e-3;  /* least softening of a singular or negative stiffness */
+static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
+/* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
+ * downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
     STEPS_LINEAR = 100,
