@@ -19,7 +19,7 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PC       := pkg-config
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
-LIBS      = $$($(PC) --libs $(PKGS)) -lm
+LIBS      = $$($(PC) --libs $(PKGS)) -lcholmod -lm
 INCLUDES  = $$($(PC) --cflags $(PKGS))
 
 # Whatever compiles waits for `setup` when both are asked for.
@@ -275,6 +275,32 @@ $(T)/tent_%.tsv: $(CODE)
 $(T)/triangle_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) lattice --layers $* >$@
+# Soft disks: base, angle and eps are in the name; in a folder of that name the contacts and disks.
+pile_words = $(subst _, ,$(1))
+define make_pile
+@mkdir -p $(T)
+@$(REPOSE) pile --base $(word 1,$(call pile_words,$*)) --alpha-deg $(word 2,$(call pile_words,$*)) \
+  --eps $(word 3,$(call pile_words,$*)) $(1)
+endef
+$(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
+	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
+$(T)/pile_minimum_%.tsv: $(CODE)
+	$(call make_pile,--branch minimum >$@)
+# One row a pile: the first with its header.
+define one_table
+@awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
+@rm $@.rows
+endef
+$(T)/pile_eps.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
+	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
+	$(one_table)
+$(T)/pile_threshold.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for k in 6 8 12 16 24 32 45 64 90; do \
+	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
+	$(one_table)
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)

@@ -28,6 +28,7 @@
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
+    X(suite_equilibrium)                                                                                     \
     X(suite_impact)                                                                                          \
     X(suite_rotation)
 

@@ -48,6 +48,7 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \
     X("continuum", cmd_continuum, "forces on the base of a triangular pile, continuum model (49)-(59)")      \
     X("tent", cmd_tent, "forces on the base of a tent-shaped pile")                                          \
+    X("pile", cmd_pile, "static equilibrium of a close-packed pile of soft disks")                           \
     X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \

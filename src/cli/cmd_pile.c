@@ -1,0 +1,478 @@
+/* repose pile: static equilibrium of a pile of soft disks, and its forces on the base. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "analytic/analytic.h"
+#include "cli/cli.h"
+#include "dem/equilibrium.h"
+
+typedef struct {
+    long base, load_steps;
+    double alpha_deg, outer_deg, inner_deg, x_1, gap;
+    double eps, k_x, well, mu, set_load;
+    bool linear, set_again, summary, threshold;
+    int branch;
+    const char *outline, *disks, *directory;
+} options;
+
+static const rp_param schema[] = {
+    {"base", "", RP_INT, offsetof(options, base), "45", "[1, 1000000]", "disks in the base"},
+    {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), "auto", "(0, 60] | auto",
+     "slope of the pile; auto: 60, the full triangle"},
+    {"outer-deg", "degrees", RP_REAL, offsetof(options, outer_deg), "auto", "(0, 60) | auto",
+     "a tent: alpha_1, slope from the edge to X_1"},
+    {"inner-deg", "degrees", RP_REAL, offsetof(options, inner_deg), "auto", "(0, 60) | auto",
+     "a tent: alpha_2, slope from X_1 to the middle"},
+    {"x1", "B", RP_REAL, offsetof(options, x_1), "auto", "(0, 0.5) | auto",
+     "a tent: X_1, where the slope changes"},
+    {"outline", "", RP_TEXT, offsetof(options, outline), "", "",
+     "a polygon: table with columns x, y of its vertices from left to right, in any unit"},
+    {"disks", "", RP_TEXT, offsetof(options, disks), "", "",
+     "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)"},
+    {"gap", "sigma", RP_REAL, offsetof(options, gap), "0", "[0, 0.73]",
+     "between the disks of a row; those of the diagonals touch"},
+    {"eps", "", RP_REAL, offsetof(options, eps), "1e-4", "(0, 0.1]", "m g/(K_s sigma)"},
+    {"linear", "", RP_BOOL, offsetof(options, linear), "false", "", "the limit eps -> 0"},
+    {"k-x", "K_s", RP_REAL, offsetof(options, k_x), "auto", "(0, 1e9] | auto",
+     "wells that are springs and never break, of this stiffness (1 without --well)"},
+    {"well", "eps sigma", RP_REAL, offsetof(options, well), "auto", "(0, 1e9] | auto",
+     "wells of static friction, of this half-width: stiffness mu N/a, broken beyond a"},
+    {"mu", "", RP_REAL, offsetof(options, mu), "auto", "(0, 1e9] | auto",
+     "coefficient of static friction of --well (auto: 1)"},
+    {"set-again", "", RP_BOOL, offsetof(options, set_again), "false", "",
+     "a broken well is set anew where its disk then is; else it stays broken"},
+    {"set-load", "", RP_REAL, offsetof(options, set_load), "0", "[0, 1]",
+     "part of the load under which the disks' places become the wells' x_0; 0: their places in the lattice"},
+    {"branch", "", RP_CHOICE, offsetof(options, branch), "primary", "primary | minimum",
+     "the state that grows from no load, stable or not; or a minimum of the energy near it"},
+    {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
+     "steps in which the load is raised"},
+    {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
+     "one row for the pile, not one a base disk"},
+    {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
+     "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
+    {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
+    {0},
+};
+
+static const cli_command command = {
+    .name = "pile",
+    .synopsis =
+        "[--base K] [--alpha-deg A | --outer-deg A --inner-deg A --x1 X | --outline FILE | --disks FILE]\n"
+        "       [--eps E | --linear] [--k-x K | --well A [--mu MU]] [--branch primary|minimum] [-o DIR]",
+    .about =
+        "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
+        "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left; N is the normal force of "
+        "the\n"
+        "ground on it, H the force of the pile on the ground there, positive to the right. Beside them what\n"
+        "diagonal contacts alone would carry, the exact limit of hard disks in which no contact within a "
+        "row\n"
+        "closes, and the columns in chi g B of `repose continuum`. The header tells whether the state is\n"
+        "stable: negative_modes counts the directions in which it is not.",
+    .example = "repose pile --alpha-deg 30 --base 45",
+    .options = schema,
+};
+
+/* A pile to solve, and what else is known of it. */
+typedef struct {
+    size_t n, k; /* disks; in the base */
+    dem_pile_disk *disks;
+    an_force *exact; /* [k] by diagonals alone; NULL for a list of disks */
+    double B;        /* sigma, base of the same outline and the same weight; NAN for a list of disks */
+} heap;
+
+static void heap_free(heap *h)
+{
+    free(h->disks);
+    free(h->exact);
+}
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+}
+
+/* ---- Outlines ---- */
+
+/* Rows of the lattice that stay below an outline over its base, from the centre of the first base disk to
+ * that of the last: the rule of an_lattice_cut for any polygon. */
+static rp_status cut_profile(const an_profile *profile, long k, double theta, long up[])
+{
+    const double TIE = 1e-9, left = profile->v[0].x, width = profile->v[profile->n - 1].x - left;
+    const double unit = k > 1 ? width / (double)(k - 1) : width, height = unit / (2 * tan(theta));
+    for (long s = 0; s < k; s++)
+        for (up[s] = 1; s + up[s] < k; up[s]++) {
+            double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
+            rp_status status = an_profile_height(profile, x, &top);
+            if (status) return status;
+            if (!((double)up[s] * height <= top + TIE * unit)) break;
+        }
+    return RP_OK;
+}
+
+static double area(const an_profile *p)
+{
+    double sum = 0;
+    for (size_t i = 1; i < p->n; i++) sum += (p->v[i].x - p->v[i - 1].x) * (p->v[i].y + p->v[i - 1].y) / 2;
+    const double width = p->v[p->n - 1].x - p->v[0].x;
+    return sum / (width * width);
+}
+
+static rp_status read_outline(const char *path, an_point **v, size_t *n)
+{
+    static const char *const names[] = {"x", "y"};
+    rp_table table;
+    int columns[2];
+    double *block = NULL;
+    rp_status status = rp_table_read(path, &table);
+    if (!status) status = cli_find_columns(&table, 2, names, columns);
+    if (!status) status = cli_read_columns(&table, 2, columns, 0, &block);
+    *n = table.n_rows;
+    *v = status ? NULL : malloc((*n + 1) * sizeof **v);
+    if (!status && !*v) status = no_memory();
+    for (size_t i = 0; !status && i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
+    free(block);
+    rp_table_free(&table);
+    return status;
+}
+
+/* Disks of a stepped outline, and their exact forces. */
+static rp_status fill_outline(heap *h, const long up[], double theta)
+{
+    h->n = 0;
+    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
+    h->disks = malloc(h->n * sizeof *h->disks);
+    h->exact = malloc(h->k * sizeof *h->exact);
+    if (!h->disks || !h->exact) return no_memory();
+    size_t n = 0;
+    for (size_t s = 0; s < h->k; s++)
+        for (long j = 0; j < up[s]; j++)
+            h->disks[n++] = (dem_pile_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
+                                            0.5 + (double)j * cos(theta), 0.5, 1};
+    return an_lattice_counts((long)h->k, up, theta, h->exact);
+}
+
+static rp_status make_polygon(const an_point *v, size_t n, long k, double theta, long up[], heap *h)
+{
+    an_profile profile;
+    rp_status status = an_profile_set(&profile, v, n);
+    if (!status) status = cut_profile(&profile, k, theta, up);
+    if (!status) status = fill_outline(h, up, theta);
+    if (!status) h->B = sqrt((double)h->n * sin(2 * theta) / area(&profile));
+    return status;
+}
+
+static rp_status make_outline(const options *o, heap *h)
+{
+    const double theta = asin((1 + o->gap) / 2), deg = M_PI / 180;
+    long *up = malloc((size_t)o->base * sizeof *up);
+    if (!up) return no_memory();
+    h->k = (size_t)o->base;
+    an_point tent[5], *v = NULL;
+    size_t n = 0;
+    rp_status status = RP_OK;
+    if (*o->outline) {
+        status = read_outline(o->outline, &v, &n);
+        if (!status) status = make_polygon(v, n, o->base, theta, up, h);
+    } else if (o->outer_deg > 0) {
+        status = an_tent(o->outer_deg * deg, o->inner_deg * deg, o->x_1, tent);
+        if (!status) status = make_polygon(tent, 5, o->base, theta, up, h);
+    } else {
+        const double alpha = o->alpha_deg > 0 ? o->alpha_deg * deg : M_PI / 2 - theta;
+        status = an_lattice_cut(o->base, theta, alpha, up);
+        if (!status) status = fill_outline(h, up, theta);
+        h->B = an_lattice_base((double)h->n, theta, alpha);
+    }
+    free(v);
+    free(up);
+    return status;
+}
+
+static rp_status read_disks(const char *path, heap *h)
+{
+    static const char *const names[] = {"x", "y"};
+    rp_table table;
+    double *block = NULL;
+    int columns[3];
+    rp_status status = rp_table_read(path, &table);
+    if (!status) status = cli_find_columns(&table, 2, names, columns);
+    columns[2] = status ? -1 : rp_table_column(&table, "r");
+    if (!status) status = cli_read_columns(&table, 3, columns, 0, &block);
+    h->n = table.n_rows;
+    h->disks = status ? NULL : malloc((h->n + 1) * sizeof *h->disks);
+    if (!status && !h->disks) status = no_memory();
+    for (size_t i = 0; !status && i < h->n; i++) {
+        const double r = columns[2] >= 0 ? block[2 * h->n + i] : 0.5;
+        h->disks[i] = (dem_pile_disk){block[i], block[h->n + i], r, 4 * r * r};
+    }
+    h->B = NAN;
+    free(block);
+    rp_table_free(&table);
+    return status;
+}
+
+/* ---- Output ---- */
+
+/* How far N and H are from what diagonals alone carry: of N relative, rms and largest; of H the ratio of the
+ * largest. */
+static void compare(const heap *h, const double *N, const double *H, double error[3])
+{
+    double sum = 0, most = 0, H_most = 0, exact_most = 0;
+    for (size_t i = 0; i < h->k; i++) {
+        const double e = N[i] / h->exact[i].N - 1;
+        sum += e * e;
+        most = fmax(most, fabs(e));
+        H_most = fmax(H_most, fabs(H[i]));
+        exact_most = fmax(exact_most, fabs(h->exact[i].H));
+    }
+    error[0] = sqrt(sum / (double)h->k);
+    error[1] = most;
+    error[2] = H_most / exact_most;
+}
+
+static void write_header(FILE *out, const options *o, const heap *h, const dem_pile_result *r)
+{
+    cli_table(out, schema, o);
+    rp_table_note(out, "n_disks", "%zu", h->n);
+    rp_table_note(out, "B", "%.17g sigma", h->B);
+    rp_table_note(out, "status", "%s", dem_pile_fault_text(r->fault));
+    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    rp_table_note(out, "residual", "%.3g m g", r->residual);
+    rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
+    rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
+    rp_table_note(out, "contacts", "%zu, %zu of them horizontal", r->contacts, r->horizontal);
+    rp_table_note(out, "wells", "%zu, %zu of them broken", r->wells, r->broken);
+    rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
+}
+
+static void write_base(const heap *h, const size_t *disk, const double *N, const double *H, size_t k)
+{
+    static const char *const columns[][2] = {{"i", ""},    {"x", "sigma"},         {"N/mg", ""},
+                                             {"H/mg", ""}, {"N_diagonals/mg", ""}, {"H_diagonals/mg", ""},
+                                             {"x/B", ""},  {"N/(chi*g*B)", ""},    {"H/(chi*g*B)", ""}};
+    const double middle = (h->disks[disk[0]].x + h->disks[disk[k - 1]].x) / 2;
+    rp_table_columns(stdout, 9, columns);
+    for (size_t i = 0; i < k; i++) {
+        const double x = h->disks[disk[i]].x;
+        const an_force exact = h->exact ? h->exact[i] : (an_force){NAN, NAN};
+        rp_table_row(stdout, 9,
+                     (double[]){(double)i + 1, x, N[i], H[i], exact.N, exact.H, 0.5 + (x - middle) / h->B,
+                                N[i] / h->B, H[i] / h->B});
+    }
+}
+
+static void write_summary(const options *o, const heap *h, const dem_pile_result *r, const double error[3])
+{
+    static const char *const columns[][2] = {{"eps", ""},
+                                             {"base", ""},
+                                             {"n_disks", ""},
+                                             {"N_error_rms", ""},
+                                             {"N_error_max", ""},
+                                             {"H_max/H_max_diagonals", ""},
+                                             {"negative_modes", ""},
+                                             {"smallest_pivot", "K_s"},
+                                             {"residual", "m g"},
+                                             {"contacts", ""},
+                                             {"horizontal", ""},
+                                             {"broken", ""},
+                                             {"jumps", ""},
+                                             {"status", ""}};
+    rp_table_columns(stdout, 14, columns);
+    rp_table_row_word(stdout, 13,
+                      (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, error[0], error[1],
+                                 error[2], (double)r->negative_modes, r->smallest_pivot, r->residual,
+                                 (double)r->contacts, (double)r->horizontal, (double)r->broken,
+                                 (double)r->jumps},
+                      dem_pile_fault_text(r->fault));
+}
+
+static rp_status write_contacts(const options *o, const heap *h, const dem_pile *pile,
+                                const dem_pile_result *r)
+{
+    static const char *const columns[][2] = {
+        {"a", ""},        {"b", ""},        {"x", "sigma"},     {"y", "sigma"},    {"x_b", "sigma"},
+        {"y_b", "sigma"}, {"force", "m g"}, {"horizontal", ""}, {"strongest", ""}, {"weakest", ""}};
+    char path[4096];
+    FILE *out;
+    dem_pile_contact *list;
+    size_t n;
+    rp_status status = dem_pile_contacts(pile, &list, &n);
+    if (status) return status;
+    snprintf(path, sizeof path, "%s/contacts.tsv", o->directory);
+    status = rp_file_open(path, &out);
+    if (!status) {
+        write_header(out, o, h, r);
+        rp_table_columns(out, 10, columns);
+        for (const dem_pile_contact *c = list; c < list + n; c++)
+            rp_table_row(out, 10,
+                         (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
+                                    c->horizontal, c->strongest, c->weakest});
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(list);
+    return status;
+}
+
+static rp_status write_disks(const options *o, const heap *h, const dem_pile *pile, const dem_pile_result *r)
+{
+    static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
+                                             {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
+    char path[4096];
+    FILE *out;
+    double *u = malloc(2 * h->n * sizeof *u);
+    if (!u) return no_memory();
+    const double eps = o->linear ? 0 : o->eps;
+    dem_pile_displacements(pile, u);
+    snprintf(path, sizeof path, "%s/disks.tsv", o->directory);
+    rp_status status = rp_file_open(path, &out);
+    if (!status) {
+        write_header(out, o, h, r);
+        rp_table_columns(out, 6, columns);
+        for (size_t i = 0; i < h->n; i++)
+            rp_table_row(out, 6,
+                         (double[]){(double)i + 1, h->disks[i].x + eps * u[2 * i],
+                                    h->disks[i].y + eps * u[2 * i + 1], h->disks[i].r, u[2 * i],
+                                    u[2 * i + 1]});
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(u);
+    return status;
+}
+
+/* The tables of a pile, and as much of them as is known when there is no equilibrium. */
+static rp_status write(const options *o, heap *h, const dem_pile *pile, const dem_pile_result *r)
+{
+    const size_t k = r->wells;
+    size_t *disk = malloc((k + 1) * sizeof *disk);
+    double *N = malloc((2 * k + 1) * sizeof *N), *H = N ? N + k : NULL, error[3] = {NAN, NAN, NAN};
+    rp_status status = disk && N ? RP_OK : no_memory();
+    if (!status) {
+        dem_pile_base(pile, disk, N, H);
+        if (h->exact && !r->fault) compare(h, N, H, error);
+        write_header(stdout, o, h, r);
+        rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", error[0],
+                      error[1]);
+        rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", error[2]);
+        if (o->summary)
+            write_summary(o, h, r, error);
+        else if (!r->fault)
+            write_base(h, disk, N, H, k);
+    }
+    free(disk);
+    free(N);
+    if (!status && *o->directory && !r->fault) {
+        status = rp_make_directory(o->directory);
+        if (!status) status = write_contacts(o, h, pile, r);
+        if (!status) status = write_disks(o, h, pile, r);
+    }
+    return status;
+}
+
+static rp_status check_usage(const options *o)
+{
+    const int tent = (o->outer_deg > 0) + (o->inner_deg > 0) + (o->x_1 > 0);
+    if (tent % 3)
+        return rp_fail(RP_USAGE, "a tent needs --outer-deg, --inner-deg and --x1; see repose pile --help");
+    if ((o->alpha_deg > 0) + (tent > 0) + (*o->outline != 0) + (*o->disks != 0) > 1)
+        return rp_fail(RP_USAGE,
+                       "give one outline: --alpha-deg, a tent, --outline or --disks; see repose pile --help");
+    if (o->k_x > 0 && o->well > 0) return rp_fail(RP_USAGE, "give --k-x or --well; see repose pile --help");
+    if (o->threshold && (o->linear || o->branch || o->summary || *o->directory || *o->disks))
+        return rp_fail(RP_USAGE,
+                       "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
+    if (o->mu > 0 && !(o->well > 0))
+        return rp_fail(RP_USAGE, "--mu goes with --well; see repose pile --help");
+    return RP_OK;
+}
+
+static dem_pile_definition define(const options *o, const heap *h)
+{
+    dem_pile_definition def = dem_pile_definition_default();
+    def.n = h->n;
+    def.disks = h->disks;
+    def.eps = o->linear ? 0 : o->eps;
+    if (o->k_x > 0) def.k_x = o->k_x;
+    if (o->well > 0) {
+        def.well = DEM_WELL_FRICTION;
+        def.a = o->well;
+        if (o->mu > 0) def.mu = o->mu;
+    }
+    def.set_again = o->set_again;
+    def.set_load = o->set_load;
+    def.branch = o->branch;
+    def.load_steps = o->load_steps;
+    return def;
+}
+
+/* ---- Threshold of stability ---- */
+
+static rp_status is_stable(const options *o, const heap *h, double eps, bool *stable)
+{
+    dem_pile *pile = NULL;
+    dem_pile_result result;
+    dem_pile_definition def = define(o, h);
+    def.eps = eps;
+    rp_status status = dem_pile_create(&def, &pile);
+    if (!status) status = dem_pile_solve(pile, &result);
+    if (!status) *stable = result.negative_modes == 0;
+    dem_pile_free(pile);
+    return status;
+}
+
+/* eps_c by halving an interval that is first widened until it holds the threshold. */
+static rp_status find_threshold(const options *o, const heap *h)
+{
+    static const char *const columns[][2] = {
+        {"base", ""}, {"n_disks", ""}, {"eps_c", ""}, {"eps_c*base^3", ""}};
+    const double PRECISION = 1e-4, WIDEN = 2, EPS_MAX = 0.1, k = (double)h->k;
+    double lo = 0, hi = 0, eps = o->eps;
+    while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
+        bool stable = false;
+        rp_status status = is_stable(o, h, eps, &stable);
+        if (status) return status;
+        *(stable ? &lo : &hi) = eps;
+        if (!(hi > 0) && lo * WIDEN > EPS_MAX)
+            return rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below %g", lo, EPS_MAX);
+        eps = !(hi > 0) ? lo * WIDEN : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
+    }
+    cli_table(stdout, schema, o);
+    rp_table_columns(stdout, 4, columns);
+    rp_table_row(stdout, 4, (double[]){k, (double)h->n, lo, lo * k * k * k});
+    return RP_OK;
+}
+
+static rp_status solve(const options *o, heap *h)
+{
+    dem_pile *pile = NULL;
+    dem_pile_result result;
+    const dem_pile_definition def = define(o, h);
+    rp_status status = dem_pile_create(&def, &pile);
+    if (status) return status;
+    status = dem_pile_solve(pile, &result);
+    if (!status || status == RP_NO_RESULT) {
+        char why[1024];
+        snprintf(why, sizeof why, "%s", rp_message());
+        rp_status written = write(o, h, pile, &result);
+        status = status ? rp_fail(status, "%s", why) : written;
+    }
+    dem_pile_free(pile);
+    return status;
+}
+
+rp_status cmd_pile(int argc, char **argv)
+{
+    options o;
+    const char *arguments[1];
+    int n_arguments;
+    bool done;
+    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
+    if (status || done) return status;
+    status = check_usage(&o);
+    if (status) return status;
+    heap h = {0};
+    status = *o.disks ? read_disks(o.disks, &h) : make_outline(&o, &h);
+    if (!status) status = o.threshold ? find_threshold(&o, &h) : solve(&o, &h);
+    heap_free(&h);
+    return status;
+}

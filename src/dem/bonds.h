@@ -1,0 +1,18 @@
+/* Which disks of a pile may touch. */
+#ifndef DEM_BONDS_H
+#define DEM_BONDS_H
+
+#include "dem/equilibrium.h"
+#include "dem/stiffness.h"
+
+/* All pairs of disks whose distance is below reach (r_a + r_b), sorted by (a, b) in a new array (free it).
+ * About n log n steps for disks of similar size. Errors: RP_NO_MEMORY. */
+rp_status dem_bonds_find(size_t n, const dem_pile_disk *disks, double reach, dem_pair **bonds,
+                         size_t *n_bonds);
+
+/* Index of a disk that the ground and its bonds, pushing, can't hold against its weight; n if there is none.
+ * `lean` is room for 2 n numbers. */
+size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
+                             double reach, double *lean);
+
+#endif

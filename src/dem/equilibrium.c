@@ -1,0 +1,805 @@
+/* Static equilibrium by a semi-smooth Newton method on displacements; see equilibrium.h.
+ *
+ * With displacements w in eps sigma and forces in m g every spring K_s has stiffness 1. A bond of length L
+ * that is stretched by the displacement e of its ends has the length L + eps s, s = q/(r + L), with q = 2 d.e
+ * + eps e.e and r = sqrt(L^2 + eps q): no difference of positions is taken, which would lose the overlap's
+ * digits. It pushes with f = max(rest - s, 0), rest the overlap at the start. Its stiffness is n n' - eps
+ * (f/r) t t': the second term, of the turning of compressed contacts, makes soft piles buckle. */
+#include "dem/equilibrium.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/bonds.h"
+#include "dem/stiffness.h"
+
+static const double REACH = 1.25;         /* of touching: who counts as a neighbour */
+static const double TOUCHING = 1e-9;      /* sigma: gaps and overlaps below are rounding of the input */
+static const double LEVEL = 0.2588;       /* sin(15 degrees): bonds below it are horizontal */
+static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step moves neighbours apart */
+static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
+static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
+static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
+static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
+static const double APART = 3;          /* residual over that of the load step's start: going astray */
+static const double UPDATE_MAX = 0.03;  /* of the disks: contacts that may change without factorising anew */
+static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
+static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
+static const double SOFTEN_MIN = 1e-3;  /* least softening of a singular or negative stiffness */
+static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
+/* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
+ * downhill to a minimum. */
+enum { LINEAR, FOLLOW, DESCEND };
+enum {
+    STEPS_LINEAR = 100,
+    STEPS_FOLLOW = 15,
+    TRIALS = 40,
+    STEPS_DESCEND = 2000,
+    WELL_ROUNDS = 100,
+    SMALLEST_STEP = 10,
+    KICKS = 20,
+    INVERSE_STEPS = 30
+};
+
+typedef struct {
+    double d[2], length, rest;
+    bool horizontal, active; /* active: in the factorised stiffness */
+} bond;
+
+typedef struct {
+    uint32_t disk;
+    bool broken, lost;   /* now; at least once */
+    double x_0, k, N, H; /* k: stiffness, which follows N from one round to the next */
+} well;
+
+struct dem_pile {
+    dem_pile_definition def;
+    size_t n, n_bonds, n_wells;
+    dem_pile_disk *disks; /* owned */
+    dem_pair *pairs;
+    bond *bonds;
+    well *wells;
+    dem_stiffness *matrix;
+    size_t n_changes; /* room for bonds changed at once */
+    dem_pair *changed;
+    double (*direction)[2];
+    double *block;                    /* of the next five, 2 n each */
+    double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
+    double eps, a; /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
+    bool factored;
+    double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
+    dem_pivots pivots;
+    dem_pile_result result;
+};
+
+dem_pile_definition dem_pile_definition_default(void)
+{
+    return (dem_pile_definition){.eps = 1e-4, .k_x = 1, .mu = 1, .a = 1, .load_steps = 1};
+}
+
+const char *dem_pile_fault_text(dem_pile_fault fault)
+{
+    static const char *const texts[] = {
+#define X(name, text) text,
+        DEM_PILE_LIST(X)
+#undef X
+    };
+    return texts[fault];
+}
+
+/* ---- Making a pile ---- */
+
+static rp_status check_number(const char *name, double value, double lo, double hi, const char *allowed)
+{
+    if (value >= lo && value <= hi) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s = %.17g: out of range, allowed: %s", name, value, allowed);
+}
+
+static rp_status check_disks(const dem_pile_definition *def)
+{
+    if (def->n < 1 || def->n > 20000000)
+        return rp_fail(RP_BAD_INPUT, "%zu disks: out of range, allowed: [1, 20000000]", def->n);
+    for (size_t i = 0; i < def->n; i++) {
+        const dem_pile_disk *p = &def->disks[i];
+        const double overlap = p->r - p->y;
+        if (!(isfinite(p->x) && isfinite(p->y) && isfinite(p->r) && p->r > 0 && p->weight > 0 &&
+              isfinite(p->weight)))
+            return rp_fail(RP_BAD_INPUT, "disk %zu at (%g, %g) with r = %g, weight %g: not allowed", i + 1,
+                           p->x, p->y, p->r, p->weight);
+        if (overlap > (def->eps > 0 ? p->r / 2 : TOUCHING))
+            return rp_fail(RP_BAD_INPUT, "disk %zu at (%g, %g): below the ground", i + 1, p->x, p->y);
+    }
+    return RP_OK;
+}
+
+static rp_status check_definition(const dem_pile_definition *def)
+{
+    rp_status status = check_number("eps", def->eps, 0, 0.1, "[0, 0.1]");
+    if (!status && def->well == DEM_WELL_SPRING)
+        status = check_number("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]");
+    if (!status && def->well == DEM_WELL_FRICTION) {
+        status = check_number("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]");
+        if (!status) status = check_number("a", def->a, DBL_MIN, 1e9, "(0, 1e9]");
+    }
+    if (!status) status = check_number("set_load", def->set_load, 0, 1, "[0, 1]");
+    if (!status) status = check_number("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]");
+    return status ? status : check_disks(def);
+}
+
+/* Overlap in eps sigma; within rounding of touching it is none. */
+static double rest_overlap(double overlap, double eps)
+{
+    return fabs(overlap) <= TOUCHING ? 0 : overlap / eps;
+}
+
+static rp_status make_bonds(dem_pile *pile)
+{
+    const dem_pile_definition *def = &pile->def;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        const dem_pile_disk *p = &pile->disks[pile->pairs[k].a], *q = &pile->disks[pile->pairs[k].b];
+        bond *b = &pile->bonds[k];
+        b->d[0] = q->x - p->x;
+        b->d[1] = q->y - p->y;
+        b->length = sqrt(b->d[0] * b->d[0] + b->d[1] * b->d[1]);
+        b->horizontal = fabs(b->d[1]) < LEVEL * b->length;
+        const double overlap = p->r + q->r - b->length;
+        if (overlap > (def->eps > 0 ? (p->r + q->r) / 2 : TOUCHING))
+            return rp_fail(RP_BAD_INPUT, "disks %u and %u overlap by %g sigma, allowed: up to %s",
+                           pile->pairs[k].a + 1, pile->pairs[k].b + 1, overlap,
+                           def->eps > 0 ? "half of touching" : "rounding, as eps = 0");
+        b->rest = rest_overlap(overlap, def->eps);
+    }
+    return RP_OK;
+}
+
+static int by_x(const void *left, const void *right)
+{
+    const well *p = left, *q = right;
+    return (p->x_0 > q->x_0) - (p->x_0 < q->x_0);
+}
+
+static void make_wells(dem_pile *pile)
+{
+    for (size_t i = 0; i < pile->n; i++)
+        if (pile->disks[i].y - pile->disks[i].r <= TOUCHING)
+            pile->wells[pile->n_wells++] = (well){.disk = (uint32_t)i, .x_0 = pile->disks[i].x};
+    qsort(pile->wells, pile->n_wells, sizeof *pile->wells, by_x);
+    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = 0; /* from here on a displacement */
+}
+
+static rp_status find_network(dem_pile *pile)
+{
+    rp_status status = dem_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds);
+    if (status) return status;
+    const size_t hanging =
+        dem_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH, pile->trial);
+    if (hanging < pile->n)
+        return rp_fail(RP_BAD_INPUT,
+                       "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it",
+                       hanging + 1, pile->disks[hanging].x, pile->disks[hanging].y);
+    pile->bonds = calloc(pile->n_bonds + 1, sizeof *pile->bonds);
+    pile->n_changes = (size_t)(UPDATE_MAX * (double)pile->n) + 1;
+    pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
+    pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
+    if (!pile->bonds || !pile->changed || !pile->direction)
+        return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    status = make_bonds(pile);
+    if (!status) make_wells(pile);
+    return status ? status : dem_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
+}
+
+rp_status dem_pile_create(const dem_pile_definition *def, dem_pile **made)
+{
+    rp_status status = check_definition(def);
+    if (status) return status;
+    const size_t n = def->n;
+    dem_pile *pile = calloc(1, sizeof *pile);
+    if (!pile) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+    pile->def = *def;
+    pile->n = n;
+    pile->disks = malloc(n * sizeof *pile->disks);
+    pile->wells = malloc(n * sizeof *pile->wells);
+    pile->block = calloc(10 * n, sizeof *pile->block);
+    if (!pile->disks || !pile->wells || !pile->block)
+        status = rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+    else {
+        memcpy(pile->disks, def->disks, n * sizeof *pile->disks);
+        pile->def.disks = pile->disks;
+        pile->w = pile->block;
+        pile->g = pile->w + 2 * n;
+        pile->p = pile->g + 2 * n;
+        pile->trial = pile->p + 2 * n;
+        pile->kept = pile->trial + 2 * n;
+        status = find_network(pile);
+    }
+    if (status)
+        dem_pile_free(pile);
+    else
+        *made = pile;
+    return status;
+}
+
+void dem_pile_free(dem_pile *pile)
+{
+    if (!pile) return;
+    dem_stiffness_free(pile->matrix);
+    free(pile->disks);
+    free(pile->pairs);
+    free(pile->bonds);
+    free(pile->changed);
+    free(pile->direction);
+    free(pile->wells);
+    free(pile->block);
+    free(pile);
+}
+
+/* ---- Forces and stiffness ---- */
+
+/* Push of bond k under displacements w, negative where it is open; its direction from a to b, and its length.
+ */
+static double bond_push(const dem_pile *pile, size_t k, const double *w, double n[2], double *length)
+{
+    const bond *b = &pile->bonds[k];
+    const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b], eps = pile->eps;
+    const double ex = wb[0] - wa[0], ey = wb[1] - wa[1];
+    const double q = 2 * (b->d[0] * ex + b->d[1] * ey) + eps * (ex * ex + ey * ey);
+    const double r = sqrt(b->length * b->length + eps * q);
+    n[0] = (b->d[0] + eps * ex) / r;
+    n[1] = (b->d[1] + eps * ey) / r;
+    *length = r;
+    return b->rest - q / (r + b->length);
+}
+
+static double ground_push(const dem_pile *pile, size_t i, const double *w)
+{
+    return rest_overlap(pile->disks[i].r - pile->disks[i].y, pile->def.eps) - w[2 * i + 1];
+}
+
+/* Gradient of the energy in g: minus the net force on each disk. Returns its
+ * largest component. */
+static double gradient(dem_pile *pile, const double *w, double *g)
+{
+    for (size_t i = 0; i < pile->n; i++) {
+        g[2 * i] = 0;
+        g[2 * i + 1] = pile->disks[i].weight - fmax(ground_push(pile, i, w), 0);
+    }
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r, f = bond_push(pile, k, w, n, &r);
+        if (!(f > 0)) continue;
+        double *ga = &g[2 * pile->pairs[k].a], *gb = &g[2 * pile->pairs[k].b];
+        for (int c = 0; c < 2; c++) {
+            ga[c] += f * n[c];
+            gb[c] -= f * n[c];
+        }
+    }
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        well *h = &pile->wells[i];
+        h->N = fmax(ground_push(pile, h->disk, w), 0);
+        h->H = h->k * (w[2 * h->disk] - h->x_0);
+        g[2 * h->disk] += h->H;
+    }
+    double worst = 0;
+    for (size_t i = 0; i < 2 * pile->n; i++)
+        if (!(fabs(g[i]) <= worst)) worst = fabs(g[i]); /* a NaN stays */
+    return worst;
+}
+
+/* Stiffness at w; at the very start no contact carries anything yet, and all but the horizontal ones count,
+ * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
+ * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
+ * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
+static void assemble(dem_pile *pile, bool start, double soften, double shift)
+{
+    const double *w = pile->w;
+    dem_stiffness_clear(pile->matrix, shift);
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r, f = bond_push(pile, k, w, n, &r);
+        bond *b = &pile->bonds[k];
+        b->active = f > 0 || (start && !b->horizontal);
+        const double hard = b->active ? 1 : soften;
+        if (!(hard > 0)) continue;
+        const double turn = (1 - soften) * pile->eps * fmax(f, 0) / r;
+        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], hard * n[0] * n[0] - turn * n[1] * n[1],
+                               n[0] * n[1] * (hard + turn), hard * n[1] * n[1] - turn * n[0] * n[0]);
+    }
+    for (size_t i = 0; i < pile->n; i++)
+        if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 1);
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        const well *h = &pile->wells[i];
+        dem_stiffness_add_site(pile->matrix, h->disk, h->k,
+                               ground_push(pile, h->disk, w) > 0 ? 0
+                               : start                           ? 1
+                                                                 : soften);
+    }
+}
+
+static bool same_contacts(const dem_pile *pile)
+{
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r;
+        if ((bond_push(pile, k, pile->w, n, &r) > 0) != pile->bonds[k].active) return false;
+    }
+    return true;
+}
+
+/* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
+ * is sought; disks that even then are free get a weak hold. How far is remembered: the next is near the last.
+ */
+static rp_status factorise(dem_pile *pile, bool start, bool positive)
+{
+    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0, hold = 0;
+    for (;;) {
+        assemble(pile, start, soften, hold);
+        rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+        pile->result.factored++;
+        if (status) return status;
+        if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
+        if (hold > 0) {
+            pile->result.fault = DEM_PILE_SINGULAR;
+            return RP_NO_RESULT;
+        }
+        if (soften == 1) hold = HOLD;
+        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
+    }
+    pile->soften = soften;
+    pile->moved = 0;
+    pile->factored = true;
+    return RP_OK;
+}
+
+/* Bring the factorised stiffness of the linearised problem to the contacts at w by the few bonds that
+ * changed. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
+static bool update(dem_pile *pile, rp_status *status)
+{
+    if (!pile->factored || pile->eps > 0 || pile->soften > 0) return false;
+    size_t all = 0;
+    for (int add = 1; add >= 0; add--) { /* first the new ones, so that it does not get singular on the way */
+        size_t n = 0;
+        for (size_t k = 0; k < pile->n_bonds; k++) {
+            double direction[2], r;
+            const bool now = bond_push(pile, k, pile->w, direction, &r) > 0;
+            if (now == pile->bonds[k].active || now != add) continue;
+            if (n == pile->n_changes) return false;
+            pile->changed[n] = pile->pairs[k];
+            memcpy(pile->direction[n++], direction, sizeof direction);
+        }
+        all += n;
+        *status = dem_stiffness_update(pile->matrix, add, n, pile->changed,
+                                       (const double(*)[2])pile->direction, &pile->pivots);
+        if (*status || pile->pivots.negative || !(pile->pivots.smallest > SINGULAR)) return false;
+    }
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double direction[2], r;
+        pile->bonds[k].active = bond_push(pile, k, pile->w, direction, &r) > 0;
+    }
+    return all > 0; /* else it was something else that changed */
+}
+
+/* ---- Newton's method ---- */
+
+static double largest(const double *v, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++) most = fmax(most, fabs(v[i]));
+    return most;
+}
+
+/* Largest relative displacement of neighbours. */
+static double largest_stretch(const dem_pile *pile, const double *w)
+{
+    double most = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b];
+        most = fmax(most, fmax(fabs(wb[0] - wa[0]), fabs(wb[1] - wa[1])));
+    }
+    return most;
+}
+
+/* Rounding of displacements w changes six contact forces by up to DBL_EPSILON |w| each; with a margin. */
+static double tolerance(const dem_pile *pile)
+{
+    return 32 * DBL_EPSILON * fmax(largest(pile->w, 2 * pile->n), 1);
+}
+
+static bool spread(const dem_pile *pile)
+{
+    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SPREAD_LINEAR;
+    return !(largest_stretch(pile, pile->w) < limit);
+}
+
+static double slope_along(const dem_pile *pile)
+{
+    double sum = 0;
+    for (size_t i = 0; i < 2 * pile->n; i++) sum += pile->g[i] * pile->p[i];
+    return sum;
+}
+
+/* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
+ * the way, to where the slope has fallen below half. Where the energy curves downwards the slope is positive
+ * at first; its sign does not matter. Returns the residual there. */
+static double advance(dem_pile *pile, bool whole)
+{
+    const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
+                 reach = stretch * pile->eps;
+    double t = reach > STEP_MAX ? STEP_MAX / reach : 1, residual = INFINITY;
+    double below = 0, s_below = 1, above = INFINITY,
+           s_above = 0; /* bracket: places, and slopes over the first */
+    for (int i = 0; i < TRIALS; i++) {
+        for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
+        residual = gradient(pile, pile->trial, pile->g);
+        const double s = slope_along(pile) / slope;
+        if (whole || !(s < -CURVED || (s > CURVED && above < INFINITY))) break;
+        if (s < 0) {
+            above = t;
+            s_above = s;
+        } else {
+            below = t;
+            s_below = s;
+        }
+        const double part = s_below / (s_below - s_above);
+        t = below + (above - below) * fmin(fmax(part, 0.1), 0.9);
+    }
+    pile->moved += t * stretch;
+    double *reached = pile->trial;
+    pile->trial = pile->w;
+    pile->w = reached;
+    return residual;
+}
+
+/* Why Newton's method is given up here; DEM_PILE_OK: it is not. A branch is followed by whole steps from near
+ * by, and left at once when they do not come closer: another step might find another branch. */
+static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double first)
+{
+    static const int most[] = {[LINEAR] = STEPS_LINEAR, [FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND};
+    if (spread(pile)) return DEM_PILE_SPREADS;
+    if (step == most[mode] || !(pile->result.residual < INFINITY)) return DEM_PILE_NOT_CONVERGED;
+    return mode == FOLLOW && pile->result.residual > APART * first ? DEM_PILE_NOT_CONVERGED : DEM_PILE_OK;
+}
+
+static rp_status newton(dem_pile *pile, bool start, int mode)
+{
+    dem_pile_result *r = &pile->result;
+    double last = INFINITY, first = r->residual = gradient(pile, pile->w, pile->g);
+    for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
+        r->fault = hopeless(pile, mode, step, first);
+        if (r->fault) return RP_NO_RESULT;
+        const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
+        rp_status status = RP_OK;
+        if (!serves && !update(pile, &status) && !status) status = factorise(pile, start, mode != FOLLOW);
+        if (status) return status;
+        last = r->residual;
+        status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
+        if (status) return status;
+        for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
+        r->residual = advance(pile, mode == FOLLOW);
+        r->steps++;
+    }
+    r->fault = DEM_PILE_OK;
+    return RP_OK;
+}
+
+/* ---- Wells, load, branches ---- */
+
+/* Let the wells' stiffness follow N; true if that changed a force. */
+static bool follow_wells(dem_pile *pile)
+{
+    double change = 0;
+    for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
+        well *h = &pile->wells[i];
+        const double k = h->broken ? 0 : pile->def.mu * h->N / pile->a;
+        change = fmax(change, fabs((k - h->k) * (pile->w[2 * h->disk] - h->x_0)));
+        h->k = k;
+    }
+    return change > tolerance(pile);
+}
+
+/* Break, or set anew, the wells that their disks have left; true if there was one. */
+static bool break_wells(dem_pile *pile)
+{
+    bool any = false;
+    for (size_t i = 0; pile->def.well == DEM_WELL_FRICTION && i < pile->n_wells; i++) {
+        well *h = &pile->wells[i];
+        const double x = pile->w[2 * h->disk];
+        if (h->broken || fabs(x - h->x_0) <= pile->a) continue;
+        if (!pile->result.broken) pile->result.first_broken = h->disk;
+        pile->result.broken += !h->lost;
+        h->lost = true;
+        h->x_0 = x;
+        h->broken = !pile->def.set_again;
+        any = true;
+    }
+    return any;
+}
+
+/* Equilibrium, no well breaking. */
+static rp_status converge(dem_pile *pile, bool start, int mode)
+{
+    for (int round = 0; round < WELL_ROUNDS; round++, start = false) {
+        rp_status status = newton(pile, start, mode);
+        if (status || !follow_wells(pile)) return status;
+    }
+    pile->result.fault = DEM_PILE_NOT_CONVERGED;
+    return RP_NO_RESULT;
+}
+
+/* Equilibrium, with the wells that hold. */
+static rp_status settle(dem_pile *pile, int mode)
+{
+    for (int round = 0; round < WELL_ROUNDS; round++) {
+        rp_status status = converge(pile, false, mode);
+        if (status || !break_wells(pile)) return status;
+        follow_wells(pile);
+    }
+    pile->result.fault = DEM_PILE_SPREADS; /* wells set anew for ever */
+    return RP_NO_RESULT;
+}
+
+/* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
+ * doubled where one does not. Where even the smallest fails the branch has ended, and the pile jumps: it goes
+ * downhill. */
+static rp_status raise_eps(dem_pile *pile, double to)
+{
+    double *load = &pile->result.load;
+    const double most = 1 / (double)pile->def.load_steps;
+    const int usual = pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
+    int mode = usual;
+    for (double step = most; *load < 1;) {
+        const double next = fmin(*load + step, 1);
+        memcpy(pile->kept, pile->w, 2 * pile->n * sizeof *pile->w);
+        pile->eps = next * to;
+        rp_status status = settle(pile, mode);
+        if (!status) {
+            *load = next;
+            pile->result.jumps += mode != usual;
+            mode = usual;
+            step = fmin(2 * step, most);
+            continue;
+        }
+        if (status != RP_NO_RESULT || mode != FOLLOW || pile->result.broken) return status;
+        memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
+        pile->factored = false;
+        if (step < most / SMALLEST_STEP)
+            mode = DESCEND;
+        else
+            step /= 2;
+    }
+    return RP_OK;
+}
+
+/* The state at `eps`, its wells at their x_0 with the half-width a. */
+static rp_status find_state(dem_pile *pile, double eps, double a)
+{
+    const dem_pile_definition *def = &pile->def;
+    const double even = def->mu / a * (double)pile->n / (double)pile->n_wells; /* until N is known */
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        pile->wells[i].broken = pile->wells[i].lost = false;
+        pile->wells[i].k = def->well == DEM_WELL_SPRING ? def->k_x : even;
+    }
+    memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
+    pile->factored = false;
+    pile->soften = pile->eps = 0;
+    pile->a = a;
+    pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
+    rp_status status = converge(pile, true, LINEAR);
+    if (status || eps > 0) return status ? status : raise_eps(pile, eps);
+    status = settle(pile, LINEAR);
+    pile->result.load = !status;
+    return status;
+}
+
+/* x_0 where the disks stand under a part of the load: eps is in proportion to the weight, and with it the
+ * unit of displacements. */
+static rp_status set_wells(dem_pile *pile, double part)
+{
+    rp_status status = find_state(pile, part * pile->def.eps, pile->def.a / part);
+    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
+    return status;
+}
+
+/* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
+ */
+static rp_status count_modes(dem_pile *pile)
+{
+    const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == DEM_WELL_SPRING &&
+                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile);
+    rp_status status = RP_OK;
+    if (!exact) {
+        assemble(pile, false, 0, 0);
+        pile->factored = false;
+        pile->result.factored++;
+        status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+    }
+    pile->result.negative_modes = pile->pivots.negative;
+    pile->result.smallest_pivot = pile->pivots.smallest;
+    pile->result.pivot_disk = pile->pivots.disk;
+    if (status || pile->pivots.smallest > SINGULAR) return status;
+    pile->result.fault =
+        DEM_PILE_SINGULAR; /* an equilibrium, but indifferent, and its modes are not counted */
+    return RP_NO_RESULT;
+}
+
+/* Leave a saddle along a direction close to its least stable mode, by inverse iteration with the stiffness
+ * that is shifted just enough to be positive. */
+static rp_status kick(dem_pile *pile)
+{
+    rp_status status = RP_OK;
+    double shift = 1e-6;
+    do {
+        assemble(pile, false, 0, shift);
+        status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
+        pile->result.factored++;
+        shift *= 2;
+    } while (!status && (pile->pivots.negative || !(pile->pivots.smallest > 0)));
+    for (size_t i = 0; i < 2 * pile->n; i++) /* any start without a symmetry */
+        pile->p[i] = (double)(uint32_t)(2654435761u * (uint32_t)(i + 1)) / UINT32_MAX - 0.5;
+    for (int step = 0; !status && step < INVERSE_STEPS; step++) {
+        const double scale = 1 / largest(pile->p, 2 * pile->n);
+        for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] *= scale;
+        status = dem_stiffness_solve(pile->matrix, pile->p, pile->p);
+    }
+    if (status) return status;
+    double push = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r;
+        push = fmax(push, bond_push(pile, k, pile->w, n, &r));
+    }
+    const double scale = KICK * push / largest_stretch(pile, pile->p);
+    for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] += scale * pile->p[i];
+    pile->factored = false;
+    return RP_OK;
+}
+
+static rp_status go_to_minimum(dem_pile *pile)
+{
+    for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
+        rp_status status = kick(pile);
+        if (!status) status = settle(pile, DESCEND);
+        if (!status) status = count_modes(pile);
+        if (status) return status;
+    }
+    if (!pile->result.negative_modes) return RP_OK;
+    pile->result.fault = DEM_PILE_NOT_CONVERGED;
+    return RP_NO_RESULT;
+}
+
+/* Pairs that overlap where the disks now are: more than the contacts if disks met that were no neighbours. */
+static rp_status check_meetings(dem_pile *pile)
+{
+    const double eps = pile->def.eps;
+    size_t n_met = 0, met_bonds = 0;
+    dem_pile_disk *moved = malloc(pile->n * sizeof *moved);
+    dem_pair *met = NULL;
+    if (!moved) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    for (size_t i = 0; i < pile->n; i++) {
+        moved[i] = pile->disks[i];
+        moved[i].x += eps * pile->w[2 * i];
+        moved[i].y += eps * pile->w[2 * i + 1];
+    }
+    rp_status status = dem_bonds_find(pile->n, moved, 1 - TOUCHING, &met, &n_met);
+    for (size_t k = 0, j = 0; k < n_met; k++) {
+        while (j < pile->n_bonds &&
+               (pile->pairs[j].a < met[k].a || (pile->pairs[j].a == met[k].a && pile->pairs[j].b < met[k].b)))
+            j++;
+        met_bonds += j < pile->n_bonds && pile->pairs[j].a == met[k].a && pile->pairs[j].b == met[k].b;
+    }
+    free(met);
+    free(moved);
+    if (status || met_bonds == n_met) return status;
+    pile->result.fault = DEM_PILE_SPREADS;
+    return RP_NO_RESULT;
+}
+
+static void count_contacts(dem_pile *pile)
+{
+    pile->result.contacts = pile->result.horizontal = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r;
+        const bool closed = bond_push(pile, k, pile->w, n, &r) > 0;
+        pile->result.contacts += closed;
+        pile->result.horizontal += closed && pile->bonds[k].horizontal;
+    }
+}
+
+/* The message of a solve without a result: what is known. */
+static rp_status explain(const dem_pile *pile)
+{
+    const dem_pile_result *r = &pile->result;
+    char wells[80] = "";
+    if (r->broken)
+        snprintf(wells, sizeof wells, "%zu of %zu wells broken, first that of disk %zu; ", r->broken,
+                 r->wells, r->first_broken + 1);
+    char pivot[80] = "";
+    if (r->fault == DEM_PILE_SINGULAR)
+        snprintf(pivot, sizeof pivot, "no pivot for disk %zu; ", pile->pivots.disk + 1);
+    return rp_fail(RP_NO_RESULT,
+                   "%s: %s%sequilibrium up to %g of the load, then a residual of %.3g m g after %zu steps",
+                   dem_pile_fault_text(r->fault), wells, pivot, r->load, r->residual, r->steps);
+}
+
+rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
+{
+    const dem_pile_definition *def = &pile->def;
+    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = 0;
+    rp_status status = def->set_load > 0 ? set_wells(pile, def->set_load) : RP_OK;
+    if (!status) status = find_state(pile, def->eps, def->a);
+    if (!status) status = count_modes(pile);
+    if (!status && def->branch == DEM_BRANCH_MINIMUM) status = go_to_minimum(pile);
+    if (!status && def->eps > 0) status = check_meetings(pile);
+    if (status == RP_NO_RESULT && pile->result.broken) pile->result.fault = DEM_PILE_SPREADS;
+    count_contacts(pile);
+    *result = pile->result;
+    return status == RP_NO_RESULT ? explain(pile) : status;
+}
+
+/* ---- Reading ---- */
+
+void dem_pile_displacements(const dem_pile *pile, double *u)
+{
+    memcpy(u, pile->w, 2 * pile->n * sizeof *u);
+}
+
+void dem_pile_base(const dem_pile *pile, size_t *disk, double *N, double *H)
+{
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        if (disk) disk[i] = pile->wells[i].disk;
+        N[i] = pile->wells[i].N;
+        H[i] = pile->wells[i].H;
+    }
+}
+
+static void mark_extremes(const dem_pile *pile, dem_pile_contact *contacts, size_t n, double *most,
+                          double *least)
+{
+    const double TIE = 1e-9;
+    for (size_t i = 0; i < pile->n; i++) {
+        most[i] = 0;
+        least[i] = INFINITY;
+    }
+    for (size_t k = 0; k < n; k++)
+        for (int e = 0; e < 2; e++) {
+            const size_t i = e ? contacts[k].b : contacts[k].a;
+            most[i] = fmax(most[i], contacts[k].force);
+            least[i] = fmin(least[i], contacts[k].force);
+        }
+    for (size_t k = 0; k < n; k++)
+        for (int e = 0; e < 2; e++) {
+            const size_t i = e ? contacts[k].b : contacts[k].a;
+            contacts[k].strongest |= contacts[k].force >= most[i] * (1 - TIE);
+            contacts[k].weakest |= contacts[k].force <= least[i] * (1 + TIE);
+        }
+}
+
+rp_status dem_pile_contacts(const dem_pile *pile, dem_pile_contact **contacts, size_t *n)
+{
+    const double eps = pile->def.eps, *w = pile->w;
+    dem_pile_contact *list = malloc((pile->n_bonds + 1) * sizeof *list);
+    double *extremes = malloc(2 * pile->n * sizeof *extremes);
+    if (!list || !extremes) {
+        free(list);
+        free(extremes);
+        return rp_fail(RP_NO_MEMORY, "contacts of %zu disks: out of memory", pile->n);
+    }
+    *n = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double dir[2], r;
+        const double f = bond_push(pile, k, w, dir, &r);
+        if (!(f > 0)) continue;
+        const size_t a = pile->pairs[k].a, b = pile->pairs[k].b;
+        list[(*n)++] = (dem_pile_contact){.a = a,
+                                          .b = b,
+                                          .x = pile->disks[a].x + eps * w[2 * a],
+                                          .y = pile->disks[a].y + eps * w[2 * a + 1],
+                                          .x_b = pile->disks[b].x + eps * w[2 * b],
+                                          .y_b = pile->disks[b].y + eps * w[2 * b + 1],
+                                          .force = f,
+                                          .horizontal = pile->bonds[k].horizontal};
+    }
+    mark_extremes(pile, list, *n, extremes, extremes + pile->n);
+    free(extremes);
+    *contacts = list;
+    return RP_OK;
+}

@@ -1,0 +1,746 @@
+/* Static equilibrium of piles: closed forms, the exact solution of diagonal contacts, forces and stability
+ * recomputed in plain ways, the simulator at rest, the findings for soft piles, every status. */
+#include <gsl/gsl_eigen.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "analytic/analytic.h"
+#include "core/table.h"
+#include "dem/dem.h"
+#include "dem/equilibrium.h"
+#include "dem/stiffness.h"
+#include "tests/check.h"
+
+static const double DEG = M_PI / 180;
+
+/* Displacements up to 1e3 (eps sigma) are rounded by 1e-13; six contacts each, and as much again in the test.
+ */
+#define ROUNDING 1e-11
+
+/* ---- making piles ---- */
+
+typedef struct {
+    size_t n, k;
+    dem_pile_disk *disks;
+    an_force *exact; /* by diagonals alone */
+    dem_pile *pile;
+    dem_pile_result result;
+    double *u, *N, *H;
+} heap;
+
+/* Disks of a pile with k in its base, slope alpha, and gaps in its rows. */
+static heap make_disks(long k, double alpha_deg, double gap)
+{
+    heap h = {.k = (size_t)k};
+    const double theta = asin((1 + gap) / 2);
+    long *up = malloc((size_t)k * sizeof *up);
+    CHECK_OK(an_lattice_cut(k, theta, fmin(alpha_deg * DEG, M_PI / 2 - theta), up));
+    for (long s = 0; s < k; s++) h.n += (size_t)up[s];
+    h.disks = malloc(h.n * sizeof *h.disks);
+    h.exact = malloc(h.k * sizeof *h.exact);
+    size_t n = 0;
+    for (long s = 0; s < k; s++)
+        for (long j = 0; j < up[s]; j++)
+            h.disks[n++] = (dem_pile_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
+                                           0.5 + (double)j * cos(theta), 0.5, 1};
+    CHECK_OK(an_lattice_counts(k, up, theta, h.exact));
+    free(up);
+    h.u = malloc(2 * h.n * sizeof *h.u);
+    h.N = malloc(h.k * sizeof *h.N);
+    h.H = malloc(h.k * sizeof *h.H);
+    return h;
+}
+
+static void free_heap(heap *h)
+{
+    dem_pile_free(h->pile);
+    free(h->disks);
+    free(h->exact);
+    free(h->u);
+    free(h->N);
+    free(h->H);
+}
+
+static rp_status solve(heap *h, dem_pile_definition def)
+{
+    def.n = h->n;
+    def.disks = h->disks;
+    dem_pile_free(h->pile);
+    h->pile = NULL;
+    rp_status status = dem_pile_create(&def, &h->pile);
+    if (status) return status;
+    status = dem_pile_solve(h->pile, &h->result);
+    CU_ASSERT(h->result.wells == h->k);
+    dem_pile_displacements(h->pile, h->u);
+    dem_pile_base(h->pile, NULL, h->N, h->H);
+    return status;
+}
+
+static dem_pile_definition soft(double eps)
+{
+    dem_pile_definition def = dem_pile_definition_default();
+    def.eps = eps;
+    return def;
+}
+
+static dem_pile_definition friction(double eps, double mu, double a)
+{
+    dem_pile_definition def = soft(eps);
+    def.well = DEM_WELL_FRICTION;
+    def.mu = mu;
+    def.a = a;
+    return def;
+}
+
+static double N_error(const heap *h, double *most)
+{
+    double sum = 0;
+    *most = 0;
+    for (size_t i = 0; i < h->k; i++) {
+        const double e = h->N[i] / h->exact[i].N - 1;
+        sum += e * e;
+        *most = fmax(*most, fabs(e));
+    }
+    return sqrt(sum / (double)h->k);
+}
+
+static double H_ratio(const heap *h)
+{
+    double most = 0, exact = 0;
+    for (size_t i = 0; i < h->k; i++) {
+        most = fmax(most, fabs(h->H[i]));
+        exact = fmax(exact, fabs(h->exact[i].H));
+    }
+    return most / exact;
+}
+
+/* ---- a pile of three, by hand ---- */
+
+/* The top rests on two: pushes of 1/(2 cos 30), N = 3/2, H = 1/(2 sqrt 3) outwards. */
+static const double THREE_H = 0.28867513459481287;
+
+static void test_three_disks(void)
+{
+    heap h = make_disks(2, 60, 0);
+    dem_pile_definition def = soft(0);
+    def.k_x = 0.385;
+    CHECK_OK(solve(&h, def));
+    for (size_t i = 0; i < 2; i++) {
+        const double side = i ? 1 : -1;
+        CHECK_NEAR(h.N[i], 1.5, ROUNDING);
+        CHECK_NEAR(h.H[i], side * THREE_H, ROUNDING);
+    }
+    /* disks 0 (left), 1 (top), 2 (right): the push of 1/sqrt 3 is the overlap along the diagonal */
+    CHECK_NEAR(h.u[0], -THREE_H / 0.385, ROUNDING);
+    CHECK_NEAR(h.u[1], -1.5, ROUNDING);
+    const double along = (h.u[2] - h.u[0]) * 0.5 + (h.u[3] - h.u[1]) * cos(M_PI / 6);
+    CHECK_NEAR(along, -1 / sqrt(3), ROUNDING);
+    dem_pile_contact *contacts = NULL;
+    size_t n = 0;
+    CHECK_OK(dem_pile_contacts(h.pile, &contacts, &n));
+    CU_ASSERT(n == 2 && h.result.contacts == 2 && h.result.horizontal == 0);
+    for (size_t c = 0; c < n; c++) {
+        CHECK_NEAR(contacts[c].force, 1 / sqrt(3), ROUNDING);
+        CU_ASSERT(contacts[c].strongest && contacts[c].weakest && !contacts[c].horizontal);
+    }
+    free(contacts);
+    /* wells set anew where half the load had brought their disks: pulled from there by the whole force */
+    def.set_load = 0.5;
+    CHECK_OK(solve(&h, def));
+    CHECK_NEAR(h.H[1], THREE_H, ROUNDING);
+    CHECK_NEAR(h.u[2 * 2], 1.5 * THREE_H / 0.385, ROUNDING);
+    free_heap(&h);
+}
+
+static void test_friction_wells(void)
+{
+    heap h = make_disks(2, 60, 0);
+    /* stiffness mu N/a: held at x = H a/(mu N) while H < mu N, 0.1925 of N here */
+    CHECK_OK(solve(&h, friction(0, 0.25, 3.7)));
+    CHECK_NEAR(h.u[4], THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
+    CU_ASSERT(h.result.broken == 0);
+    CHECK_FAILS(solve(&h, friction(0, 0.19, 3.7)), RP_NO_RESULT,
+                "spreads: 2 of 2 wells broken, first that of disk 1");
+    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
+    CHECK_FAILS(solve(&h, friction(1e-4, 0.19, 3.7)), RP_NO_RESULT, "spreads");
+    dem_pile_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
+    again.set_again = true;
+    CHECK_FAILS(solve(&h, again), RP_NO_RESULT, "spreads");
+    free_heap(&h);
+    /* the slope of 30 degrees stands on mu = 0.3, not on 0.2; that of 60 on 0.6, not on 0.5 */
+    static const struct {
+        double alpha, mu;
+        rp_status status;
+    } cases[] = {{30, 0.2, RP_NO_RESULT}, {30, 0.3, RP_OK}, {60, 0.5, RP_NO_RESULT}, {60, 0.6, RP_OK}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        heap slope = make_disks(45, cases[c].alpha, 0);
+        CU_ASSERT(solve(&slope, friction(1e-4, cases[c].mu, 1)) == cases[c].status);
+        CU_ASSERT((slope.result.fault == DEM_PILE_SPREADS) == (cases[c].status != RP_OK));
+        free_heap(&slope);
+    }
+}
+
+/* ---- against diagonals alone ---- */
+
+static void test_linearised(void)
+{
+    double most;
+    heap h = make_disks(45, 60, 0);
+    CU_ASSERT(h.n == 1035);
+    CHECK_OK(solve(&h, soft(0)));
+    CU_ASSERT(N_error(&h, &most) < ROUNDING && most < ROUNDING);
+    for (size_t i = 0; i < h.k; i++) CHECK_NEAR(h.H[i], h.exact[i].H, 22.5 * ROUNDING);
+    CU_ASSERT(h.result.contacts == 1980 && h.result.horizontal == 0 && h.result.negative_modes == 0);
+    free_heap(&h);
+    /* gaps in the rows keep horizontal contacts open under any slope */
+    heap gaps = make_disks(31, 27, 0.02);
+    CHECK_OK(solve(&gaps, soft(0)));
+    CU_ASSERT(N_error(&gaps, &most) < ROUNDING && gaps.result.horizontal == 0);
+    for (size_t i = 0; i < gaps.k; i++) CHECK_NEAR(gaps.H[i], gaps.exact[i].H, 22.5 * ROUNDING);
+    free_heap(&gaps);
+}
+
+/* A soft well lets the rows part: H comes back to that of diagonals as the half-width grows, N nearly. */
+static void test_soft_wells(void)
+{
+    static const double a[] = {1, 10, 100, 1000}, found[] = {0.81, 0.83, 0.92, 1.00};
+    heap h = make_disks(45, 30, 0);
+    CU_ASSERT(h.n == 360);
+    for (int i = 0; i < 4; i++) {
+        CHECK_OK(solve(&h, friction(1e-4, 1, a[i])));
+        CHECK_NEAR(H_ratio(&h), found[i], 0.007);
+    }
+    double most;
+    CHECK_OK(solve(&h, friction(1e-8, 1, 1e5)));
+    CHECK_NEAR(H_ratio(&h), 1, 1e-3);
+    CU_ASSERT(N_error(&h, &most) < 0.04);
+    free_heap(&h);
+}
+
+/* ---- the equilateral pile at eps = 1e-4 ---- */
+
+static void test_primary(void)
+{
+    double most, last = 0;
+    heap h = make_disks(45, 60, 0);
+    CHECK_OK(solve(&h, soft(1e-4)));
+    CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
+    CHECK_NEAR(most, 4.8e-3, 0.05e-3);
+    CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0);
+    double *direct = malloc(2 * h.n * sizeof *direct);
+    memcpy(direct, h.u, 2 * h.n * sizeof *direct);
+    dem_pile_definition ramp = soft(1e-4); /* the same branch in small steps */
+    ramp.load_steps = 10;
+    CHECK_OK(solve(&h, ramp));
+    for (size_t i = 0; i < 2 * h.n; i++)
+        CHECK_NEAR(h.u[i], direct[i], 1e-7); /* pivots of 1e-4 magnify rounding */
+    free(direct);
+    for (double eps = 1e-5; eps > 1e-8; eps /= 10) { /* the error falls with eps */
+        CHECK_OK(solve(&h, soft(eps)));
+        const double error = N_error(&h, &most);
+        if (last > 0) CHECK_NEAR(last / error, 10, 0.02);
+        last = error;
+    }
+    free_heap(&h);
+}
+
+/* Stability is lost at eps_c, which comes to about 5.2/k^3 in large piles. */
+static void test_threshold(void)
+{
+    static const struct {
+        long k;
+        double found;
+    } cases[] = {{12, 4.32}, {24, 4.94}, {48, 5.21}};
+    for (size_t c = 0; c < (check_fast() ? 2 : 3); c++) {
+        const double unit = pow((double)cases[c].k, -3);
+        double lo = unit, hi = 20 * unit;
+        heap h = make_disks(cases[c].k, 60, 0);
+        while (hi - lo > 0.003 * lo) {
+            const double eps = sqrt(lo * hi);
+            CHECK_OK(solve(&h, soft(eps)));
+            *(h.result.negative_modes ? &hi : &lo) = eps;
+        }
+        CHECK_NEAR(lo / unit, cases[c].found, 0.02);
+        free_heap(&h);
+    }
+}
+
+/* Net forces and energy from places of the disks alone, all pairs: eps = 1e-3 leaves 12 digits of an overlap.
+ */
+static double plain_forces(const heap *h, const double *u, double eps, double k_x, double *force)
+{
+    double energy = 0;
+    for (size_t i = 0; i < h->n; i++) {
+        const dem_pile_disk *p = &h->disks[i];
+        const bool base = p->y < 0.6;
+        const double sunk = fmax(0.5 - (p->y + eps * u[2 * i + 1]), 0) / eps;
+        force[2 * i] = base ? -k_x * u[2 * i] : 0;
+        force[2 * i + 1] = sunk - 1;
+        energy += sunk * sunk / 2 + u[2 * i + 1] + (base ? k_x * u[2 * i] * u[2 * i] / 2 : 0);
+    }
+    for (size_t i = 0; i < h->n; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double x = h->disks[i].x - h->disks[j].x + eps * (u[2 * i] - u[2 * j]);
+            const double y = h->disks[i].y - h->disks[j].y + eps * (u[2 * i + 1] - u[2 * j + 1]);
+            const double r = hypot(x, y), f = (1 - r) / eps;
+            if (!(f > 0)) continue;
+            force[2 * i] += f * x / r;
+            force[2 * i + 1] += f * y / r;
+            force[2 * j] -= f * x / r;
+            force[2 * j + 1] -= f * y / r;
+            energy += f * f / 2;
+        }
+    return energy;
+}
+
+static double worst_of(const double *v, size_t n)
+{
+    double worst = 0;
+    for (size_t i = 0; i < n; i++) worst = fmax(worst, fabs(v[i]));
+    return worst;
+}
+
+/* Negative eigenvalues of the stiffness by differences of forces, with no factorisation of ours. */
+static size_t plain_negative_modes(const heap *h, double eps, double k_x)
+{
+    const size_t n = 2 * h->n;
+    const double step = 1e-4; /* forces vary over 1: errors of 1e-8 against modes of 1e-3 */
+    gsl_matrix *A = gsl_matrix_alloc(n, n);
+    gsl_vector *values = gsl_vector_alloc(n);
+    gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(n);
+    double *u = malloc(n * sizeof *u), *up = malloc(n * sizeof *up), *down = malloc(n * sizeof *down);
+    memcpy(u, h->u, n * sizeof *u);
+    for (size_t j = 0; j < n; j++) {
+        u[j] = h->u[j] + step;
+        plain_forces(h, u, eps, k_x, up);
+        u[j] = h->u[j] - step;
+        plain_forces(h, u, eps, k_x, down);
+        u[j] = h->u[j];
+        for (size_t i = 0; i < n; i++) gsl_matrix_set(A, i, j, (down[i] - up[i]) / (2 * step));
+    }
+    gsl_eigen_symm(A, values, work);
+    size_t negative = 0;
+    for (size_t i = 0; i < n; i++) negative += gsl_vector_get(values, i) < 0;
+    gsl_matrix_free(A);
+    gsl_vector_free(values);
+    gsl_eigen_symm_free(work);
+    free(u);
+    free(up);
+    free(down);
+    return negative;
+}
+
+static void test_plain_forces_and_modes(void)
+{
+    static const struct {
+        long k;
+        double alpha, eps;
+        int branch;
+    } cases[] = {{10, 60, 6e-3, DEM_BRANCH_PRIMARY},
+                 {10, 60, 6e-3, DEM_BRANCH_MINIMUM},
+                 {14, 40, 1e-3, DEM_BRANCH_PRIMARY}};
+    double energy[3];
+    for (size_t c = 0; c < 3; c++) {
+        heap h = make_disks(cases[c].k, cases[c].alpha, 0);
+        dem_pile_definition def = soft(cases[c].eps);
+        def.k_x = 0.7;
+        def.branch = cases[c].branch;
+        CHECK_OK(solve(&h, def));
+        double *force = malloc(2 * h.n * sizeof *force);
+        energy[c] = plain_forces(&h, h.u, def.eps, def.k_x, force);
+        CU_ASSERT(worst_of(force, 2 * h.n) < 1e-10);
+        CU_ASSERT(plain_negative_modes(&h, def.eps, def.k_x) == h.result.negative_modes);
+        CU_ASSERT((h.result.negative_modes > 0) == (c == 0));
+        free(force);
+        free_heap(&h);
+    }
+    CU_ASSERT(energy[1] < energy[0] - 1e-6);
+}
+
+/* From the saddle down to a minimum: buckled, with errors of N of per cents. */
+static void test_minimum(void)
+{
+    double most;
+    heap h = make_disks(check_fast() ? 30 : 45, 60, 0);
+    dem_pile_definition def = soft(check_fast() ? 4e-4 : 1e-4);
+    def.branch = DEM_BRANCH_MINIMUM;
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.negative_modes == 0 && h.result.smallest_pivot > 0);
+    const double error = N_error(&h, &most);
+    CU_ASSERT(error > 0.005 && error < 0.06);
+    double weight = 0;
+    for (size_t i = 0; i < h.k; i++) weight += h.N[i];
+    CHECK_NEAR(weight / (double)h.n, 1, ROUNDING);
+    free_heap(&h);
+}
+
+/* ---- slopes below 60 degrees ---- */
+
+/* H at 30 degrees does not come to the continuum's largest, whatever the size or the softness. */
+static void test_horizontal_force(void)
+{
+    double x_c;
+    an_force kink;
+    CHECK_OK(an_continuum_kink(30 * DEG, &x_c));
+    CHECK_OK(an_continuum(30 * DEG, x_c, &kink));
+    static const struct {
+        long k;
+        size_t n;
+        double eps, found;
+    } cases[] = {{45, 360, 1e-4, 0.72}, {45, 360, 1e-8, 0.72}, {180, 5490, 0, 0.75}};
+    for (size_t c = 0; c < (check_fast() ? 2 : 3); c++) {
+        heap h = make_disks(cases[c].k, 30, 0);
+        CU_ASSERT(h.n == cases[c].n);
+        CHECK_OK(solve(&h, soft(cases[c].eps)));
+        const double B = an_lattice_base((double)h.n, M_PI / 6, 30 * DEG);
+        CHECK_NEAR(worst_of(h.H, h.k) / (B * fabs(kink.H)), cases[c].found, 0.01);
+        CU_ASSERT(h.result.horizontal > h.n / 2);
+        for (size_t i = 0; i < h.k; i++) { /* mirrored */
+            CHECK_NEAR(h.N[i], h.N[h.k - 1 - i], 1e-9);
+            CHECK_NEAR(h.H[i], -h.H[h.k - 1 - i], 1e-9);
+        }
+        free_heap(&h);
+    }
+    /* steeper slopes all have an equilibrium */
+    static const double alphas[] = {32.6, 45, 50, 55};
+    static const size_t counts[] = {383, 581, 690, 821};
+    for (size_t a = 0; a < 4; a++) {
+        heap h = make_disks(45, alphas[a], 0);
+        CU_ASSERT(h.n == counts[a]);
+        CHECK_OK(solve(&h, soft(1e-4)));
+        CU_ASSERT(h.result.negative_modes == 0 && h.result.residual < ROUNDING);
+        free_heap(&h);
+    }
+}
+
+/* The order of the disks does not matter. */
+static void test_relabelled(void)
+{
+    heap h = make_disks(20, 35, 0);
+    CHECK_OK(solve(&h, soft(1e-3)));
+    double *u = malloc(2 * h.n * sizeof *u);
+    memcpy(u, h.u, 2 * h.n * sizeof *u);
+    dem_pile_disk *disks = malloc(h.n * sizeof *disks);
+    memcpy(disks, h.disks, h.n * sizeof *disks);
+    for (size_t i = 0; i < h.n; i++) h.disks[i] = disks[(i * 11 + 3) % h.n];
+    CU_ASSERT_FATAL(h.n % 11 != 0);
+    CHECK_OK(solve(&h, soft(1e-3)));
+    for (size_t i = 0; i < h.n; i++) CHECK_NEAR(h.u[2 * i], u[2 * ((i * 11 + 3) % h.n)], 1e-9);
+    free(disks);
+    free(u);
+    free_heap(&h);
+}
+
+/* ---- against the simulator ---- */
+
+/* The same pile let go under gravity, with damping, until it lies still: linear springs without friction
+ * between the grains, and a floor whose shear spring never slips in place of the wells. */
+static void test_damped_dynamics(void)
+{
+    const double eps = 1e-3, k_x = 0.8;
+    heap h = make_disks(12, 35, 0);
+    dem_pile_definition def = soft(eps);
+    def.k_x = k_x;
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.horizontal > 0);
+    dem_grain *grains = calloc(h.n, sizeof *grains);
+    for (size_t i = 0; i < h.n; i++)
+        grains[i] = (dem_grain){.x = h.disks[i].x, .y = h.disks[i].y, .r = 0.5, .m = 1};
+    dem_definition scene = dem_definition_default();
+    scene.gravity[0] = 0;
+    scene.gravity[1] = -1;
+    scene.dt = 4e-3;
+    scene.normal = DEM_LINEAR;
+    scene.tangential = DEM_SPRING;
+    scene.tension = false;
+    scene.material = (dem_material){.k_n = 1 / eps, .gamma_n = 20, .k_s = 1};
+    scene.n_walls = 1;
+    scene.walls[0] = (dem_wall){
+        .direction = {0, 1},
+        .material = {.k_n = 1 / eps, .gamma_n = 20, .k_s = k_x / eps, .gamma_s = 20, .mu = INFINITY},
+        .extent = {-INFINITY, INFINITY},
+        .open_at_step = -1};
+    scene.n_grains = h.n;
+    scene.grains = grains;
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(&scene, &sim));
+    if (sim) {
+        dem_state *states = malloc(h.n * sizeof *states);
+        CHECK_OK(dem_run(sim, 100000));
+        CHECK_OK(dem_states(sim, states));
+        for (size_t i = 0; i < h.n; i++) {
+            /* places near 6 in units of eps: 1e-12; what still moves: below 1e-9 */
+            CHECK_NEAR((states[i].x - grains[i].x) / eps, h.u[2 * i], 1e-8);
+            CHECK_NEAR((states[i].y - grains[i].y) / eps, h.u[2 * i + 1], 1e-8);
+        }
+        free(states);
+        dem_free(sim);
+    }
+    free(grains);
+    free_heap(&h);
+}
+
+/* ---- bad input ---- */
+
+static void test_errors(void)
+{
+    dem_pile *pile = NULL;
+    dem_pile_disk disks[3] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    dem_pile_definition def = soft(1e-4);
+    def.n = 3;
+    def.disks = disks;
+    struct {
+        const char *text;
+        dem_pile_definition def;
+        dem_pile_disk last;
+    } cases[] = {{"eps = -1", def, disks[2]},
+                 {"eps = nan", def, disks[2]},
+                 {"k_x = 0", def, disks[2]},
+                 {"mu = 0", def, disks[2]},
+                 {"a = -2", def, disks[2]},
+                 {"set_load = 1.5", def, disks[2]},
+                 {"load_steps = 0", def, disks[2]},
+                 {"0 disks", def, disks[2]},
+                 {"disk 3 at (0.5, 2.2) has no support", def, {0.5, 2.2, 0.5, 1}},
+                 {"disk 3 at (1.5, 1.36603) has no support", def, {1.5, 0.5 + sqrt(0.75), 0.5, 1}},
+                 {"disk 3 at (5, 0.2): below the ground", def, {5, 0.2, 0.5, 1}},
+                 {"disks 2 and 3 overlap", def, {1.2, 0.5, 0.5, 1}},
+                 {"disk 3 at (0.5, 2) with r = -1", def, {0.5, 2, -1, 1}},
+                 {"disks 2 and 3 overlap by 0.01", def, {1.99, 0.5, 0.5, 1}}};
+    cases[0].def.eps = -1;
+    cases[1].def.eps = NAN;
+    cases[2].def.k_x = 0;
+    cases[3].def.well = cases[4].def.well = DEM_WELL_FRICTION;
+    cases[3].def.mu = 0;
+    cases[4].def.a = -2;
+    cases[5].def.set_load = 1.5;
+    cases[6].def.load_steps = 0;
+    cases[7].def.n = 0;
+    cases[13].def.eps = 0;
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        disks[2] = cases[c].last;
+        CHECK_FAILS(dem_pile_create(&cases[c].def, &pile), RP_BAD_INPUT, cases[c].text);
+        CU_ASSERT_PTR_NULL(pile);
+    }
+    /* two side by side on nothing but each other's corner: supported one by one, not together */
+    dem_pile_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
+    def.disks = tower;
+    def.n = 3;
+    CHECK_OK(dem_pile_create(&def, &pile));
+    dem_pile_result result;
+    CHECK_OK(dem_pile_solve(pile, &result)); /* a tower stands on end, but not for long */
+    CU_ASSERT(result.negative_modes == 2);
+    dem_pile_free(pile);
+    def.branch = DEM_BRANCH_MINIMUM;
+    CHECK_OK(dem_pile_create(&def, &pile));
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
+    dem_pile_free(pile);
+    def.branch = DEM_BRANCH_PRIMARY;
+    /* two piles of three on weak springs slide into one another, and were no neighbours */
+    dem_pile_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    for (int i = 3; i < 6; i++) {
+        two[i] = two[i - 3];
+        two[i].x += 2.2501;
+    }
+    dem_pile_definition meet = soft(0.01);
+    meet.disks = two;
+    meet.n = 6;
+    meet.k_x = 0.024;
+    CHECK_OK(dem_pile_create(&meet, &pile));
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads: equilibrium up to 1 of the load");
+    dem_pile_free(pile);
+    /* a drop of 0.2 to the ground, beside nobody: nothing holds it in x */
+    dem_pile_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
+    def.disks = lone;
+    def.n = 2;
+    CHECK_OK(dem_pile_create(&def, &pile));
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "disk 2");
+    CU_ASSERT(result.fault == DEM_PILE_SINGULAR);
+    dem_pile_free(pile);
+}
+
+/* ---- the stiffness matrix ---- */
+
+/* A square with a diagonal, held at all corners: an update against a factorisation from the start, and
+ * against the product that it should undo. */
+static void test_stiffness_update(void)
+{
+    static const dem_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
+    static const double along[][2] = {{1, 0}, {0, 1}, {-0.6, 0.8}, {0, 1}, {1, 0}};
+    static const double load[8] = {0.3, -1.1, 0.7, 0.2, -0.9, 0.4, 1.3, -0.5};
+    double x[2][8], product[8];
+    for (int way = 0; way < 2; way++) {
+        dem_stiffness *m = NULL;
+        dem_pivots pivots;
+        CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
+        dem_stiffness_clear(m, 0.125);
+        dem_stiffness_add_site(m, 3, -2, 0); /* one negative mode */
+        for (size_t k = 0; k < 5; k++)       /* bond 2 is wanted, bond 4 is not */
+            if (way == 0 ? k != 4 : k != 2)
+                dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
+                                       along[k][1] * along[k][1]);
+        CHECK_OK(dem_stiffness_factorise(m, &pivots));
+        if (way == 1) {
+            CHECK_OK(dem_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
+            CHECK_OK(dem_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
+        }
+        CU_ASSERT(pivots.negative == 1 && pivots.smallest > 0);
+        CHECK_OK(dem_stiffness_solve(m, load, x[way]));
+        dem_stiffness_free(m);
+    }
+    for (size_t i = 0; i < 8; i++) product[i] = 0.125 * x[0][i] - (i == 6 ? 2 * x[0][i] : 0);
+    for (size_t k = 0; k < 4; k++) {
+        const size_t a = 2 * bonds[k].a, b = 2 * bonds[k].b;
+        const double stretch = (x[0][b] - x[0][a]) * along[k][0] + (x[0][b + 1] - x[0][a + 1]) * along[k][1];
+        for (size_t c = 0; c < 2; c++) {
+            product[a + c] -= stretch * along[k][c];
+            product[b + c] += stretch * along[k][c];
+        }
+    }
+    for (size_t i = 0; i < 8; i++) { /* numbers near 10, a few operations each */
+        CHECK_NEAR(x[1][i], x[0][i], 1e-12);
+        CHECK_NEAR(product[i], load[i], 1e-12);
+    }
+}
+
+/* ---- the program ---- */
+
+static char folder[64];
+
+/* Run `repose pile WORDS` in the folder, with output in the files out and err; its exit status. */
+static int run(const char *words)
+{
+    static char line[8192], program[4096];
+    const char *name = getenv("REPOSE");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name ? name : "build/repose", program));
+    snprintf(line, sizeof line, "cd %s && '%s' pile %s >out 2>err", folder, program, words);
+    const int status = system(line);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static rp_table table_of(const char *name)
+{
+    static char path[128]; /* borrowed by the table */
+    rp_table table;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    CHECK_OK(rp_table_read(path, &table));
+    return table;
+}
+
+static double cell(const rp_table *t, size_t row, const char *column)
+{
+    double value = NAN;
+    if (row < t->n_rows) CHECK_OK(rp_table_number(t, row, rp_table_column(t, column), 1, &value));
+    return value;
+}
+
+static void write_file(const char *name, const char *text)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static void check_outputs(void)
+{
+    CU_ASSERT(run("--alpha-deg 30 -o tables") == 0);
+    rp_table base = table_of("out");
+    double weight = 0;
+    for (size_t i = 0; i < base.n_rows; i++) {
+        weight += cell(&base, i, "N/mg");
+        CHECK_NEAR(cell(&base, i, "x/B") + cell(&base, base.n_rows - 1 - i, "x/B"), 1, ROUNDING);
+    }
+    CU_ASSERT(base.n_rows == 45 && cell(&base, 0, "H/mg") < 0);
+    CHECK_NEAR(weight, 360, 360 * ROUNDING);
+    rp_table_free(&base);
+    rp_table contacts = table_of("tables/contacts.tsv"), disks;
+    CU_ASSERT(contacts.n_rows == 845);
+    size_t horizontal = 0;
+    for (size_t i = 0; i < contacts.n_rows; i++) {
+        const double dx = cell(&contacts, i, "x") - cell(&contacts, i, "x_b");
+        const double dy = cell(&contacts, i, "y") - cell(&contacts, i, "y_b");
+        CHECK_NEAR((1 - hypot(dx, dy)) / 1e-4, cell(&contacts, i, "force"), 1e-9);
+        horizontal += cell(&contacts, i, "horizontal") > 0;
+    }
+    CU_ASSERT(horizontal == 239);
+    rp_table_free(&contacts);
+    disks = table_of("tables/disks.tsv");
+    CU_ASSERT(disks.n_rows == 360);
+    rp_table_free(&disks);
+}
+
+/* The same triangle by its slope, as a tent of equal slopes, as a polygon. */
+static void check_outlines(void)
+{
+    static const char *const words[] = {"--alpha-deg 30 --linear --summary",
+                                        "--outer-deg 30 --inner-deg 30 --x1 0.2 --linear --summary",
+                                        "--outline triangle --linear --summary"};
+    write_file("triangle", "# x\ty\n-3\t0\n0\t1.7320508075688772\n3\t0\n");
+    write_file("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
+    double ratio = NAN;
+    for (int i = 0; i < 3; i++) {
+        CU_ASSERT(run(words[i]) == 0);
+        rp_table t = table_of("out");
+        CU_ASSERT(cell(&t, 0, "n_disks") == 360 && cell(&t, 0, "negative_modes") == 0);
+        if (i == 0) ratio = cell(&t, 0, "H_max/H_max_diagonals");
+        CHECK_NEAR(cell(&t, 0, "H_max/H_max_diagonals"), ratio, ROUNDING);
+        rp_table_free(&t);
+    }
+    CU_ASSERT(run("--disks three") == 0);
+    rp_table t = table_of("out");
+    CU_ASSERT(t.n_rows == 2);
+    CHECK_NEAR(cell(&t, 1, "N/mg"), 1.5, ROUNDING);
+    rp_table_free(&t);
+}
+
+static void test_program(void)
+{
+    static const struct {
+        int status;
+        const char *words;
+    } cases[] = {{64, "--k-x 1 --well 1"},
+                 {64, "--mu 0.5"},
+                 {64, "--outer-deg 30 --x1 0.2"},
+                 {64, "--alpha-deg 30 --disks three"},
+                 {65, "--eps 0"},
+                 {65, "--outer-deg 30 --inner-deg 60 --x1 0.2"},
+                 {65, "--alpha-deg 60 --gap 0.1"},
+                 {65, "--disks nothing"},
+                 {65, "--disks hanging"},
+                 {1, "--alpha-deg 30 --well 1 --mu 0.1"}};
+    strcpy(folder, "/tmp/repose_pile_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    check_outputs();
+    check_outlines();
+    write_file("hanging", "# x\ty\n0\t0.5\n3\t4\n");
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        CU_ASSERT(run(cases[c].words) == cases[c].status);
+    char line[128];
+    snprintf(line, sizeof line, "rm -r %s", folder);
+    CU_ASSERT(system(line) == 0);
+}
+
+void suite_equilibrium(void)
+{
+    static const check_case cases[] = {{"three disks by hand", test_three_disks},
+                                       {"wells of friction", test_friction_wells},
+                                       {"linearised piles against diagonals alone", test_linearised},
+                                       {"soft wells", test_soft_wells},
+                                       {"45 layers: primary state", test_primary},
+                                       {"45 layers: minimum", test_minimum},
+                                       {"stability threshold", test_threshold},
+                                       {"plain forces and modes", test_plain_forces_and_modes},
+                                       {"horizontal force of slopes", test_horizontal_force},
+                                       {"order of the disks", test_relabelled},
+                                       {"damped dynamics", test_damped_dynamics},
+                                       {"errors", test_errors},
+                                       {"stiffness updated", test_stiffness_update},
+                                       {"the program", test_program},
+                                       {NULL, NULL}};
+    check_register("equilibrium", cases);
+}
