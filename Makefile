@@ -225,12 +225,13 @@ STUDY_lh_smooth0 := 40
 STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
+STUDY_lh_rotation := 10
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
 studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
-	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) ## larger ensembles for the figures; resumable
+	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
@@ -311,7 +312,7 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13
 # what only `make studies` makes is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies)' -o $@
 	@echo "report  $@"
