@@ -7,6 +7,7 @@ combinations = 'lh_forensics_combinations.tsv' # t('lh_forensics_combinations.ts
 effects = 'lh_forensics_effects.tsv'           # t('lh_forensics_effects.tsv')
 # main effects on the first claim, and the ways to read the surface, one a line from the top
 lines = "< awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
+        "if ($2 == \"dt\") $3 = \"0.7 times\"; if ($2 == \"relax steps\") { $2 = \"measured after\"; $3 = \"1.0 s\" } if ($2 == \"open\") $3 = $3 \" cm/s\"; ".\
         "print ++n \"\\t\" $2 \" \" $3 \"\\t\" $5 \"\\t\" $7 \"\\t\" $8 }' ".T.effects
 ranked(status) = "< awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } ".\
         "!/^#/ && $NF == \"".status."\" { print $1 \"\\t\" $l }' ".T.combinations
@@ -32,10 +33,10 @@ set size 0.45, 1
 set lmargin 9
 set yrange [*:*]
 set ytics font ',8' scale 0.6
-set xlabel 'combination, ordered'
+set xlabel 'combination and reading of its surface, ordered'
 set ylabel 'log likelihood less that of the best'
 set yrange [-25:1.5]
-set xrange [0:*]
+set xrange [0:200]
 set label 1 '(b)' at graph 0.03, 0.975 font ',9'
 set label 2 sprintf('%s of %s not excluded at 5 %%; %s by chance', system("sed -n 's/^# not_excluded: //p' ".T.combinations), system("sed -n 's/^# complete: //p' ".T.combinations), system("sed -n 's/^# by_chance: //p' ".T.combinations)) at graph 0.03, 0.05 left font ',7'
 set key top right
