@@ -213,6 +213,7 @@ $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
 STUDY_lh2a := 60
+STUDY_lh2b := 60
 STUDY_lh2b_beyond := 10
 STUDY_lh_kn := 40
 STUDY_lh_kn_wall := 40
