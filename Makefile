@@ -176,11 +176,12 @@ UPPER_lh_ks := 1e4
 TREND_lh_gear := --x integrator --by dt --pair
 # with rotation a fill has a pile for each mu_roll: 0 is the one that differs in rotation alone
 TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
-TREND_lh5 := --x v_cut --scale log
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
 	@cat $^ >$@
+$(T)/lh5_trend.tsv: $(T)/lh5_runs.tsv
+	@$(REPOSE) angle trend $< --x v_cut --y theta_deg --scale log >$@
 $(T)/%_trend.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) >$@
 $(T)/%_trend_method2.tsv: $(T)/%_runs.tsv
