@@ -239,31 +239,38 @@ rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage)
     return rp_file_close(path, out, dem_write_contacts(run->sim, out));
 }
 
-long sweep_box_grains(const sweep_box *box, double H, long N)
+long sweep_box_grains(const sweep_box *box)
 {
     const double r = box->radius_mean;
-    return N > 0 ? N : lround(box->W * H / (4.0 * r * r));
+    return box->N > 0 ? box->N : lround(box->W * box->H / (4.0 * r * r));
 }
 
-rp_status sweep_box_check_fill(const sweep_box *box, double H, long N)
+rp_status sweep_box_check_fill(const sweep_box *box)
 {
-    rp_status status = sweep_box_check(box, 2.0 * H);
-    if (!status && sweep_box_grains(box, H, N) < 1)
-        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, H);
+    rp_status status = sweep_box_check(box, 2.0 * box->H);
+    if (!status && sweep_box_grains(box) < 1)
+        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, box->H);
     return status;
 }
 
-void sweep_box_fill(sweep_box_run *run, double H, long n, long max_steps, unsigned long seed,
-                    unsigned long stream)
+void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
 {
     const sweep_box *b = run->box;
     run->scene.has_fill = true;
-    run->scene.fill = (dem_fill){
-        n,          b->W,     2.0 * H,    b->radius_mean, b->radius_width, b->radius_min, b->radius_max,
-        b->density, b->shape, (long)seed, (long)stream};
-    const double rows = H / (20.0 * run->d);
+    run->scene.fill = (dem_fill){.N = sweep_box_grains(b),
+                                 .W = b->W,
+                                 .H = 2.0 * b->H,
+                                 .radius_mean = b->radius_mean,
+                                 .radius_width = b->radius_width,
+                                 .radius_min = b->radius_min,
+                                 .radius_max = b->radius_max,
+                                 .density = b->density,
+                                 .shape = b->shape,
+                                 .seed = (long)seed,
+                                 .run = (long)stream};
+    const double rows = b->H / (20.0 * run->d);
     double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
-    run->max_steps = max_steps > 0 ? max_steps : lround(fmin(most, 2e9));
+    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
 }
 
 rp_status sweep_places_note(sweep_box_run *run, sweep_places *at)

@@ -18,6 +18,8 @@ typedef struct {
     double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
     double rest_energy, rest_force;
     int shape, integrator, slip, damping, floor, height, empty, parabola;
+    double H; /* of the boxes that a fill makes: height that the grains are counted for, */
+    long N, fill_steps, max_steps; /* their number, least steps of filling, most steps of a phase */
     bool tension, rotation, floor_grains;
 } sweep_box;
 
@@ -28,6 +30,17 @@ typedef struct {
     {#field, unit, type, offsetof(T, box.field), fallback, range, meaning},
 
 #define SWEEP_BOX_WIDTH_ROW(R) R(W, "cm", RP_REAL, "4.0", "(0, 1000]", "width of the box")
+
+#define SWEEP_BOX_COUNT_ROWS(R)                                                                              \
+    R(H, "cm", RP_REAL, "4.0", "(0, 1000]", "height that the grains are counted for")                        \
+    R(N, "", RP_INT, "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2")
+
+#define SWEEP_BOX_FILL_STEPS_ROW(R)                                                                          \
+    R(fill_steps, "", RP_INT, "30000", "[1, 1000000000]", "least steps of filling")
+
+#define SWEEP_BOX_MAX_STEPS_ROW(R)                                                                           \
+    R(max_steps, "", RP_INT, "auto", "[5000, 2000000000] | auto",                                            \
+      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1")
 
 #define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
     R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
@@ -141,13 +154,13 @@ rp_status sweep_box_table(const sweep_tables *tables, const char *name, char *pa
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state, if the run leaves tables. */
 rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage);
 
-/* Number of grains of a box of height H: N, or for N < 1 as many as W H holds squares of the diameter d.
- * Check a box that they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream);
- * max_steps < 1: 4e5, times 500/gamma_n and the square of the number of rows over 20 where these exceed 1. */
-long sweep_box_grains(const sweep_box *box, double H, long N);
-rp_status sweep_box_check_fill(const sweep_box *box, double H, long N);
-void sweep_box_fill(sweep_box_run *run, double H, long n, long max_steps, unsigned long seed,
-                    unsigned long stream);
+/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. Check a box that
+ * they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream), and its
+ * max_steps; for less than 1: 4e5, times 500/gamma_n and the square of the number of rows over 20 where these
+ * exceed 1. */
+long sweep_box_grains(const sweep_box *box);
+rp_status sweep_box_check_fill(const sweep_box *box);
+void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream);
 
 /* Where the grains of the pile, 0 < x < W, were. Free with sweep_places_free, also after an error. */
 typedef struct {

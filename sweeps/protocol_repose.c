@@ -18,8 +18,8 @@ enum { MEASURE_THETA_R = 1, MEASURE_THETA_T = 2, MEASURE_THETA_T_STATIC = 4 };
 
 typedef struct {
     sweep_box box;
-    double H, tilt_rate_deg;
-    long N, fill_steps, relax_steps, max_steps;
+    double tilt_rate_deg;
+    long relax_steps;
     int fill, stop, tilt;
     unsigned measure;
 } repose_params;
@@ -30,21 +30,19 @@ typedef struct {
 /* clang-format off */
 static const rp_param schema[] = {
     SWEEP_BOX_WIDTH_ROW(BOX)
-    {"H", "cm", RP_REAL, AT(H), "4.0", "(0, 1000]", "height that the grains are counted for"},
-    {"N", "", RP_INT, AT(N), "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2"},
+    SWEEP_BOX_COUNT_ROWS(BOX)
     SWEEP_BOX_GRAIN_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
     {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
      "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
      "would press grains in by half the smallest radius"},
-    {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
+    SWEEP_BOX_FILL_STEPS_ROW(BOX)
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
     {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]",
      "steps after the opening for stop = steps"},
     SWEEP_BOX_REST_ROWS(BOX)
-    {"max_steps", "", RP_INT, AT(max_steps), "auto", "[5000, 2000000000] | auto",
-     "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1"},
+    SWEEP_BOX_MAX_STEPS_ROW(BOX)
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
      "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
     {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity | box",
@@ -142,7 +140,7 @@ typedef struct {
 static rp_status check(const void *params)
 {
     const repose_params *p = params;
-    rp_status status = sweep_box_check_fill(&p->box, p->H, p->N);
+    rp_status status = sweep_box_check_fill(&p->box);
     if (status) return status;
     if (p->stop == STOP_REST && p->box.slip == DEM_TOTAL)
         return rp_fail(
@@ -178,7 +176,7 @@ static bool fills_by_ramp(const repose_params *p)
 {
     const sweep_box *b = &p->box;
     double m_eff = 0.5 * dem_mass(b->shape, b->density, b->radius_mean), most = 0.5 * b->radius_min;
-    double impact = 5.0 * m_eff * (2.0 * b->g * 2.0 * p->H) / (4.0 * b->k_n);
+    double impact = 5.0 * m_eff * (2.0 * b->g * 2.0 * b->H) / (4.0 * b->k_n);
     return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > most * most * sqrt(most));
 }
 
@@ -194,13 +192,13 @@ static rp_status ramp_gravity(experiment *e, long steps)
 
 static rp_status fill_box(experiment *e)
 {
-    const long ramp = fills_by_ramp(e->p) ? e->p->fill_steps / 2 : 0;
+    const long ramp = fills_by_ramp(e->p) ? e->p->box.fill_steps / 2 : 0;
     rp_status status = place_grains(e);
     if (!status) status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
     if (status) return status;
     status = ramp_gravity(e, ramp);
-    if (!status) status = sweep_box_advance(&e->box, e->p->fill_steps - ramp);
+    if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
     if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
     e->values[OUT_FILL_STEPS] = (double)dem_step(e->box.sim);
     dem_rest rest;
@@ -443,10 +441,10 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
 {
     const repose_params *p = params;
     const sweep_box *b = &p->box;
-    const long n = sweep_box_grains(b, p->H, p->N);
+    const size_t n = (size_t)sweep_box_grains(b);
     experiment e = {.p = p, .values = result->values};
-    rp_status status = sweep_box_begin(&e.box, b, (size_t)n + sweep_box_floor(b, NULL), tables, result);
-    sweep_box_fill(&e.box, p->H, n, p->max_steps, seed, run);
+    rp_status status = sweep_box_begin(&e.box, b, n + sweep_box_floor(b, NULL), tables, result);
+    sweep_box_fill(&e.box, seed, run);
     if (!status) status = run_phases(&e);
     e.values[OUT_CELLS] = e.box.cells;
     return sweep_box_end(&e.box, status);
@@ -467,9 +465,9 @@ static rp_status fingerprint(char digits[33])
     double bits[N_RUNS][N_OUTPUTS];
     for (int k = 0; k < N_RUNS; k++) {
         rp_params_defaults(schema, &p[k]);
-        p[k].box.W = p[k].H = 1.0;
+        p[k].box.W = p[k].box.H = 1.0;
         p[k].stop = STOP_STEPS;
-        p[k].fill_steps = p[k].relax_steps = 1500;
+        p[k].box.fill_steps = p[k].relax_steps = 1500;
         p[k].measure = MEASURE_THETA_R | MEASURE_THETA_T;
         p[k].tilt_rate_deg = 0.01;
     }

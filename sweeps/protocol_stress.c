@@ -14,8 +14,7 @@
 
 typedef struct {
     sweep_box box;
-    double H, tilt_rate_deg;
-    long N, fill_steps, max_steps;
+    double tilt_rate_deg;
 } stress_params;
 
 #define AT(field) offsetof(stress_params, field)
@@ -24,14 +23,12 @@ typedef struct {
 /* clang-format off */
 static const rp_param schema[] = {
     SWEEP_BOX_WIDTH_ROW(BOX)
-    {"H", "cm", RP_REAL, AT(H), "4.0", "(0, 1000]", "height that the grains are counted for"},
-    {"N", "", RP_INT, AT(N), "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2"},
+    SWEEP_BOX_COUNT_ROWS(BOX)
     SWEEP_BOX_GRAIN_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
-    {"fill_steps", "", RP_INT, AT(fill_steps), "30000", "[1, 1000000000]", "least steps of filling"},
+    SWEEP_BOX_FILL_STEPS_ROW(BOX)
     SWEEP_BOX_REST_ROWS(BOX)
-    {"max_steps", "", RP_INT, AT(max_steps), "auto", "[5000, 2000000000] | auto",
-     "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1"},
+    SWEEP_BOX_MAX_STEPS_ROW(BOX)
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
     SWEEP_BOX_SURFACE_ROWS(BOX)
     {0}};
@@ -129,7 +126,7 @@ typedef struct {
 static rp_status check(const void *params)
 {
     const stress_params *p = params;
-    rp_status status = sweep_box_check_fill(&p->box, p->H, p->N);
+    rp_status status = sweep_box_check_fill(&p->box);
     if (status) return status;
     if (p->box.slip == DEM_TOTAL)
         return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest");
@@ -152,7 +149,7 @@ static rp_status make_pile(experiment *e)
     ang_slope slopes[ANG_N_METHODS];
     rp_status status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
-    if (!status) status = sweep_box_advance(&e->box, e->p->fill_steps);
+    if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps);
     if (!status) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
     if (status) return status;
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
@@ -277,7 +274,7 @@ static rp_status read_forces(experiment *e, double tilt_deg)
         r->h -= e->forces[k].fx / normal;
     }
     /* one cell of unit area times weight times d */
-    const ang_grid grid = {0.0, 0.0, b->W, 4.0 * e->p->H, 1, 1};
+    const ang_grid grid = {0.0, 0.0, b->W, 4.0 * e->p->box.H, 1, 1};
     status = ang_stress_cells(n, e->forces, &grid, &r->s);
     double *s = &r->s.xx;
     for (int k = 0; k < 4; k++) s[k] *= grid.dx * grid.dy / (normal * e->box.d);
@@ -388,10 +385,10 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
 {
     const stress_params *p = params;
     const sweep_box *b = &p->box;
-    const long n = sweep_box_grains(b, p->H, p->N);
+    const size_t n = (size_t)sweep_box_grains(b);
     experiment e = {.p = p, .values = result->values};
-    rp_status status = sweep_box_begin(&e.box, b, (size_t)n, tables, result);
-    sweep_box_fill(&e.box, p->H, n, p->max_steps, seed, run);
+    rp_status status = sweep_box_begin(&e.box, b, n, tables, result);
+    sweep_box_fill(&e.box, seed, run);
     if (!status) status = run_phases(&e);
     sweep_places_free(&e.at);
     free(e.forces);
@@ -411,8 +408,8 @@ static rp_status fingerprint(char digits[33])
     double bits[N_OUTPUTS];
     rp_params_defaults(schema, &p);
     p.box.W = 2.0;
-    p.H = 1.0;
-    p.fill_steps = 1500;
+    p.box.H = 1.0;
+    p.box.fill_steps = 1500;
     p.box.rest_energy = 1e-3;
     p.box.rest_force = 1e3;
     rp_status status = run_one(&p, 1, 0, &result);

@@ -879,7 +879,7 @@ static void test_forensics(void)
     CHECK_NEAR(cell(&t, 1, "complete"), 12.0, 0.0); /* half of the runs are enough */
     CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
     rp_table_free(&t);
-    FAILS(65, "no column frob", "forensics runs.tsv --claims claims.tsv --factors frob");
+    FAILS(65, "no column \"frob\"", "forensics runs.tsv --claims claims.tsv --factors frob");
     write_text("bad.tsv", CLAIMS "a\tguess\t1\t1\t0\t1\ttheta_r3\t4\n");
     FAILS(65, "bad.tsv:2: kind = guess: allowed: value | sign",
           "forensics runs.tsv --claims bad.tsv --factors law");

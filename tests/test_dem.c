@@ -5,37 +5,15 @@
 #include "core/random.h"
 #include "dem/dem.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 static const double INF = INFINITY;
 
 static dem_wall line(double x, double y, double nx, double ny, const dem_material *c)
 {
-    dem_wall w = {{x, y}, {nx, ny}, *c, {-INF, INF}, -1, INF};
+    dem_wall w = grains_line(x, y, nx, ny, c);
     w.material.k_n *= 2.0;
     return w;
-}
-
-/* N grains loosely filled into a box of width W, with floor, left and right wall. Free *grains. */
-static dem_definition box(long N, double W, long run, dem_grain **grains)
-{
-    dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, run};
-    dem_definition def = dem_definition_default();
-    *grains = malloc((size_t)N * sizeof **grains);
-    CHECK_OK(dem_fill_random(&fill, *grains));
-    def.grains = *grains;
-    def.n_grains = (size_t)N;
-    dem_material wall = def.material;
-    wall.k_n *= 2.0;
-    dem_box_walls(&def, W, &wall);
-    return def;
-}
-
-static dem_sim *start(const dem_definition *def)
-{
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(def, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    return sim;
 }
 
 /* Largest difference of position or velocity between two simulations of the same grains. */
@@ -56,18 +34,6 @@ static double distance(const dem_sim *a, const dem_sim *b)
     return most;
 }
 
-static bool same_bits(const dem_sim *a, const dem_sim *b)
-{
-    const size_t n = dem_count(a);
-    if (n != dem_count(b)) return false;
-    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
-    dem_states(a, s);
-    dem_states(b, t);
-    bool same = memcmp(s, t, n * sizeof *s) == 0;
-    free(s);
-    return same;
-}
-
 static double angular_momentum(const dem_definition *def, const dem_state *s)
 {
     return s->m * (s->x * s->vy - s->y * s->vx) + dem_inertia(def->shape, s->m, s->r) * s->omega;
@@ -77,7 +43,7 @@ static double angular_momentum(const dem_definition *def, const dem_state *s)
 static void momentum_of(bool rotation)
 {
     dem_grain *grains;
-    dem_definition def = box(60, 2.0, 3, &grains);
+    dem_definition def = grains_box(60, 2.0, 3, &grains);
     double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
     def.n_walls = 0;
     def.gravity[1] = 0.0;
@@ -91,7 +57,7 @@ static void momentum_of(bool rotation)
         scale += grains[i].m * 40.0;
         if (rotation) grains[i].omega = 50.0 * ((double)(i % 5) - 1.0);
     }
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_state s[60];
     dem_states(sim, s);
     for (int i = 0; i < 60; i++) l0 += angular_momentum(&def, &s[i]);
@@ -124,11 +90,11 @@ static void momentum(void)
 static void mirror_and_relabel_of(bool rotation)
 {
     dem_grain *grains, other[80];
-    dem_definition def = box(80, 2.4, 5, &grains);
+    dem_definition def = grains_box(80, 2.4, 5, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
-    dem_sim *sim = start(&def), *mirrored, *renumbered;
+    dem_sim *sim = grains_start(&def), *mirrored, *renumbered;
     for (int i = 0; i < 80; i++) {
         other[i] = grains[i];
         other[i].x = 2.4 - grains[i].x;
@@ -136,9 +102,9 @@ static void mirror_and_relabel_of(bool rotation)
     }
     dem_definition changed = def;
     changed.grains = other;
-    mirrored = start(&changed);
+    mirrored = grains_start(&changed);
     for (int i = 0; i < 80; i++) other[i] = grains[79 - i];
-    renumbered = start(&changed);
+    renumbered = grains_start(&changed);
     const long steps = 1000;
     CHECK_OK(dem_run(sim, steps));
     CHECK_OK(dem_run(mirrored, steps));
@@ -176,8 +142,8 @@ static void mirror_and_relabel(void)
 static void list_is_complete(void)
 {
     dem_grain *grains;
-    dem_definition def = box(120, 2.6, 11, &grains);
-    dem_sim *sim = start(&def);
+    dem_definition def = grains_box(120, 2.6, 11, &grains);
+    dem_sim *sim = grains_start(&def);
     dem_state s[120];
     for (int round = 0; round < 60; round++) {
         if (round == 30) dem_wall_open(sim, 2, INF);
@@ -201,7 +167,7 @@ static void list_is_complete(void)
 static void extra_rebuilds_of(bool rotation)
 {
     dem_grain *grains;
-    dem_definition def = box(100, 2.2, 2, &grains);
+    dem_definition def = grains_box(100, 2.2, 2, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     /* 16 columns of some 0.3 cm wrap around inside the box, so that either grain of a pair may come first */
@@ -210,7 +176,7 @@ static void extra_rebuilds_of(bool rotation)
         def.walls[w].material.mu_roll = def.material.mu_roll;
         def.walls[w].point[0] += 3.8;
     }
-    dem_sim *sim = start(&def), *rebuilt;
+    dem_sim *sim = grains_start(&def), *rebuilt;
     CHECK_OK(dem_run(sim, 8000));
     CHECK_OK(dem_clone(sim, &rebuilt));
     for (int k = 0; k < 40; k++) {
@@ -264,7 +230,7 @@ static void kernels_match_reference(void)
     for (int laws = 0; laws < 4 * 17; laws++) {
         const int shear = laws / 4, spin = shear / 4;
         dem_grain *grains;
-        dem_definition def = box(60, 2.0, laws, &grains);
+        dem_definition def = grains_box(60, 2.0, laws, &grains);
         def.normal = laws & 1 ? DEM_LINEAR : DEM_HERTZ;
         def.tension = laws & 2;
         def.tangential = shear < 12 ? DEM_SPRING : shear < 14 ? DEM_NONE : DEM_SLIP_ROLL;
@@ -285,15 +251,15 @@ static void kernels_match_reference(void)
         def.x_max = 2.5;
         def.y_min = -0.5;
         def.kernel = DEM_REFERENCE;
-        dem_sim *reference = start(&def);
+        dem_sim *reference = grains_start(&def);
         CU_ASSERT_STRING_EQUAL(dem_kernel_name(reference), "reference");
         CHECK_OK(dem_run(reference, steps));
         CU_ASSERT(dem_count(reference) > 0 && dem_count(reference) < 60); /* some were taken out */
         for (def.kernel = DEM_BASELINE; def.kernel < DEM_KERNELS; def.kernel++) {
             if (!dem_kernel_runs(def.kernel)) continue;
-            dem_sim *sim = start(&def);
+            dem_sim *sim = grains_start(&def);
             CHECK_OK(dem_run(sim, steps));
-            CU_ASSERT(same_bits(sim, reference));
+            CU_ASSERT(grains_same_bits(sim, reference));
             check_name(&def, dem_kernel_name(sim));
             dem_free(sim);
         }
@@ -307,12 +273,12 @@ static void kernels_match_reference(void)
 static void determinism_of(bool rotation)
 {
     dem_grain *grains;
-    dem_definition def = box(90, 2.2, 17, &grains);
+    dem_definition def = grains_box(90, 2.2, 17, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
-    dem_sim *whole, *cut = start(&def), *copy;
+    dem_sim *whole, *cut = grains_start(&def), *copy;
     def.walls[2].open_at_step = 4001;
-    whole = start(&def);
+    whole = grains_start(&def);
     CHECK_OK(dem_run(whole, 9000));
     dem_state s[90];
     for (int k = 0; k < 40; k++) {
@@ -328,7 +294,7 @@ static void determinism_of(bool rotation)
     CHECK_OK(dem_clone(cut, &copy));
     dem_free(cut);
     CHECK_OK(dem_run(copy, 2500));
-    CU_ASSERT(same_bits(whole, copy));
+    CU_ASSERT(grains_same_bits(whole, copy));
     CU_ASSERT(dem_count(copy) == 90);
     dem_free(whole);
     dem_free(copy);
@@ -348,7 +314,7 @@ static void gravity_turns(void)
     dem_definition def = dem_definition_default();
     def.grains = &grain;
     def.n_grains = 1;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     double g[2], rate = 1e-3 * M_PI / 180.0;
     dem_gravity_turn(sim, rate);
     CHECK_OK(dem_run(sim, 30000));
@@ -380,7 +346,7 @@ static void floor_that_ends(void)
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0;
     def.y_min = -0.4;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_energy e0, e;
     dem_state s;
     dem_energies(sim, &e0);
@@ -400,7 +366,7 @@ static void floor_that_ends(void)
     dem_free(sim);
     /* blown back under the floor, it bounces off the underside and is no leak */
     grain = (dem_grain){1.09, -0.15, r, m, -30.0, 20.0};
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 300));
     dem_states(sim, &s);
     CU_ASSERT(s.vy < 0.0 && s.y < 0.0);
@@ -420,14 +386,14 @@ static void corner_without_rebuild(void)
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_counts counts;
     dem_state s;
     CHECK_OK(dem_run(sim, 60)); /* now beyond the corner */
     dem_free(sim);
     grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
     def.gravity[0] = -40000.0; /* round the corner and back under the floor */
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 90));
     dem_states(sim, &s);
     dem_count_work(sim, &counts);
@@ -456,7 +422,7 @@ static void springs_end_of(bool rolling)
     def.n_grains = 2;
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.5, 0.0, -1.0, &def.material);
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     int touches = 0;
     size_t before = 0;
     double longest = 0.0;
@@ -499,7 +465,7 @@ static void rolling_couple(void)
     def.material.mu_roll = 0.3;
     def.grains = grains;
     def.n_grains = 2;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_contact *c;
     dem_state s[2];
     size_t n;
@@ -522,14 +488,14 @@ static void contacts_add_up(void)
 {
     enum { N = 80 };
     dem_grain *grains;
-    dem_definition def = box(N, 2.0, 23, &grains);
+    dem_definition def = grains_box(N, 2.0, 23, &grains);
     def.rotation = true;
     def.damping = DEM_DAMPING_INSIDE;
     def.material.gamma_s = 200.0;
     def.material.mu_roll = 0.1;
     for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
     def.walls[2].open_at_step = 4000;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_contact *c;
     dem_state s[N];
     double sums[N + 1][3] = {{0.0}}; /* of each id: force, torque; 0 takes what the walls get */
@@ -576,7 +542,7 @@ static void lifted_wall_drags(void)
     def.walls[0].extent[0] = 0.0;
     def.walls[0].open_at_step = 0;
     def.walls[0].open_speed = 2.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_state s;
     CHECK_OK(dem_run(sim, 2000));
     dem_states(sim, &s);
@@ -596,7 +562,7 @@ static void outlet(void)
     def.n_grains = 3;
     def.x_max = 0.30125; /* passed in step 603 of 5e-4 each */
     def.y_min = 0.49975; /* passed in step 1001 */
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 602));
     CU_ASSERT_EQUAL(dem_count(sim), 3);
     CHECK_OK(dem_run(sim, 1));
@@ -627,7 +593,7 @@ static void lifted_wall(void)
     def.walls[0].open_at_step = 100;
     def.walls[0].open_speed = 100.0;
     grains[0].vx = 30.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 99));
     dem_state s[2];
     dem_states(sim, s);
@@ -635,7 +601,7 @@ static void lifted_wall(void)
     dem_free(sim);
     def.walls[0].open_at_step = 1; /* 0.1 s for the lower end to pass y = 0.8: too late for the upper grain */
     grains[0].x = 0.6;
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 700));
     dem_states(sim, s);
     CU_ASSERT(s[0].x > 1.2);
@@ -644,7 +610,7 @@ static void lifted_wall(void)
     def.walls[0].extent[1] =
         -0.1; /* soon lifted past its upper end: no corner is left to hit a grain above */
     grains[0] = (dem_grain){1.0, 0.5, 0.1, 0.0042, 0.0, 0.0};
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 700));
     dem_states(sim, s);
     CU_ASSERT(s[0].x == 1.0 && s[0].y == 0.5);
@@ -684,9 +650,9 @@ static void filling(void)
 static void added_far_away(void)
 {
     dem_grain *grains;
-    dem_definition def = box(80, 2.2, 6, &grains);
+    dem_definition def = grains_box(80, 2.2, 6, &grains);
     def.n_walls = 1; /* the pile spreads over the floor */
-    dem_sim *sim = start(&def), *more;
+    dem_sim *sim = grains_start(&def), *more;
     CHECK_OK(dem_run(sim, 6000));
     CHECK_OK(dem_clone(sim, &more));
     uint32_t id = 0;
@@ -712,9 +678,9 @@ static void added_one_by_one(void)
 {
     enum { N = 300, FALL = 400 };
     dem_grain *grains;
-    dem_definition def = box(N, 3.0, 8, &grains), first = def;
+    dem_definition def = grains_box(N, 3.0, 8, &grains), first = def;
     first.n_grains = 1;
-    dem_sim *all = start(&def), *sim = start(&first);
+    dem_sim *all = grains_start(&def), *sim = grains_start(&first);
     uint32_t id = 0;
     for (uint32_t i = 1; i < N; i++) {
         CHECK_OK(dem_add(sim, &grains[i], &id));
@@ -767,7 +733,7 @@ static void added_by_either_scheme(void)
         def.rotation = !gear;
         def.dt = 2e-5; /* Gear's limit is the lower */
         const double omega = gear ? 0.0 : 2.385, t = 300 * def.dt;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 100));
         CHECK_OK(dem_add(
             sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
@@ -795,7 +761,7 @@ static void added_names_and_errors(void)
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0; /* ends at x = 1 */
     def.walls[1] = line(-3.0, 0.0, 1.0, 0.0, &def.material);
-    dem_sim *sim = start(&def), *same;
+    dem_sim *sim = grains_start(&def), *same;
     uint32_t id;
     CHECK_OK(dem_add(sim, &(dem_grain){2.0, -0.4, 0.1, 0.004, 0.0, 0.0}, &id));
     CHECK_OK(dem_run(sim, 40000)); /* that one falls out, the first comes to rest */
@@ -814,7 +780,7 @@ static void added_names_and_errors(void)
 #undef REFUSES
     CHECK_OK(dem_run(sim, 500));
     CHECK_OK(dem_run(same, 500));
-    CU_ASSERT(same_bits(sim, same));
+    CU_ASSERT(grains_same_bits(sim, same));
     CHECK_OK(dem_add(sim, &(dem_grain){1.1, 0.1, 0.1, 0.004, 0.0, 0.0}, &id));
     CU_ASSERT(id == 3);
     dem_free(sim);
@@ -830,7 +796,7 @@ static void faults(void)
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].material.k_n = 10.0; /* too soft to carry the fall */
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "grain 1: its centre passed wall 1");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
     dem_free(sim);
@@ -842,7 +808,7 @@ static void faults(void)
     grains[1].vy = -200.0;
     for (def.kernel = DEM_FAST; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
-        sim = start(&def);
+        sim = grains_start(&def);
         CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "overlap at step 31:");
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
         dem_free(sim);
@@ -852,14 +818,14 @@ static void faults(void)
     def.grains = grains;
     def.n_grains = 1;
     def.gravity[1] = -1e9;
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
     dem_free(sim);
     def.gravity[1] = -1e308;
     def.dt = 1e100;
     def.material.k_n = def.material.k_s = 1e-300;
     def.material.gamma_n = def.material.gamma_s = 0.0;
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "non_finite at step");
     dem_free(sim);
 }
@@ -923,12 +889,12 @@ static void bad_definitions(void)
 static void time_step_limit(void)
 {
     dem_grain *grains;
-    dem_definition def = box(60, 2.0, 1, &grains);
+    dem_definition def = grains_box(60, 2.0, 1, &grains);
     const char *what;
     double limit = dem_time_step_limit(&def, &what);
     CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
     def.dt = limit;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 20000));
     dem_rest rest;
     dem_rest_state(sim, 0.0, 2.0, &rest);

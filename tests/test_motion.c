@@ -4,19 +4,10 @@
 
 #include "dem/dem.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 static const double R = 0.1, M = 0.0042; /* of a lone grain */
 static const int integrators[2] = {DEM_VERLET, DEM_GEAR5};
-
-static dem_wall line(double x, double y, double nx, double ny, const dem_material *c)
-{
-    return (dem_wall){.point = {x, y},
-                      .direction = {nx, ny},
-                      .material = *c,
-                      .extent = {-INFINITY, INFINITY},
-                      .open_at_step = -1,
-                      .open_speed = INFINITY};
-}
 
 /* One grain above a floor through the origin. */
 static dem_definition one_on_floor(const dem_grain *grain)
@@ -25,54 +16,8 @@ static dem_definition one_on_floor(const dem_grain *grain)
     def.grains = grain;
     def.n_grains = 1;
     def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     return def;
-}
-
-/* N grains loosely filled into a box of width W. Free *grains. */
-static dem_definition box(long N, double W, dem_grain **grains)
-{
-    dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, 5};
-    dem_definition def = dem_definition_default();
-    *grains = malloc((size_t)N * sizeof **grains);
-    CHECK_OK(dem_fill_random(&fill, *grains));
-    def.grains = *grains;
-    def.n_grains = (size_t)N;
-    dem_material wall = def.material;
-    wall.k_n *= 2.0;
-    dem_box_walls(&def, W, &wall);
-    return def;
-}
-
-static dem_sim *start(const dem_definition *def)
-{
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(def, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    return sim;
-}
-
-static dem_state state_of_one(const dem_sim *sim)
-{
-    dem_state s;
-    CU_ASSERT_FATAL(dem_count(sim) == 1);
-    CHECK_OK(dem_states(sim, &s));
-    return s;
-}
-
-static bool same_bits(const dem_sim *a, const dem_sim *b)
-{
-    const size_t n = dem_count(a);
-    if (n != dem_count(b)) return false;
-    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
-    dem_states(a, s);
-    dem_states(b, t);
-    bool same = true;
-    for (size_t i = 0; i < n; i++)
-        same &= s[i].id == t[i].id && s[i].x == t[i].x && s[i].y == t[i].y && s[i].vx == t[i].vx &&
-                s[i].vy == t[i].vy && s[i].fx == t[i].fx && s[i].fy == t[i].fy;
-    free(s);
-    return same;
 }
 
 /* A grain on a floor through the origin that turns clockwise by `rate` a step, written out for one grain with
@@ -196,14 +141,14 @@ static void matches_naive_program(void)
         dem_definition def = one_on_floor(&grain);
         def.integrator = integrators[k % 2];
         def.walls[0].material.gamma_n = 100.0;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         for (long steps = 100; steps <= 1600; steps *= 2) {
             naive p = {.def = &def, .rate = rate};
             double x[2] = {grain.x, grain.y}, v[2] = {grain.vx, grain.vy};
             CHECK_OK(dem_run(sim, steps - dem_step(sim)));
             (def.integrator == DEM_GEAR5 ? naive_gear : naive_verlet)(&p, x, v, steps);
-            dem_state s = state_of_one(sim);
+            dem_state s = grains_state_of_one(sim);
             /* round-off of sums of `steps` terms, some eps each; bounces make more of it where a floor turns
              */
             const double tolerance = rate == 0.0 ? 1e-12 : 1e-10;
@@ -226,21 +171,21 @@ static void free_flight(void)
         def.grains = &grain;
         def.n_grains = 1;
         def.integrator = integrators[k];
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         const double t = (double)steps * def.dt, g = 981.0;
         CHECK_OK(dem_run(sim, steps));
-        dem_state s = state_of_one(sim), after;
+        dem_state s = grains_state_of_one(sim), after;
         /* 1000 sums of numbers below 20: 1000 half-ulps of 3.6e-15 */
         CHECK_NEAR(s.x, 0.3 + 12.0 * t, 2e-12);
         CHECK_NEAR(s.y, 5.0 + 385.0 * t - 0.5 * g * t * t, 2e-12);
         CHECK_NEAR(s.vy, 385.0 - g * t, 1e-10);
         dem_gravity_set(sim, (double[]){300.0, 100.0});
-        after = state_of_one(sim);
+        after = grains_state_of_one(sim);
         CHECK_NEAR(after.vx, s.vx, 1e-12);
         CHECK_NEAR(after.vy, s.vy, 1e-12);
         CHECK_NEAR(after.fx, 300.0 * M, 1e-15);
         CHECK_OK(dem_run(sim, steps));
-        after = state_of_one(sim);
+        after = grains_state_of_one(sim);
         CHECK_NEAR(after.x, s.x + 12.0 * t + 150.0 * t * t, 4e-12);
         CHECK_NEAR(after.y, s.y + s.vy * t + 50.0 * t * t, 4e-12);
         CHECK_NEAR(after.vx, 12.0 + 300.0 * t, 1e-10);
@@ -270,9 +215,9 @@ static double impact_error(int integrator, double dt)
         def.material = def.walls[0].material = (dem_material){.k_n = 1e6};
         def.integrator = integrator;
         def.dt = dt;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, (long)(8e-4 / dt))); /* the contact lasts 5e-4 */
-        dem_state s = state_of_one(sim);
+        dem_state s = grains_state_of_one(sim);
         CU_ASSERT(s.vy > 0.0 && s.contacts == 0);
         sum += pow(s.vy * s.vy / (v * v) - 1.0, 2.0);
         dem_free(sim);
@@ -313,7 +258,7 @@ static void sticking_contact_rings(void)
             def.n_walls = 0;
             def.n_grains = 2;
         }
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s[2];
         CHECK_OK(dem_run(sim, 10000)); /* 318 periods */
         CHECK_OK(dem_states(sim, s));
@@ -326,12 +271,12 @@ static void sticking_contact_rings(void)
 static void gear_settles(void)
 {
     dem_grain *grains;
-    dem_definition def = box(60, 2.0, &grains);
+    dem_definition def = grains_box(60, 2.0, 5, &grains);
     double verlet_limit = dem_time_step_limit(&def, NULL);
     def.integrator = DEM_GEAR5;
     def.dt = dem_time_step_limit(&def, NULL);
     CU_ASSERT(def.dt < 0.95 * verlet_limit);
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 20000));
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
@@ -353,17 +298,17 @@ static void determinism(void)
 {
     for (int k = 0; k < 4; k++) {
         dem_grain *grains;
-        dem_definition def = box(90, 2.2, &grains);
+        dem_definition def = grains_box(90, 2.2, 5, &grains);
         def.integrator = integrators[k % 2];
         def.dt = 4e-5;
         def.x_max = 3.5;
         def.turn_from_step = 3000;
         *(k / 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
-        dem_sim *whole = start(&def), *cut, *copy;
+        dem_sim *whole = grains_start(&def), *cut, *copy;
         def.walls[2].open_at_step = -1;
         def.box_turn_per_step = def.turn_per_step = 0.0;
-        cut = start(&def);
+        cut = grains_start(&def);
         CHECK_OK(dem_run(whole, 9000));
         CHECK_OK(dem_run(cut, 3000));
         (k / 2 ? dem_box_turn : dem_gravity_turn)(cut, 2e-5);
@@ -373,7 +318,7 @@ static void determinism(void)
         CHECK_OK(dem_clone(cut, &copy));
         dem_free(cut);
         CHECK_OK(dem_run(copy, 2500));
-        CU_ASSERT(same_bits(whole, copy));
+        CU_ASSERT(grains_same_bits(whole, copy));
         dem_counts counts;
         dem_count_work(copy, &counts);
         CU_ASSERT(counts.rebuilds > 20 && dem_count(copy) < 90 && dem_count(copy) > 30);
@@ -391,7 +336,7 @@ static void box_angle(void)
     dem_grain grain = {0.0, 9.0, R, M, 0.0, 0.0};
     dem_definition def = one_on_floor(&grain);
     def.gravity[1] = 0.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CU_ASSERT(dem_box_angle(sim) == 0.0);
     dem_box_turn(sim, rate);
     CHECK_OK(dem_run(sim, 4000));
@@ -417,12 +362,12 @@ static void slides_in_turning_box(void)
         def.integrator = integrators[k];
         def.tangential = DEM_NONE;
         def.material.mu = def.walls[0].material.mu = 0.0;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         const double w = rate / def.dt;
         for (long steps = 500; steps <= 4000; steps *= 2) {
             CHECK_OK(dem_run(sim, steps - dem_step(sim)));
-            dem_state s = state_of_one(sim);
+            dem_state s = grains_state_of_one(sim);
             dem_box_frame(sim, &s.x, &s.y);
             const double t = (double)steps * def.dt;
             const double c = -(R - depth) + 0.5 * g / (w * w); /* of sinh */
@@ -454,7 +399,7 @@ static void box_against_gravity(void)
         def.grains = grains;
         def.n_grains = 5;
         dem_box_walls(&def, 0.31, &def.material);
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 8000));
         (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
         CHECK_OK(dem_run(sim, steps));
@@ -481,8 +426,8 @@ static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };
     dem_grain *grains;
-    dem_definition def = box(N, 1.5, &grains);
-    dem_sim *sim = start(&def);
+    dem_definition def = grains_box(N, 1.5, 5, &grains);
+    dem_sim *sim = grains_start(&def);
     dem_state s[N];
     double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_MAX_WALLS];
     CHECK_OK(dem_run(sim, 3000));
@@ -521,7 +466,7 @@ static void list_follows_turning_walls(void)
         def.gravity[1] = 0.0;
         def.n_grains = 2;
         def.integrator = integrators[k];
-        dem_sim *sim = start(&def), *renewed = start(&def);
+        dem_sim *sim = grains_start(&def), *renewed = grains_start(&def);
         dem_state s[2], t[2];
         dem_box_turn(sim, 1e-4);
         dem_box_turn(renewed, 1e-4);
@@ -553,7 +498,7 @@ static void outlet_turns(void)
     def.n_grains = 2;
     def.x_max = 2.5;
     def.y_min = -1.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_box_turn(sim, -rate);
     /* the first passes x_max where |x| cos(atan2(5, 2) - a) = 2.5 */
     const long first = 1 + (long)((atan2(5.0, 2.0) - acos(2.5 / hypot(5.0, 2.0))) / rate);
@@ -562,7 +507,7 @@ static void outlet_turns(void)
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 1);
     dem_free(sim);
-    sim = start(&def);
+    sim = grains_start(&def);
     dem_box_turn(sim, rate);
     const long second = 1 + (long)((asin(1.0 / hypot(4.0, 0.5)) + atan2(0.5, 4.0)) / rate);
     CHECK_OK(dem_run(sim, second - 1));
@@ -584,18 +529,18 @@ static void fixed_is_a_wall(void)
         def.integrator = integrators[k % 2];
         def.gravity[1] *= up;
         def.walls[0].direction[1] = up;
-        dem_sim *on_wall = start(&def), *on_grain;
+        dem_sim *on_wall = grains_start(&def), *on_grain;
         def.n_walls = 0;
         def.n_grains = 2;
-        on_grain = start(&def);
+        on_grain = grains_start(&def);
         dem_state s[2];
         for (int part = 0; part < 2; part++) { /* after a bounce, and at rest */
             CHECK_OK(dem_run(on_wall, part ? 11000 : 1000));
             CHECK_OK(dem_run(on_grain, part ? 11000 : 1000));
             CHECK_OK(dem_states(on_grain, s));
             /* rounding of centres at a distance, 1e-16 in the overlap, damped */
-            CHECK_NEAR(s[0].y, state_of_one(on_wall).y, 1e-12);
-            CHECK_NEAR(s[0].vy, state_of_one(on_wall).vy, 1e-9);
+            CHECK_NEAR(s[0].y, grains_state_of_one(on_wall).y, 1e-12);
+            CHECK_NEAR(s[0].vy, grains_state_of_one(on_wall).vy, 1e-9);
             CU_ASSERT(part == 1 || fabs(s[0].vy) > 0.1);
         }
         CU_ASSERT(s[1].fixed && !s[0].fixed && s[1].vy == 0.0 && s[1].y == up * -0.385);
@@ -623,10 +568,10 @@ static void rolls_with_box(void)
     def.walls[0].material.mu_roll = 0.5;
     def.walls[0].material.k_roll = 1e4;
     def.walls[0].material.gamma_roll = 500.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_box_turn(sim, rate);
     CHECK_OK(dem_run(sim, 3000));
-    CHECK_NEAR(state_of_one(sim).omega, -rate / def.dt, 1e-6 * rate / def.dt);
+    CHECK_NEAR(grains_state_of_one(sim).omega, -rate / def.dt, 1e-6 * rate / def.dt);
     dem_free(sim);
 }
 
@@ -637,7 +582,7 @@ static void fixed_stay(void)
     enum { N = 60, FIXED = 18 };
     for (int k = 0; k < 3; k++) {
         dem_grain *fill, grains[N + FIXED];
-        dem_definition def = box(N, 2.0, &fill);
+        dem_definition def = grains_box(N, 2.0, 5, &fill);
         memcpy(grains + FIXED, fill, N * sizeof *fill);
         for (int i = 0; i < FIXED; i++)
             grains[i] = (dem_grain){0.19 * i, -0.06, R, M, 0.0, 0.0, .fixed = true};
@@ -648,7 +593,7 @@ static void fixed_stay(void)
         def.grains = grains;
         def.n_grains = N + FIXED;
         def.x_max = 3.4;
-        dem_sim *sim = start(&def), *copy;
+        dem_sim *sim = grains_start(&def), *copy;
         dem_contact *contacts;
         size_t n;
         int carried = 0;
@@ -656,7 +601,7 @@ static void fixed_stay(void)
         CHECK_OK(dem_clone(sim, &copy));
         CHECK_OK(dem_run(sim, 4000));
         CHECK_OK(dem_run(copy, 4000));
-        CU_ASSERT(same_bits(sim, copy));
+        CU_ASSERT(grains_same_bits(sim, copy));
         dem_state s[N + FIXED];
         CHECK_OK(dem_states(sim, s));
         for (int i = 0; i < FIXED; i++)
@@ -688,9 +633,9 @@ static void refusals(void)
 {
     dem_grain grain = {0.0, 0.5, R, M, 0.0, 0.0, .fixed = true};
     dem_definition def = one_on_floor(&grain);
-    dem_sim *sim = start(&def); /* nothing moves */
+    dem_sim *sim = grains_start(&def); /* nothing moves */
     CHECK_OK(dem_run(sim, 10));
-    CU_ASSERT(state_of_one(sim).y == 0.5);
+    CU_ASSERT(grains_state_of_one(sim).y == 0.5);
     dem_box_turn(sim, 1e-5);
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the box turns, but some grains are fixed");
     dem_free(sim);

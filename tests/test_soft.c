@@ -7,6 +7,7 @@
 #include "dem/impact.h"
 #include "dem/law_normal.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 static const double R = 0.5, K = 1e3, MU_STATIC = 0.3, A = 0.02;
 
@@ -22,7 +23,7 @@ static dem_definition on_ground(const dem_grain *grains, size_t n)
     def.tangential = DEM_SLIP_ROLL;
     def.material = (dem_material){.k_n = K, .gamma_n = 20.0, .gamma_s = 5.0, .mu = 0.1};
     def.n_walls = 1;
-    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.ground = (dem_ground){.wall = 1, .mu_static = MU_STATIC, .a = A, .set = DEM_WELL_REST};
     def.grains = grains;
     def.n_grains = n;
@@ -33,22 +34,6 @@ static dem_definition on_ground(const dem_grain *grains, size_t n)
 static dem_grain resting(void)
 {
     return (dem_grain){.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
-}
-
-static dem_sim *start(const dem_definition *def)
-{
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(def, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    return sim;
-}
-
-static dem_state state_of_one(const dem_sim *sim)
-{
-    dem_state s;
-    CU_ASSERT_FATAL(dem_count(sim) == 1);
-    CHECK_OK(dem_states(sim, &s));
-    return s;
 }
 
 static dem_contact only_contact(const dem_sim *sim)
@@ -82,7 +67,7 @@ static void sinks_by_its_weight(void)
     dem_grain grains[4];
     for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
     dem_definition def = on_ground(grains, 4);
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 40000));
     dem_contact *list;
     size_t n;
@@ -106,7 +91,7 @@ static void well_holds_and_breaks(void)
     dem_definition def = on_ground(&grain, 1);
     def.material.mu = def.walls[0].material.mu = 10.0;
     def.ground.set = DEM_WELL_AGAIN;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     for (int k = 1; k <= 99; k++) {
         dem_gravity_set(sim, (double[]){0.01 * k * MU_STATIC, -1.0});
         CHECK_OK(dem_run(sim, k % 33 == 0 ? 8000 : 2000));
@@ -115,11 +100,11 @@ static void well_holds_and_breaks(void)
         CU_ASSERT_EQUAL(c.well, DEM_WELL_HOLDS);
         CHECK_NEAR(c.shear_spring, 0.01 * k * A, 1e-9); /* the last sway has died out as exp(-gamma_s t/2) */
         CHECK_NEAR(c.shear_force, -0.01 * k * MU_STATIC, 1e-7);
-        CHECK_NEAR(state_of_one(sim).x, grain.x + 0.01 * k * A, 1e-9);
+        CHECK_NEAR(grains_state_of_one(sim).x, grain.x + 0.01 * k * A, 1e-9);
     }
     dem_gravity_set(sim, (double[]){1.01 * MU_STATIC, -1.0});
     for (int k = 0; k < 2000 && only_contact(sim).well == DEM_WELL_HOLDS; k++) CHECK_OK(dem_run(sim, 1));
-    CU_ASSERT(pow(state_of_one(sim).vx, 2.0) < 0.1 * MU_STATIC * A); /* slow, but on the way up */
+    CU_ASSERT(pow(grains_state_of_one(sim).vx, 2.0) < 0.1 * MU_STATIC * A); /* slow, but on the way up */
     for (int k = 0; k < 100; k++) {
         CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
         CHECK_OK(dem_run(sim, 1));
@@ -127,7 +112,7 @@ static void well_holds_and_breaks(void)
     dem_gravity_set(sim, (double[]){3.0 * MU_STATIC, -1.0});
     CHECK_OK(dem_run(sim, 20000));
     CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
-    CHECK_NEAR(state_of_one(sim).vx, 3.0 * MU_STATIC / 5.0, 1e-12);
+    CHECK_NEAR(grains_state_of_one(sim).vx, 3.0 * MU_STATIC / 5.0, 1e-12);
     dem_free(sim);
 }
 
@@ -143,19 +128,19 @@ static void energy_of_well(void)
         def.tangential = DEM_NONE;
         def.material.mu = def.walls[0].material.mu = 0.0;
         def.ground.set = DEM_WELL_TOUCH;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         const double before = total_energy(sim), error = pow(omega * def.dt, 2.0);
         const long period = lround(2.0 * M_PI / (omega * def.dt));
         for (long step = 1; step <= period; step++) {
             CHECK_OK(dem_run(sim, 1));
             if (leaves) continue;
             const double t = (double)step * def.dt;
-            CHECK_NEAR(state_of_one(sim).x - grain.x, 0.8 * A * sin(omega * t), error * A);
+            CHECK_NEAR(grains_state_of_one(sim).x - grain.x, 0.8 * A * sin(omega * t), error * A);
             CHECK_NEAR(total_energy(sim) - before, 0.0, error * 0.5 * escape * escape);
         }
         CU_ASSERT_EQUAL(only_contact(sim).well, leaves ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
         /* the force ends within a step of a: an error of first order, omega dt of the depth */
-        if (leaves) CHECK_NEAR(state_of_one(sim).vx / escape, sqrt(1.3 * 1.3 - 1.0), omega * def.dt);
+        if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx / escape, sqrt(1.3 * 1.3 - 1.0), omega * def.dt);
         dem_free(sim);
     }
 }
@@ -168,12 +153,12 @@ static void when_wells_are_set(void)
         grain.vx = 2.0;
         dem_definition def = on_ground(&grain, 1);
         def.ground.set = set;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 5));
         CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
         CHECK_OK(dem_run(sim, 40000));
         CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
-        const double x = state_of_one(sim).x;
+        const double x = grains_state_of_one(sim).x;
         if (set != DEM_WELL_TOUCH) CHECK_NEAR(only_contact(sim).shear_spring, 0.0, 1e-9);
         /* a push beyond the break, then none: at rest again */
         dem_gravity_set(sim, (double[]){1.5 * MU_STATIC, -1.0});
@@ -181,7 +166,7 @@ static void when_wells_are_set(void)
         dem_gravity_set(sim, (double[]){0.0, -1.0});
         CHECK_OK(dem_run(sim, 20000));
         CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_AGAIN ? DEM_WELL_HOLDS : DEM_WELL_BROKEN);
-        CU_ASSERT(state_of_one(sim).x > x + A);
+        CU_ASSERT(grains_state_of_one(sim).x > x + A);
         dem_free(sim);
     }
 }
@@ -194,15 +179,16 @@ static void slip_is_viscous_then_capped(void)
     dem_definition def = on_ground(&grain, 1);
     def.ground.wall = 0;
     def.material.mu = def.walls[0].material.mu = 10.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 500));
     const double fade = exp(-5.0);
-    CHECK_NEAR(state_of_one(sim).vx / (0.7 * fade), 1.0, 0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
+    CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * fade), 1.0,
+               0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
     dem_free(sim);
     def.walls[0].material.mu = 0.1;
-    sim = start(&def);
+    sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 500));
-    CHECK_NEAR(state_of_one(sim).vx, 0.7 - 0.1, 1e-12);
+    CHECK_NEAR(grains_state_of_one(sim).vx, 0.7 - 0.1, 1e-12);
     dem_free(sim);
 }
 
@@ -218,16 +204,16 @@ static void slides_then_rolls(void)
         dem_definition def = on_ground(&grain, 1);
         def.rotation = true;
         def.ground.wall = 0;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         double last = total_energy(sim), least = 0.0;
         for (int k = 0; k < 40; k++) {
             CHECK_OK(dem_run(sim, 500));
             CU_ASSERT(total_energy(sim) <= last * (1.0 + 1e-12));
             last = total_energy(sim);
-            least = fmin(least, state_of_one(sim).omega);
-            if (k == 0) CHECK_NEAR(state_of_one(sim).vx, spins ? 0.1 : 1.9, 1e-12);
+            least = fmin(least, grains_state_of_one(sim).omega);
+            if (k == 0) CHECK_NEAR(grains_state_of_one(sim).vx, spins ? 0.1 : 1.9, 1e-12);
         }
-        const dem_state s = state_of_one(sim);
+        const dem_state s = grains_state_of_one(sim);
         const double rolls = (spins ? q * b * 6.0 : 2.0) / (1.0 + q);
         CHECK_NEAR(s.vx, rolls, 1e-9);
         CHECK_NEAR(s.omega, -rolls / b, 1e-9);
@@ -246,14 +232,14 @@ static void rolling_resistance(void)
     def.rotation = true;
     def.walls[0].material.mu_roll = 0.05;
     def.walls[0].material.k_roll = def.material.k_roll = 50.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     double last = total_energy(sim);
     for (int k = 0; k < 400; k++) {
         CHECK_OK(dem_run(sim, 50));
         CU_ASSERT(total_energy(sim) <= last + 1e-9);
         last = total_energy(sim);
     }
-    CHECK_NEAR(state_of_one(sim).vx, 0.0, 1e-6);
+    CHECK_NEAR(grains_state_of_one(sim).vx, 0.0, 1e-6);
     CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_HOLDS);
     dem_free(sim);
 }
@@ -309,7 +295,7 @@ static void soft_pair(void)
     dem_definition def = on_ground(grains, 2);
     def.gravity[1] = 0.0;
     def.rotation = true;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     double sums[2][3], least = 2.0, first = total_energy(sim), last = 0.0;
     for (int k = 0; k < 2; k++) {
         dem_state s[2];
@@ -347,7 +333,7 @@ static void switches_to_soft(void)
                                      {.x = onto_disk ? 0.3 : 9.0, .y = R, .r = R, .m = 1.0, .fixed = true}};
         dem_definition def = on_ground(grains, 2);
         def.hard = (dem_hard){true, e, 0.4};
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s[2];
         long seen = 0;
         double when = -v;
@@ -394,7 +380,7 @@ static void collide_in_flight(void)
         }
         dem_impulse impulse;
         CU_ASSERT(dem_impact(&bodies[0], &bodies[1], n, 0.8, 0.15, &impulse));
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         const double end = 200 * def.dt;
         dem_state s[2];
         CHECK_OK(dem_run(sim, 200));
@@ -415,9 +401,9 @@ static void collide_in_flight(void)
     dem_definition def = on_ground(&grain, 1);
     def.gravity[1] = 0.0;
     def.hard = (dem_hard){true, 0.5, 0.1};
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 300));
-    const dem_state s = state_of_one(sim);
+    const dem_state s = grains_state_of_one(sim);
     CHECK_NEAR(s.vy, 1.0, 1e-12);
     CHECK_NEAR(s.vx, 1.0 - 0.1 * 3.0, 1e-12);
     CHECK_NEAR(s.y, 0.5 + (300 * def.dt - 0.25), 1e-12);
@@ -437,7 +423,7 @@ static void passes_through_a_row(void)
         dem_definition def = on_ground(grains, N);
         def.gravity[1] = 0.0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s[N];
         CHECK_OK(dem_run(sim, 1));
         CHECK_OK(dem_states(sim, s));
@@ -467,7 +453,7 @@ static void hits_while_it_slides(void)
     dem_body disk = {{1.0 + a * t, 0.0}, alpha * t, R, 1.0, 1.0 / (0.5 * R * R)}, held = {{0.0, 0.0}, 0.0, R};
     dem_impulse impulse;
     CU_ASSERT(t > dt && t < 2.0 * dt && dem_impact(&disk, &held, n, 0.6, INFINITY, &impulse));
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_state s[2];
     CHECK_OK(dem_run(sim, 2));
     CHECK_OK(dem_states(sim, s));
@@ -490,7 +476,7 @@ static void no_collision_is_missed(void)
         def.gravity[1] = 0.0;
         def.skin = 0.05; /* half of it is 1.4 steps of the faster */
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         const double energy = total_energy(sim);
         CHECK_OK(dem_run(sim, 120));
         CU_ASSERT_EQUAL(collisions(sim), 1);
@@ -514,7 +500,7 @@ static dem_sim *heap(dem_definition *def)
     def->walls[0].material = def->material;
     def->ground.set = DEM_WELL_AGAIN;
     def->hard = (dem_hard){true, 0.5, 0.3};
-    return start(def);
+    return grains_start(def);
 }
 
 /* Disks that rain down: energy only falls, the same bits from a copy and by every instance of the pair loop,
@@ -548,7 +534,7 @@ static void heap_of_disks(void)
     dem_free(copy);
     for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
-        copy = start(&def);
+        copy = grains_start(&def);
         CHECK_OK(dem_run(copy, 6000));
         CHECK_OK(dem_states(copy, c));
         CU_ASSERT(memcmp(s, c, sizeof s) == 0);

@@ -6,6 +6,7 @@
 
 #include "dem/dem.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 /* Two unequal grains that meet head on at relative speed v; `clipped`: the damped force may not pull. */
 typedef struct {
@@ -192,7 +193,7 @@ static void static_overlap(void)
     def.grains = grains;
     def.n_grains = N;
     def.n_walls = 1;
-    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].material.k_n = 2.3e6;
     for (int n = 1; n <= N; n += N - 1) {
         def.n_grains = (size_t)n;
@@ -232,7 +233,7 @@ static dem_sim *incline(double angle, double mu, int slip, double gamma_s, doubl
     def.grains = &grain;
     def.n_grains = 1;
     def.n_walls = 1;
-    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].material.k_n = k;
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(&def, &sim));
@@ -276,7 +277,7 @@ static void total_spring_comes_back(void)
         def.grains = &grain;
         def.n_grains = 1;
         def.n_walls = 1;
-        def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+        def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
         def.walls[0].material.k_n = k;
         dem_sim *sim;
         dem_state s = {0};

@@ -7,6 +7,7 @@
 #include "dem/dem.h"
 #include "dem/law_shear.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 static const double R = 0.1193, M = 0.00471, G = 981.0, FLOOR_K = 2e6;
 
@@ -29,17 +30,9 @@ static dem_definition on_floor(double angle, dem_grain *grain, const dem_materia
     def.grains = grain;
     def.n_grains = 1;
     def.n_walls = 1;
-    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].material.k_n = FLOOR_K;
     return def;
-}
-
-static dem_sim *start(const dem_definition *def)
-{
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(def, &sim));
-    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    return sim;
 }
 
 static dem_state run(dem_sim *sim, double seconds, double dt)
@@ -88,7 +81,7 @@ static void inside_incline(void)
     def.rotation = false;
     for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
         def.damping = damping;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         double early = run(sim, 0.5, def.dt).vx, late = run(sim, 0.5, def.dt).vx;
         if (damping == DEM_DAMPING_INSIDE)
             CHECK_NEAR(late - early, 0.5 * pull, 1e-9 * pull); /* round-off of 5e4 additions */
@@ -112,7 +105,7 @@ static void slides_then_rolls(void)
         def.shape = shape;
         grain.vx = v0;
         const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s = {0};
         double slip = v0, last = v0;
         while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
@@ -129,7 +122,7 @@ static void slides_then_rolls(void)
         dem_free(sim);
         /* the spring that is left swings, and dies out as exp(-gamma_s (1 + 1/q) t/2) */
         def.walls[0].material.gamma_s = 40.0;
-        sim = start(&def);
+        sim = grains_start(&def);
         s = run(sim, 0.8, def.dt);
         CHECK_NEAR(s.vx, v0 / (1.0 + ratio), 1e-9 * v0);
         CHECK_NEAR(s.omega, -s.vx / b, 1e-9 * v0 / b);
@@ -170,8 +163,8 @@ static void collide(oblique *p, double steps)
     def.grains = grains;
     def.n_grains = p->pair ? 2 : 1;
     def.n_walls = !p->pair;
-    def.walls[0] = (dem_wall){{0.0, 0.0}, {0.0, 1.0}, def.material, {-INFINITY, INFINITY}, -1, INFINITY};
-    dem_sim *sim = start(&def);
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    dem_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
     do {
         CU_ASSERT_FATAL(dem_run(sim, 10) == RP_OK && dem_time(sim) < 3.0 * steps * dt);
@@ -240,7 +233,7 @@ static void pair_conserves(void)
         def.material.mu_roll = 0.1;
         def.grains = grains;
         def.n_grains = 2;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         double sums[2][3] = {{0.0}, {0.0}}, scale = 0.0;
         dem_state s[2];
         for (int after = 0; after < 2; after++) {
@@ -269,7 +262,7 @@ static void energy_stays(void)
     dem_definition def = on_floor(0.0, &grain, &c);
     def.dt = 2e-6;
     grain.vx = 1.0;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     dem_energy e;
     dem_rest rest;
     dem_energies(sim, &e);
@@ -303,7 +296,7 @@ static void rolling_stops(void)
         const double b = grain.y, slows = b * mu_roll * G * R / (b * b + inertia_ratio(shape) * R * R);
         /* springs load over these ways, and friction acts from the first step on */
         const double way = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s = run(sim, 0.1, def.dt);
         CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * way / v0);
         CHECK_NEAR(s.vx, -b * s.omega, 1e-3 * v0);
@@ -329,7 +322,7 @@ static void rolling_incline(void)
         dem_material c = {1e6, 500.0, 1e4, 200.0, 5.0, resists, 1e4, 200.0};
         dem_grain grain;
         dem_definition def = on_floor(angle, &grain, &c);
-        dem_sim *sim = start(&def);
+        dem_sim *sim = grains_start(&def);
         dem_state s = run(sim, 0.8, def.dt);
         const double v = s.vx, b = grain.y;
         s = run(sim, 0.2, def.dt);
@@ -370,8 +363,7 @@ static void rotating_time_step(void)
     for (int w = 0; w < 4; w++) {
         static const double directions[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
         const double *n = directions[w];
-        def.walls[w] = (dem_wall){
-            {-0.99 * R * n[0], -0.99 * R * n[1]}, {n[0], n[1]}, c, {-INFINITY, INFINITY}, -1, INFINITY};
+        def.walls[w] = grains_line(-0.99 * R * n[0], -0.99 * R * n[1], n[0], n[1], &c);
     }
     /* 0.85 of the root of 4 - 3 omega^2 dt^2, with (1 + 1/q) k_s + k_roll/q for the stiffness */
     const double limit = dem_time_step_limit(&def, NULL);
@@ -380,7 +372,7 @@ static void rotating_time_step(void)
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * sqrt(4.0 / 3.0 * M / (3.0 * 1e4 + 2.0 * 1e4)), 1e-12);
     def.shape = DEM_SPHERE;
     def.dt = limit;
-    dem_sim *sim = start(&def);
+    dem_sim *sim = grains_start(&def);
     double most = 0.0;
     for (int k = 0; k < 2000; k++) most = fmax(most, fabs(run(sim, def.dt, def.dt).omega));
     CU_ASSERT(most < 2.0 * 30.0); /* stable: omega^2 dt^2 = 3.2 of 4 */

@@ -26,6 +26,11 @@ typedef struct {
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
                     int *n_arguments, bool *done);
 
+/* A command on one table: parse, read the table that the argument names, act on it with the options `values`,
+ * free it. Errors: those of cli_parse and rp_table_read, and the action's own. */
+rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
+                         rp_status (*act)(rp_table *table, const void *values));
+
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 

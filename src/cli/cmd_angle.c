@@ -197,8 +197,9 @@ static void print_slopes(const slope_options *o, const ang_surface *surface, con
     }
 }
 
-static rp_status slope_of_table(const rp_table *table, const slope_options *o)
+static rp_status slope_of_table(rp_table *table, const void *values)
 {
+    const slope_options *o = values;
     int columns[3];
     double *block = NULL;
     size_t n = table->n_rows;
@@ -225,16 +226,7 @@ static rp_status slope_of_table(const rp_table *table, const slope_options *o)
 static rp_status slope(int argc, char **argv)
 {
     slope_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&slope_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = slope_of_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&slope_command, argc, argv, &o, slope_of_table);
 }
 
 /* ---- compare ---- */
@@ -397,8 +389,9 @@ static rp_status compare_groups(size_t n, const pile piles[], const compare_opti
     return status;
 }
 
-static rp_status compare_table(const rp_table *table, const compare_options *o)
+static rp_status compare_table(rp_table *table, const void *values)
 {
+    const compare_options *o = values;
     pile *piles;
     size_t n;
     rp_status status = read_piles(table, &piles, &n);
@@ -420,16 +413,7 @@ static rp_status compare_table(const rp_table *table, const compare_options *o)
 static rp_status compare(int argc, char **argv)
 {
     compare_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&compare_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = compare_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&compare_command, argc, argv, &o, compare_table);
 }
 
 /* ---- phi ---- */
@@ -550,8 +534,9 @@ static rp_status group_piles(size_t n, const pile piles[], const phi_options *o,
                          : rp_fail(RP_NO_RESULT, "no row with status ok, both angles, and mu in range");
 }
 
-static rp_status phi_table(const rp_table *table, const phi_options *o)
+static rp_status phi_table(rp_table *table, const void *values)
 {
+    const phi_options *o = values;
     static const char *const columns[][2] = {{"mu", ""},
                                              {"n_mu", ""},
                                              {"n", ""},
@@ -596,16 +581,7 @@ static rp_status phi_table(const rp_table *table, const phi_options *o)
 static rp_status phi(int argc, char **argv)
 {
     phi_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&phi_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = phi_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&phi_command, argc, argv, &o, phi_table);
 }
 
 /* ---- fit ---- */
@@ -757,8 +733,9 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
     return RP_OK;
 }
 
-static rp_status fit_table(const rp_table *table, const fit_options *o)
+static rp_status fit_table(rp_table *table, const void *values)
 {
+    const fit_options *o = values;
     const char *const names[] = {o->x, o->y, o->se};
     int columns[3];
     double *block = NULL;
@@ -783,16 +760,7 @@ static rp_status fit_table(const rp_table *table, const fit_options *o)
 static rp_status fit(int argc, char **argv)
 {
     fit_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&fit_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = fit_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&fit_command, argc, argv, &o, fit_table);
 }
 
 /* ---- maximum ---- */
@@ -845,8 +813,9 @@ static rp_status print_maximum(size_t n, const double v[], double work[], const 
     return RP_OK;
 }
 
-static rp_status maximum_of_table(const rp_table *table, const maximum_options *o)
+static rp_status maximum_of_table(rp_table *table, const void *options)
 {
+    const maximum_options *o = options;
     int column;
     double *values = NULL;
     rp_status status = cli_find_columns(table, 1, &o->column, &column);
@@ -870,16 +839,7 @@ static rp_status maximum_of_table(const rp_table *table, const maximum_options *
 static rp_status maximum(int argc, char **argv)
 {
     maximum_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&maximum_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = maximum_of_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&maximum_command, argc, argv, &o, maximum_of_table);
 }
 
 /* ---- dispatch ---- */

@@ -377,8 +377,9 @@ static rp_status critical_groups(size_t n, const pile_run runs[], const critical
     return status;
 }
 
-static rp_status critical_table(const rp_table *table, const critical_options *o)
+static rp_status critical_table(rp_table *table, const void *values)
 {
+    const critical_options *o = values;
     int columns[N_OF(run_columns)];
     double *block = NULL;
     const size_t rows = table->n_rows;
@@ -416,14 +417,5 @@ static rp_status critical_table(const rp_table *table, const critical_options *o
 rp_status cmd_angle_critical(int argc, char **argv)
 {
     critical_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(&critical_command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    status = rp_table_read(file, &table);
-    if (!status) status = critical_table(&table, &o);
-    rp_table_free(&table);
-    return status;
+    return cli_with_table(&critical_command, argc, argv, &o, critical_table);
 }

@@ -116,8 +116,7 @@ static const char *cell(const rp_table *t, size_t row, int column)
 
 static rp_status find_column(const rp_table *t, const char *name, int *column)
 {
-    *column = rp_table_column(t, name);
-    return *column >= 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, name);
+    return cli_find_columns(t, 1, &name, column);
 }
 
 /* ---- reading ---- */
@@ -605,30 +604,28 @@ static rp_status print_report(const study *s, const forensics_options *o)
     return status;
 }
 
-rp_status cmd_forensics(int argc, char **argv)
+static rp_status judge_runs(rp_table *runs, const void *values)
 {
-    forensics_options o;
-    const char *file;
-    int n;
-    bool done;
-    rp_table runs;
-    rp_status status = cli_parse(&command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
+    const forensics_options *o = values;
     study *s = calloc(1, sizeof *s);
     if (!s) return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    s->runs = &runs;
-    status = rp_table_read(file, &runs);
-    if (!status) status = find_column(&runs, "status", &s->status);
-    if (!status) status = read_factors(s, o.factors);
+    s->runs = runs;
+    rp_status status = find_column(runs, "status", &s->status);
+    if (!status) status = read_factors(s, o->factors);
     if (!status) status = read_combinations(s);
-    if (!status) status = read_claims(s, o.claims);
+    if (!status) status = read_claims(s, o->claims);
     if (!status) status = read_numbers(s);
-    if (!status) status = print_report(s, &o);
-    rp_table_free(&runs);
+    if (!status) status = print_report(s, o);
     free(s->level);
     free(s->of_run);
     free(s->y);
     free(s->se);
     free(s);
     return status;
+}
+
+rp_status cmd_forensics(int argc, char **argv)
+{
+    forensics_options o;
+    return cli_with_table(&command, argc, argv, &o, judge_runs);
 }

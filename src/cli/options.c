@@ -91,6 +91,21 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
     return RP_OK;
 }
 
+rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
+                         rp_status (*act)(rp_table *table, const void *values))
+{
+    const char *file;
+    int n;
+    bool done;
+    rp_table table;
+    rp_status status = cli_parse(command, argc, argv, values, &file, &n, &done);
+    if (status || done) return status;
+    status = rp_table_read(file, &table);
+    if (!status) status = act(&table, values);
+    rp_table_free(&table);
+    return status;
+}
+
 void cli_table(FILE *out, const rp_param *schema, const void *values)
 {
     char text[256];

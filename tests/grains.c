@@ -1,0 +1,63 @@
+/* Small scenes that several test files start from; see grains.h. */
+#include "tests/grains.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/check.h"
+
+dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c)
+{
+    return (dem_wall){.point = {x, y},
+                      .direction = {nx, ny},
+                      .material = *c,
+                      .extent = {-INFINITY, INFINITY},
+                      .open_at_step = -1,
+                      .open_speed = INFINITY};
+}
+
+dem_definition grains_box(long N, double W, long run, dem_grain **grains)
+{
+    dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, run};
+    dem_definition def = dem_definition_default();
+    *grains = malloc((size_t)N * sizeof **grains);
+    CHECK_OK(dem_fill_random(&fill, *grains));
+    def.grains = *grains;
+    def.n_grains = (size_t)N;
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, W, &wall);
+    return def;
+}
+
+dem_sim *grains_start(const dem_definition *def)
+{
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(def, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+dem_state grains_state_of_one(const dem_sim *sim)
+{
+    dem_state s;
+    CU_ASSERT_FATAL(dem_count(sim) == 1);
+    CHECK_OK(dem_states(sim, &s));
+    return s;
+}
+
+bool grains_same_bits(const dem_sim *a, const dem_sim *b)
+{
+    const size_t n = dem_count(a), from = offsetof(dem_state, x), to = offsetof(dem_state, contacts);
+    if (n != dem_count(b)) return false;
+    dem_state *s = calloc(2 * n + 1, sizeof *s), *t = s + n;
+    dem_states(a, s);
+    dem_states(b, t);
+    bool same = true;
+    for (size_t i = 0; i < n; i++) /* all but the padding */
+        same &= s[i].id == t[i].id && s[i].contacts == t[i].contacts && s[i].fixed == t[i].fixed &&
+                memcmp((const char *)&s[i] + from, (const char *)&t[i] + from, to - from) == 0;
+    free(s);
+    return same;
+}

@@ -1,0 +1,21 @@
+/* Small scenes that several test files start from, and how their simulations compare. */
+#ifndef GRAINS_H
+#define GRAINS_H
+
+#include "dem/dem.h"
+
+/* A whole line through (x, y), normal (nx, ny). */
+dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c);
+
+/* N grains, of stream `run`, loosely filled into a box of width W with floor, left and right wall. Free
+ * *grains. */
+dem_definition grains_box(long N, double W, long run, dem_grain **grains);
+
+/* The simulation of a definition that must be good; and the state of its only grain. */
+dem_sim *grains_start(const dem_definition *def);
+dem_state grains_state_of_one(const dem_sim *sim);
+
+/* Are all states the same, to the bit? */
+bool grains_same_bits(const dem_sim *a, const dem_sim *b);
+
+#endif
