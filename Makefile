@@ -4,6 +4,7 @@
 .SUFFIXES:
 
 B       := build
+T       := $(B)/tables
 JOBS    ?= $(shell nproc)
 CC      := gcc
 WERROR  :=
@@ -44,7 +45,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures studies report check asan lint setup help clean FORCE
+.PHONY: all figures studies report check validate asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -101,6 +102,9 @@ lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is ex
 check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
 	@REPOSE=$(B)/repose $(B)/check
 
+validate: $(B)/check ## the validation at full size, with its tables in build/tables
+	@$(B)/check --full -o $(T)
+
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  $(B)/asan/check $(B)/asan/repose
@@ -108,7 +112,7 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 
 # ---- Figures: sweeps and models -> tables -> pictures -------------------------------------------------
 
-T := $(B)/tables
+
 REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
@@ -304,6 +308,11 @@ $(T)/pile_threshold.tsv: $(CODE)
 	@for k in 6 8 12 16 24 32 45 64 90; do \
 	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
 	$(one_table)
+# Validation: validation_SUITE.tsv or validation_SUITE_*.tsv come from the suite of that name.
+$(T)/validation_%.tsv: $(CODE) $(B)/check
+	@mkdir -p $(T)
+	@echo "check   --full $(firstword $(subst _, ,$*))"
+	@$(B)/check --full -o $(T) $(firstword $(subst _, ,$*)) >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)

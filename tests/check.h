@@ -9,8 +9,8 @@
 
 #include "core/status.h"
 
-/* In the order in which they run: unit tests first, then the validation against closed forms. */
-#define CHECK_SUITES(X)                                                                                      \
+/* In the order in which they run: unit tests, then the validation of the simulator against closed forms. */
+#define CHECK_UNIT(X)                                                                                        \
     X(suite_core)                                                                                            \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
@@ -28,12 +28,14 @@
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_equilibrium)                                                                                     \
+    X(suite_equilibrium)
+#define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
     X(suite_rotation)
 
 #define X(suite) void suite(void);
-CHECK_SUITES(X)
+CHECK_UNIT(X)
+CHECK_VALIDATION(X)
 #undef X
 
 /* Register a suite of (name, function) pairs ended by a NULL name. */
@@ -45,6 +47,14 @@ void check_register(const char *suite, const check_case *cases);
 
 /* True in the sanitizer build, where long tests take a smaller size. */
 bool check_fast(void);
+
+/* True for `check --full`, where validation takes its full size. */
+bool check_full(void);
+
+/* A table DIR/validation_NAME.tsv with its provenance, to be finished by check_table_close; NULL unless
+ * `check --full -o DIR`. */
+FILE *check_table(const char *name);
+void check_table_close(FILE *table, const char *name);
 
 /* |a - b| <= tolerance; NaN fails. On failure the values are printed. */
 #define CHECK_NEAR(a, b, tolerance)                                                                          \
