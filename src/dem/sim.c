@@ -484,12 +484,41 @@ static rp_status check_start_overlaps(const dem_sim *sim)
                          sim->def.dt, limit);
 }
 
-/* Forces of the start, with velocities of the start and springs as they are; then what the integrator
- * makes of them. */
-static rp_status start_forces(dem_sim *sim)
+static void set_pair_springs(dem_sim *sim, const dem_contact *contact)
+{
+    for (size_t t = 0; t < sim->n_touching; t++) {
+        const size_t k = sim->touching[t];
+        const uint32_t i = sim->id[sim->pair_i[k]], j = sim->id[sim->pair_j[k]];
+        const bool same = i == contact->id_a && j == contact->id_b;
+        if (!same && !(i == contact->id_b && j == contact->id_a)) continue;
+        sim->spring[k] = contact->shear_spring;
+        if (sim->rolling) sim->roll[k] = same ? contact->rolling_spring : -contact->rolling_spring;
+        return;
+    }
+}
+
+static void set_wall_springs(dem_sim *sim, const dem_contact *contact)
+{
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        dem_wall_slot *slot = &sim->wall_slot[k];
+        if (sim->id[slot->grain] != contact->id_a || (int)slot->wall != contact->wall) continue;
+        slot->roll = contact->rolling_spring;
+        slot->well = contact->well;
+        if (contact->well == DEM_WELL_NONE)
+            slot->spring = contact->shear_spring;
+        else
+            slot->rest = dem_ground_displacement(sim, slot) - contact->shear_spring;
+        return;
+    }
+}
+
+/* Forces of the start, with velocities and springs of the start; then what the integrator makes of them. */
+static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
     rp_status status = dem_neighbours_rebuild(sim);
     if (status) return status;
+    for (size_t k = 0; k < def->n_contacts; k++)
+        (def->contacts[k].id_b ? set_pair_springs : set_wall_springs)(sim, &def->contacts[k]);
     sim->kernel(sim, 0.0);
     dem_walls_apply(sim, 0.0);
     if (sim->alarm) status = check_overlaps(sim);
@@ -531,6 +560,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 {
     sim->def = *def;
     sim->def.grains = NULL;
+    sim->def.contacts = NULL;
+    sim->def.n_contacts = 0;
     sim->n = sim->room = def->n_grains;
     sim->last_id = (uint32_t)def->n_grains;
     set_gravity(sim, def->gravity);
@@ -555,7 +586,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->start_speed = impact_speed(def);
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
-    return status ? status : start_forces(sim);
+    return status ? status : start_forces(sim, def);
 }
 
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
