@@ -41,12 +41,12 @@ static const rp_param schema[] = {
     {"mu", "", RP_REAL, AT(mu), "0.5", "[0, inf)", "friction, of hard collisions and of contacts"},
     {"mu_roll", "", RP_REAL, AT(mu_roll), "0.1", "[0, inf)", "rolling resistance"},
     {"eps", "", RP_REAL, AT(eps), "1e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
-    {"damping", "", RP_REAL, AT(damping), "0.5", "(0, 1]", "of contacts, normal and shear, over critical"},
+    {"damping", "", RP_REAL, AT(damping), "0.2", "(0, 1]", "normal, of contacts, over critical; 0.2 returns half the speed of an impact; of shear half of it"},
     {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},
     {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
     {"sleep", "", RP_BOOL, AT(sleep), "true", "", "simulate only what moves while the pile grows"},
-    {"sleep_speed", "sqrt(g d)", RP_REAL, AT(sleep_speed), "0.01", "(0, 1]", "at rest: below this speed"},
-    {"wake_force", "m g", RP_REAL, AT(wake_force), "0.1", "(0, 10]", "a disk at rest moves again when it is out of balance by this; at rest: a fifth of it"},
+    {"sleep_speed", "sqrt(g d)", RP_REAL, AT(sleep_speed), "0.03", "(0, 1]", "at rest: below this speed"},
+    {"wake_force", "m g", RP_REAL, AT(wake_force), "0.3", "(0, 10]", "a disk at rest moves again when it is out of balance by this; at rest: a fifth of it"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
     {0}};
@@ -148,9 +148,10 @@ static dem_definition make_scene(const drop_params *p)
                               .open_at_step = -1,
                               .open_speed = INFINITY};
     if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
-    /* of the lightest disk, under a pile as high as can be */
-    const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r);
-    dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = 0.7 * sqrt((double)p->N) + 2.0, .r = r, .m = m}};
+    /* of the lightest disk, when it falls from a pile as steep as can be */
+    const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
+                 top = 1.25 * sqrt((double)p->N) + p->drop_height + 1.0;
+    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = -sqrt(2.0 * top)}};
     def.grains = two;
     def.n_grains = 2;
     def.dt = 0.9 * dem_time_step_limit(&def, NULL);
@@ -163,22 +164,25 @@ static dem_definition make_scene(const drop_params *p)
 
 static double highest(const drop *d)
 {
-    double top = 0.0, x, y;
-    for (uint32_t id = 1; id <= dem_bed_count(d->bed); id++)
-        if (dem_bed_place(d->bed, id, &x, &y)) top = fmax(top, y + 0.5);
+    double top = 0.0;
+    for (uint32_t id = 1; id <= dem_bed_count(d->bed); id++) {
+        const dem_grain *g = dem_bed_grain(d->bed, id);
+        if (g) top = fmax(top, g->y + g->r);
+    }
     return top;
 }
 
+/* How many of the first n disks have moved by more than 0.1 d since the last call for them. */
 static long note_moved(drop *d, size_t n)
 {
     long moved = 0;
     for (uint32_t id = 1; id <= n; id++) {
-        double x, y;
-        const bool there = dem_bed_place(d->bed, id, &x, &y);
-        const double dx = x - d->x[id], dy = y - d->y[id];
-        moved += there && dx * dx + dy * dy > 0.01;
-        d->x[id] = x;
-        d->y[id] = y;
+        const dem_grain *g = dem_bed_grain(d->bed, id);
+        if (!g) continue;
+        const double dx = g->x - d->x[id - 1], dy = g->y - d->y[id - 1];
+        moved += dx * dx + dy * dy > 0.01;
+        d->x[id - 1] = g->x;
+        d->y[id - 1] = g->y;
     }
     return moved;
 }
@@ -254,7 +258,7 @@ static rp_status stop_all(drop *d)
 
 static rp_status relax(drop *d)
 {
-    enum { EVERY = 20, MOST = 40000 };
+    enum { EVERY = 20, MOST = 100000 };
     rp_status status = dem_bed_sim(d->bed, &d->sim);
     if (status) return status;
     d->n = dem_count(d->sim);
@@ -395,8 +399,8 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     d->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
     d->states = malloc(n * sizeof *d->states);
-    d->x = calloc(n + 1, sizeof *d->x);
-    d->y = calloc(n + 1, sizeof *d->y);
+    d->x = calloc(n, sizeof *d->x);
+    d->y = calloc(n, sizeof *d->y);
     d->moved = calloc(n, sizeof *d->moved);
     if (!d->radii || !d->places || !d->states || !d->x || !d->y || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");

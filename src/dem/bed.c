@@ -3,9 +3,8 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { LINKS = 12, CHUNK = 5, CHUNKS_TO_SLEEP = 4 };
+enum { LINKS = 12, CHUNK = 10 };
 
 /* A contact as one of its grains sees it: springs with the signs of that grain as `a`, force and torque on
  * it.
@@ -43,6 +42,7 @@ struct dem_bed {
     dem_grain *grains;
     dem_contact *contacts;
     dem_state *states;
+    double fastest; /* speed of those awake */
     long steps;
     double grain_steps;
 };
@@ -119,7 +119,9 @@ static rp_status note_contact(dem_bed *bed, const dem_contact *c)
     const double dx = c->x - c->x_b, dy = c->y - c->y_b, d = sqrt(dx * dx + dy * dy);
     const double nx = dx / d, ny = dy / d, f_n = c->normal_force, f_s = c->shear_force;
     const member *m = &bed->members[a];
-    const double turn = c->shear_force;
+    const dem_ground *ground = &bed->scene.ground;
+    double turn = c->shear_force; /* a well acts through the centre */
+    if (c->well == DEM_WELL_HOLDS) turn += ground->mu_static * fmax(f_n, 0.0) / ground->a * c->shear_spring;
     link l = {b,
               c->wall,
               c->well,
@@ -289,29 +291,31 @@ static double weight_of(const dem_bed *bed, const member *m)
     return m->grain.m * sqrt(g[0] * g[0] + g[1] * g[1]);
 }
 
-/* Take over the state of one awake; false where the part must be made anew. */
-static bool follow(dem_bed *bed, member *m, const dem_state *s)
+/* Take over the state of one awake, `steps` later; false where the part must be made anew. */
+static bool follow(dem_bed *bed, member *m, const dem_state *s, long steps)
 {
     const dem_bed_options *o = &bed->options;
     const double dx = s->x - m->from_x, dy = s->y - m->from_y, speed2 = s->vx * s->vx + s->vy * s->vy;
-    const double room = bed->margin - 1.5 * CHUNK * bed->scene.dt * sqrt(speed2),
+    const double way = sqrt(dx * dx + dy * dy) + 1.5 * CHUNK * bed->scene.dt * sqrt(speed2),
                  turn = s->omega * s->omega * s->r * s->r, slow2 = o->sleep_speed * o->sleep_speed;
     const bool quiet = speed2 < slow2 && turn < slow2 &&
                        !out_of_balance(s->fx, s->fy, s->torque, s->r, o->sleep_force * weight_of(bed, m));
     m->grain.x = s->x, m->grain.y = s->y, m->grain.vx = s->vx, m->grain.vy = s->vy;
     m->grain.angle = s->angle, m->grain.omega = s->omega;
-    m->quiet = quiet ? m->quiet + CHUNK : 0;
+    m->quiet = quiet ? m->quiet + steps : 0;
+    bed->fastest = fmax(bed->fastest, sqrt(speed2));
     if (speed2 > o->wake_speed * o->wake_speed) visit_near(bed, m, note_hit);
-    return room > 0.0 && dx * dx + dy * dy < room * room && fabs(s->x) <= o->x_limit;
+    return way < bed->margin && fabs(s->x) <= o->x_limit;
 }
 
 /* Read the part's states; true where the part must be made anew, for one to wake or leave, or too far away.
  */
-static bool look(dem_bed *bed)
+static bool look(dem_bed *bed, long steps)
 {
     bool stale = false;
+    bed->fastest = 0.0;
     for (size_t k = 0; k < bed->n_awake; k++)
-        stale |= !follow(bed, &bed->members[bed->part[k]], &bed->states[k]);
+        stale |= !follow(bed, &bed->members[bed->part[k]], &bed->states[k], steps);
     for (size_t k = bed->n_awake; k < bed->n_part; k++) {
         member *m = &bed->members[bed->part[k]];
         const dem_state *s = &bed->states[k];
@@ -351,21 +355,41 @@ static void choose(dem_bed *bed)
     }
 }
 
+/* Before the first part: who will be hit by those put in? */
+static void foresee(dem_bed *bed)
+{
+    for (size_t k = 0; k < bed->n_awake; k++) {
+        const member *m = &bed->members[bed->awake[k]];
+        bed->fastest = fmax(bed->fastest, sqrt(m->grain.vx * m->grain.vx + m->grain.vy * m->grain.vy));
+        visit_near(bed, m, note_hit);
+    }
+    choose(bed);
+}
+
+/* As many steps as none goes farther in than a part's margin. */
+static long chunk_steps(const dem_bed *bed)
+{
+    const double most = bed->margin / (1.5 * bed->scene.dt * fmax(bed->fastest, 1e-300));
+    return most > CHUNK ? CHUNK : most > 1.0 ? (long)most : 1;
+}
+
 rp_status dem_bed_run(dem_bed *bed, long most, bool *rest)
 {
     const long end = bed->steps + most;
     rp_status status = RP_OK;
-    for (long chunk = 1; !status && bed->n_awake > 0 && bed->steps < end; chunk++) {
+    foresee(bed);
+    while (!status && bed->n_awake > 0 && bed->steps < end) {
+        const long steps = chunk_steps(bed);
         if (!bed->sim) status = make_part(bed);
-        if (!status) status = dem_run(bed->sim, CHUNK);
+        if (!status) status = dem_run(bed->sim, steps);
         if (!status) status = dem_states(bed->sim, bed->states);
         if (status) break;
-        bed->steps += CHUNK;
-        bed->grain_steps += CHUNK * (double)bed->n_awake;
-        const bool stale = look(bed);
-        const size_t quiet = chunk % CHUNKS_TO_SLEEP ? 0 : count_quiet(bed);
+        bed->steps += steps;
+        bed->grain_steps += (double)steps * (double)bed->n_awake;
+        const bool stale = look(bed, steps);
+        const size_t quiet = count_quiet(bed);
         if (!bed->options.sleep && quiet == bed->n_awake) break;
-        if (!stale && (!bed->options.sleep || !quiet)) continue;
+        if (!stale && (!bed->options.sleep || 4 * quiet < bed->n_awake)) continue;
         status = end_part(bed);
         if (!status) choose(bed);
     }
@@ -410,7 +434,7 @@ void dem_bed_free(dem_bed *bed)
 static rp_status make_grid(dem_bed *bed, double r_max)
 {
     bed->r_max = r_max;
-    bed->margin = r_max;
+    bed->margin = 0.6 * r_max;
     bed->cell = 2.0 * r_max + bed->margin;
     bed->columns = (size_t)(2.0 * bed->options.x_limit / bed->cell) + 1;
     bed->rows = 128;
@@ -449,12 +473,9 @@ size_t dem_bed_count(const dem_bed *bed)
     return bed->n;
 }
 
-bool dem_bed_place(const dem_bed *bed, uint32_t id, double *x, double *y)
+const dem_grain *dem_bed_grain(const dem_bed *bed, uint32_t id)
 {
-    const member *m = &bed->members[id];
-    *x = m->grain.x;
-    *y = m->grain.y;
-    return !m->gone;
+    return bed->members[id].gone ? NULL : &bed->members[id].grain;
 }
 
 double dem_bed_height(const dem_bed *bed, double x, double r, double gap)

@@ -40,8 +40,8 @@ long dem_bed_steps(const dem_bed *bed);
 double dem_bed_grain_steps(const dem_bed *bed); /* sum over them of the grains awake */
 size_t dem_bed_count(const dem_bed *bed);       /* ids given, those taken out included */
 
-/* Place of a grain; false if it was taken out. */
-bool dem_bed_place(const dem_bed *bed, uint32_t id, double *x, double *y);
+/* A grain as it is; NULL if it was taken out. */
+const dem_grain *dem_bed_grain(const dem_bed *bed, uint32_t id);
 
 /* Height of the centre at which a grain of radius r, lowered at x onto a floor y = 0 and what lies on it, is
  * `gap` away from the first that it meets. */

@@ -484,17 +484,26 @@ static rp_status check_start_overlaps(const dem_sim *sim)
                          sim->def.dt, limit);
 }
 
-static void set_pair_springs(dem_sim *sim, const dem_contact *contact)
+/* Springs of the contact between the grains at places i and j, if it is listed so; pairs are in the order of i.
+ */
+static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, double roll)
 {
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t];
-        const uint32_t i = sim->id[sim->pair_i[k]], j = sim->id[sim->pair_j[k]];
-        const bool same = i == contact->id_a && j == contact->id_b;
-        if (!same && !(i == contact->id_b && j == contact->id_a)) continue;
-        sim->spring[k] = contact->shear_spring;
-        if (sim->rolling) sim->roll[k] = same ? contact->rolling_spring : -contact->rolling_spring;
-        return;
+    size_t lo = 0, hi = sim->n_touching;
+    while (lo < hi) {
+        const size_t middle = (lo + hi) / 2;
+        if (sim->pair_i[sim->touching[middle]] < i)
+            lo = middle + 1;
+        else
+            hi = middle;
     }
+    for (; lo < sim->n_touching && sim->pair_i[sim->touching[lo]] == i; lo++) {
+        const size_t k = sim->touching[lo];
+        if (sim->pair_j[k] != j) continue;
+        sim->spring[k] = shear;
+        if (sim->rolling) sim->roll[k] = roll;
+        return true;
+    }
+    return false;
 }
 
 static void set_wall_springs(dem_sim *sim, const dem_contact *contact)
@@ -512,13 +521,30 @@ static void set_wall_springs(dem_sim *sim, const dem_contact *contact)
     }
 }
 
+static rp_status set_springs(dem_sim *sim, size_t n, const dem_contact *contacts)
+{
+    if (n == 0) return RP_OK;
+    size_t *place = malloc((sim->n + 1) * sizeof *place); /* of each id */
+    if (!place) return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
+    for (size_t i = 0; i < sim->n; i++) place[sim->id[i]] = i;
+    for (size_t k = 0; k < n; k++) {
+        const dem_contact *c = &contacts[k];
+        const double shear = c->shear_spring, roll = c->rolling_spring;
+        if (c->id_b == 0)
+            set_wall_springs(sim, c);
+        else if (!set_pair_springs(sim, place[c->id_a], place[c->id_b], shear, roll))
+            set_pair_springs(sim, place[c->id_b], place[c->id_a], shear, -roll);
+    }
+    free(place);
+    return RP_OK;
+}
+
 /* Forces of the start, with velocities and springs of the start; then what the integrator makes of them. */
 static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
     rp_status status = dem_neighbours_rebuild(sim);
+    if (!status) status = set_springs(sim, def->n_contacts, def->contacts);
     if (status) return status;
-    for (size_t k = 0; k < def->n_contacts; k++)
-        (def->contacts[k].id_b ? set_pair_springs : set_wall_springs)(sim, &def->contacts[k]);
     sim->kernel(sim, 0.0);
     dem_walls_apply(sim, 0.0);
     if (sim->alarm) status = check_overlaps(sim);
