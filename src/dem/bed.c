@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LINKS = 12, CHUNK = 10 };
+enum { LINKS = 12, CHUNK = 20 };
 
 /* A contact as one of its grains sees it: springs with the signs of that grain as `a`, force and torque on
  * it.
@@ -263,7 +263,7 @@ static void note_hit(dem_bed *bed, const member *m, uint32_t id)
     const double dx = s->grain.x - m->grain.x, dy = s->grain.y - m->grain.y, d = sqrt(dx * dx + dy * dy);
     const double closing = (dx * m->grain.vx + dy * m->grain.vy) / d;
     s->to_wake |= closing > bed->options.wake_speed &&
-                  d - s->grain.r - m->grain.r < 1.5 * CHUNK * bed->scene.dt * closing;
+                  d - s->grain.r - m->grain.r < fmin(1.5 * CHUNK * bed->scene.dt * closing, bed->margin);
 }
 
 static void take_out(dem_bed *bed, uint32_t id)
