@@ -46,7 +46,7 @@ static const rp_param schema[] = {
     {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
     {"sleep", "", RP_BOOL, AT(sleep), "true", "", "simulate only what moves while the pile grows"},
     {"sleep_speed", "sqrt(g d)", RP_REAL, AT(sleep_speed), "0.03", "(0, 1]", "at rest: below this speed"},
-    {"wake_force", "m g", RP_REAL, AT(wake_force), "0.3", "(0, 10]", "a disk at rest moves again when it is out of balance by this; at rest: a fifth of it"},
+    {"wake_force", "m g", RP_REAL, AT(wake_force), "0.2", "(0, 10]", "a disk at rest moves again when it is out of balance by this; at rest: a fifth of it"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
     {0}};
@@ -420,8 +420,9 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
 
 static rp_status finish(drop *d, rp_status status)
 {
-    if (status == RP_BROKEN) {
-        snprintf(d->result->status, sizeof d->result->status, "broken");
+    if (status == RP_BROKEN || status == RP_NO_RESULT) {
+        const char *word = status == RP_BROKEN ? "broken" : "no_pile";
+        snprintf(d->result->status, sizeof d->result->status, "%s", word);
         snprintf(d->result->message, sizeof d->result->message, "%s", rp_message());
         status = RP_OK;
     }
@@ -481,10 +482,36 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return trace(params, seed, run, NULL, result);
 }
 
+/* The time step follows from the rest: all that is in range can run. */
 static rp_status check(const void *params)
 {
     (void)params;
     return RP_OK;
+}
+
+/* Bits of the disks of a small pile of unequal ones. */
+static rp_status fingerprint(char digits[33])
+{
+    drop_params p;
+    drop d;
+    sweep_result result;
+    rp_params_defaults(schema, &p);
+    p.N = 12;
+    p.radius_width = 0.05;
+    rp_status status = make(&d, &p, 1, 0, &result);
+    if (!status) {
+        XXH3_state_t *hash = XXH3_createState();
+        XXH3_128bits_reset(hash);
+        for (size_t i = 0; i < d.n; i++) {
+            const dem_state *s = &d.states[i];
+            XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
+        }
+        XXH128_hash_t h = XXH3_128bits_digest(hash);
+        XXH3_freeState(hash);
+        snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    }
+    rp_status freed = finish(&d, status);
+    return status ? status : freed;
 }
 
 const sweep_protocol sweep_protocol_drop = {
@@ -494,5 +521,6 @@ const sweep_protocol sweep_protocol_drop = {
     .params_size = sizeof(drop_params),
     .outputs = outputs,
     .check = check,
+    .fingerprint = fingerprint,
     .run = run_one,
     .trace = trace};

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LINKS = 12, CHUNK = 20 };
+enum { LINKS = 12, CHUNK = 20, RINGS = 4 };
 
 /* A contact as one of its grains sees it: springs with the signs of that grain as `a`, force and torque on
  * it.
@@ -18,8 +18,8 @@ typedef struct {
 typedef struct {
     dem_grain grain;
     bool awake, gone;
-    bool to_wake; /* asleep: at the next change */
-    long quiet;   /* steps in a row in which it could have slept */
+    int to_wake; /* asleep: at the next change */
+    long quiet;  /* steps in a row in which it could have slept */
     int n_links;
     link links[LINKS];
     uint32_t next;         /* in its cell, asleep; 0: the last */
@@ -215,7 +215,8 @@ static rp_status make_part(dem_bed *bed)
     def.n_grains = bed->n_part;
     def.contacts = bed->contacts;
     def.n_contacts = gather_contacts(bed);
-    return dem_create(&def, &bed->sim);
+    rp_status status = dem_create(&def, &bed->sim);
+    return status == RP_BAD_INPUT ? RP_BROKEN : status; /* the run made it so */
 }
 
 /* Bring the grains' contacts up to date with the part, and end it. */
@@ -244,7 +245,7 @@ static void wake(dem_bed *bed, uint32_t id)
     member *m = &bed->members[id];
     grid_remove(bed, id);
     m->awake = true;
-    m->to_wake = false;
+    m->to_wake = 0;
     m->quiet = 0;
 }
 
@@ -262,8 +263,9 @@ static void note_hit(dem_bed *bed, const member *m, uint32_t id)
     member *s = &bed->members[id];
     const double dx = s->grain.x - m->grain.x, dy = s->grain.y - m->grain.y, d = sqrt(dx * dx + dy * dy);
     const double closing = (dx * m->grain.vx + dy * m->grain.vy) / d;
-    s->to_wake |= closing > bed->options.wake_speed &&
-                  d - s->grain.r - m->grain.r < fmin(1.5 * CHUNK * bed->scene.dt * closing, bed->margin);
+    if (closing > bed->options.wake_speed &&
+        d - s->grain.r - m->grain.r < fmin(1.5 * CHUNK * bed->scene.dt * closing, bed->margin))
+        s->to_wake = RINGS;
 }
 
 static void take_out(dem_bed *bed, uint32_t id)
@@ -273,7 +275,7 @@ static void take_out(dem_bed *bed, uint32_t id)
         const uint32_t other = m->links[k].other;
         if (!other) continue;
         unlink_from(&bed->members[other], id);
-        bed->members[other].to_wake = !bed->members[other].awake;
+        if (!bed->members[other].awake) bed->members[other].to_wake = 1;
     }
     m->n_links = 0;
     m->gone = true;
@@ -319,9 +321,11 @@ static bool look(dem_bed *bed, long steps)
     for (size_t k = bed->n_awake; k < bed->n_part; k++) {
         member *m = &bed->members[bed->part[k]];
         const dem_state *s = &bed->states[k];
-        m->to_wake |= out_of_balance(m->fx + s->fx, m->fy + s->fy, m->torque + s->torque, m->grain.r,
-                                     bed->options.wake_force * weight_of(bed, m));
-        stale |= m->to_wake;
+        if (out_of_balance(m->fx + s->fx, m->fy + s->fy, m->torque + s->torque, m->grain.r,
+                           bed->options.wake_force * weight_of(bed, m)) &&
+            m->to_wake == 0)
+            m->to_wake = 1;
+        stale |= m->to_wake > 0;
     }
     return stale;
 }
@@ -338,6 +342,19 @@ static size_t count_quiet(const dem_bed *bed)
     return n;
 }
 
+/* What is hit takes along those around it, ring by ring: they would be an anvil to it otherwise. */
+static void spread(dem_bed *bed)
+{
+    for (int ring = RINGS; ring > 1; ring--)
+        for (uint32_t id = 1; id <= bed->n; id++) {
+            const member *m = &bed->members[id];
+            for (int k = 0; k < m->n_links && m->to_wake == ring; k++) {
+                member *other = &bed->members[m->links[k].other];
+                if (m->links[k].other && !other->awake && other->to_wake < ring) other->to_wake = ring - 1;
+            }
+        }
+}
+
 /* Who is awake from here on. */
 static void choose(dem_bed *bed)
 {
@@ -349,6 +366,7 @@ static void choose(dem_bed *bed)
             fall_asleep(bed, bed->awake[k]);
     }
     bed->n_awake = 0;
+    spread(bed);
     for (uint32_t id = 1; id <= bed->n; id++) {
         if (bed->members[id].to_wake) wake(bed, id);
         if (bed->members[id].awake) bed->awake[bed->n_awake++] = id;
