@@ -200,7 +200,7 @@ static rp_status drop_one(drop *d, size_t k, bool *rest)
     if (!status) status = dem_bed_run(d->bed, p->max_steps, rest);
     if (status) return status;
     d->moved[k] = note_moved(d, k);
-    (void)note_moved(d, k + 1);
+    (void)note_moved(d, k + 1); /* the disk itself, for the next */
     return RP_OK;
 }
 
@@ -407,7 +407,7 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     const dem_bed_options options = {.sleep = p->sleep,
                                      .sleep_speed = p->sleep_speed,
                                      .sleep_force = 0.2 * p->wake_force,
-                                     .sleep_time = 0.3,
+                                     .sleep_time = 0.25,
                                      .wake_force = p->wake_force,
                                      .wake_speed = 0.2,
                                      .x_limit = p->x_limit,

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LINKS = 12, CHUNK = 20, RINGS = 4 };
+enum { LINKS = 12, CHUNK = 20, RINGS = 3 };
 
 /* A contact as one of its grains sees it: springs with the signs of that grain as `a`, force and torque on
  * it.
