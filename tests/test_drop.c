@@ -74,8 +74,11 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
         grains[i] = (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, false};
     }
     for (size_t k = 0; k < n && turned; k++) {
-        contacts[k].id_a = HEAP + 1 - contacts[k].id_a;
-        if (contacts[k].id_b) contacts[k].id_b = HEAP + 1 - contacts[k].id_b;
+        const uint32_t a = HEAP + 1 - contacts[k].id_a, b = HEAP + 1 - contacts[k].id_b;
+        contacts[k].id_a = contacts[k].id_b ? b : a; /* seen from the other side */
+        if (!contacts[k].id_b) continue;
+        contacts[k].id_b = a;
+        contacts[k].rolling_spring = -contacts[k].rolling_spring;
     }
     def.grains = grains;
     def.n_grains = HEAP;
