@@ -153,6 +153,11 @@ $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
+# Dropped piles: the dip of the mean pressure on their bases, and that pressure.
+$(T)/%_dip.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< >$@
+$(T)/%_profile.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< --profile >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 $(T)/%_fit_theta_t.tsv: $(T)/%.tsv
@@ -232,11 +237,14 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+STUDY_li20_point := 100
+STUDY_li20_broad := 100
+STUDY_li20_sizes := 100
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
