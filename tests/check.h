@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
