@@ -46,13 +46,6 @@ static dem_ledger run_closed(const char *name, dem_definition *def, long steps, 
     CU_ASSERT(grains_same_bits(sim, plain));
     dem_free(sim);
     dem_free(plain);
-    if (getenv("SHOW")) {
-        fprintf(stderr, "%s: ", name);
-#define X(channel, sign) fprintf(stderr, #channel " %.3g ", l.channel);
-        DEM_LEDGER_LIST(X)
-#undef X
-        fprintf(stderr, "walls %.3g turn %.3g res %.2g\n", l.at_walls, l.turnover, l.residual / l.turnover);
-    }
     return l;
 }
 

@@ -100,7 +100,7 @@ typedef struct {
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
     int kernel;
-    bool ledger; /* keep the energy ledger: slower, the same bits */
+    bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
