@@ -266,11 +266,102 @@ static void hard_and_wells(void)
     }
 }
 
+/* Nothing slides where friction has no limit, whatever the scheme makes of the sway: of a grain on a floor,
+ * and of two in the midst of an impact. */
+static void sticking(void)
+{
+    for (int integrator = DEM_VERLET; integrator <= DEM_GEAR5; integrator++) {
+        dem_grain grain;
+        const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
+        dem_definition def = kicked(&grain, 3.0, &floor);
+        def.integrator = integrator;
+        def.dt = 1e-4;
+        const dem_ledger l = run_closed("sticks", &def, 3000, 10);
+        CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
+        CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));
+        dem_grain grains[2];
+        def = two_grains(grains, DEM_HERTZ, 0.0, true);
+        def.integrator = integrator;
+        def.tangential = DEM_SPRING;
+        def.material.k_s = 1e4;
+        def.material.mu = INFINITY;
+        const dem_ledger pair = run_closed("sticks", &def, 950, 1);
+        CHECK_NEAR(losses(&pair), 0.0, CLOSES * pair.turnover);
+        CU_ASSERT(pair.integration != 0.0);
+    }
+}
+
+/* Work of a floor that turns under a grain: its force, as it is read, over the way of the contact's point,
+ * and the rolling torque over the angle. */
+static void work_of_a_wall(void)
+{
+    const double turn = 0.01, dt = 1e-4;
+    dem_grain grain;
+    const dem_material floor = {.k_n = 2e6,
+                                .gamma_n = 500.0,
+                                .k_s = 1e4,
+                                .gamma_s = 5.0,
+                                .mu = 0.5,
+                                .mu_roll = 0.3,
+                                .k_roll = 1e4,
+                                .gamma_roll = 5.0};
+    dem_definition def = kicked(&grain, 0.0, &floor);
+    def.rotation = true;
+    def.dt = dt;
+    def.box_turn_per_step = turn;
+    def.ledger = true;
+    dem_sim *sim = grains_start(&def);
+    double work = 0.0;
+    for (int step = 0; step < 30; step++) {
+        for (int end = 0; end < 2; end++) {
+            dem_contact *c;
+            size_t n;
+            double f[2];
+            CHECK_OK(dem_contacts(sim, &c, &n));
+            dem_wall_forces(sim, f);
+            CU_ASSERT_FATAL(n == 1);
+            /* clockwise, from the step's start on or back from its end */
+            const double angle = end ? -turn : turn, x = c->x_b, y = c->y_b;
+            const double dx = x * cos(angle) + y * sin(angle) - x, dy = y * cos(angle) - x * sin(angle) - y;
+            work -= (end ? -0.5 : 0.5) * (f[0] * dx + f[1] * dy) + 0.5 * c->rolling_torque * sin(turn);
+            free(c);
+            if (!end) CHECK_OK(dem_run(sim, 1));
+        }
+    }
+    const dem_ledger l = ledger_of(sim);
+    CHECK_NEAR(l.wall_work / work, 1.0, 1e-9);
+    CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    dem_free(sim);
+}
+
+/* A grain that is hit at rest and leaves within the same step takes the energy along that it was given. */
+static void hit_and_gone(void)
+{
+    dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.004, 50.0, 0.0}, {0.2001, 0.0, 0.1, 0.004}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.dt = 1e-4;
+    def.tangential = DEM_NONE;
+    def.tension = false;
+    def.material = (dem_material){.k_n = 1e5};
+    def.hard = (dem_hard){true, 0.5, 0.0};
+    def.x_max = 0.2005;
+    def.grains = grains;
+    def.n_grains = 2;
+    const dem_ledger l = run_closed("gone", &def, 1, 1);
+    const double v = 50.0;
+    CHECK_NEAR(l.taken_out, 0.5 * 0.004 * 0.75 * 0.75 * v * v, CLOSES * l.turnover);
+    CHECK_NEAR(l.hard, 0.25 * 0.004 * 0.75 * v * v, CLOSES * l.turnover);
+}
+
 void suite_ledger(void)
 {
     static const check_case cases[] = {{"impacts", impacts},
                                        {"block that slides", sliding_block},
+                                       {"what sticks", sticking},
                                        {"viscous slip", slip_roll},
+                                       {"work of a wall", work_of_a_wall},
+                                       {"hit and gone", hit_and_gone},
                                        {"avalanches", avalanche},
                                        {"gravity or the box turns", turns},
                                        {"grains put in, clone", grains_put_in},

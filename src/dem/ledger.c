@@ -198,7 +198,7 @@ rp_status dem_ledger_forces(dem_sim *sim, double h)
 
 static ledger_grain read_grain(const dem_sim *sim, size_t i)
 {
-    ledger_grain g = {.present = true, .seen = true, .x = sim->grain[i].x, .force = sim->force[i]};
+    ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = sim->force[i]};
     if (sim->spin) {
         g.angle = sim->spin[i].angle;
         g.torque = sim->spin[i].torque;
@@ -238,6 +238,7 @@ static void move_grains(dem_sim *sim)
     struct dem_book *b = sim->book;
     for (size_t i = 0; i < sim->n; i++) {
         ledger_grain *g = &b->grain[sim->id[i]], now = read_grain(sim, i);
+        now.seen = true;
         now.way = now.x - g->x;
         now.turn = now.angle - g->angle;
         if (now.mass > 0.0) {
