@@ -31,6 +31,8 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
     X(suite_rotation)
 
 #define X(suite) void suite(void);

@@ -31,6 +31,11 @@ void case_near(case_problem *problem, const char *quantity, double expected, dou
             expected, observed, error, bound);
 }
 
+int case_stride(int daily)
+{
+    return check_full() ? 1 : check_fast() ? 5 * daily : daily;
+}
+
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
     static const char *const columns[][2] = {{"problem", ""},

@@ -21,6 +21,10 @@ typedef struct {
 void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
                const char *format, ...) __attribute__((format(printf, 6, 7)));
 
+/* From one case of a grid to the next that is looked at: all in full, every `daily`th else, a fifth of those
+ * under the sanitizers. */
+int case_stride(int daily);
+
 /* Call last in a suite: fails for a problem without a case. With `check --full -o DIR` it writes
  * DIR/validation_SUITE.tsv, one row a problem, and DIR/validation_SUITE_cases.tsv, one row a case. */
 void case_write(const char *suite, case_problem *const problems[], size_t n);

@@ -186,12 +186,6 @@ static void for_grid(int stride, void (*check)(impact *p))
     }
 }
 
-/* The whole grid in full, else a part of it. */
-static int stride(int daily)
-{
-    return check_full() ? 1 : check_fast() ? 5 * daily : daily;
-}
-
 static void check_elastic(impact *p)
 {
     const outcome exact = elastic_exact(p);
@@ -208,7 +202,7 @@ static void check_elastic(impact *p)
 
 static void elastic(void)
 {
-    for_grid(stride(7), check_elastic);
+    for_grid(case_stride(7), check_elastic);
 }
 
 /* Damping in units of the contact's rate: Hertz gamma (m/k)^(2/5) v^(-1/5), linear gamma/(2 sqrt(k/m)). */
@@ -243,7 +237,7 @@ static void check_damped(impact *p)
 
 static void damped(void)
 {
-    for_grid(stride(17), check_damped);
+    for_grid(case_stride(17), check_damped);
 }
 
 /* Beyond the threshold a pair whose dashpot pulls stays together; the force that only pushes parts them
@@ -265,7 +259,7 @@ static void check_sticking(impact *p)
 
 static void sticking(void)
 {
-    for_grid(stride(5), check_sticking);
+    for_grid(case_stride(5), check_sticking);
     double parts = 1.1, sticks = 1.2;
     for (int i = 0; i < (check_fast() ? 8 : 16); i++) {
         const double s = 0.5 * (parts + sticks);
@@ -309,7 +303,7 @@ static void check_solver(impact *p)
 
 static void single_impacts(void)
 {
-    for_grid(stride(11), check_solver);
+    for_grid(case_stride(11), check_solver);
     dem_collision_result c;
     CHECK_FAILS(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0, &c), RP_BAD_INPUT, "v = 0");
 }
