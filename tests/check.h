@@ -33,7 +33,8 @@
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
-    X(suite_rotation)
+    X(suite_rotation)                                                                                        \
+    X(suite_published)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
