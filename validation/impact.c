@@ -335,7 +335,7 @@ static void damping_range(void)
             const double t = elastic_exact(&p).time, dt = t / 1000.0 / fmax(1.0, 2.0 * number);
             for (int clipped = 0; clipped < 2; clipped++) {
                 p.clipped = clipped;
-                const bool sticks = !clipped && number > (law == DEM_HERTZ ? 1.12799 : 1.0);
+                const bool sticks = !clipped && number > (law == DEM_HERTZ ? 1.12799 : 1.0 - 1e-12);
                 const outcome exact = sticks ? (outcome){.time = INFINITY} : damped_exact(&p);
                 double *r = row + 1 + 4 * clipped;
                 r[0] = exact.restitution;
