@@ -175,14 +175,13 @@ static void for_grid(int stride, void (*check)(impact *p))
 {
     static const double stiffness[] = {1e4, 1.7e6, 3.1e8}, scale[] = {1.0, 0.0123},
                         speed[] = {0.53, 4.7, 47.0};
-    int n = 0;
-    for (int i = 0; i < 2 * 3 * 2 * 3 * 3; i++) {
+    for (int i = 0; i < 2 * 3 * 2 * 3 * 3; i += stride) {
         const int partner = i / 36 % 3;
         impact p = {.law = i % 2, .k_n = stiffness[i / 2 % 3], .v = speed[i / 12 % 3]};
         p.m_a = M_A * scale[i / 6 % 2];
         p.m_b = partner == 0 ? INFINITY : partner == 1 ? p.m_a : M_B * scale[i / 6 % 2];
         p.phase = fmod(0.381 + 0.6180339887 * i, 1.0);
-        if (n++ % stride == 0) check(&p);
+        check(&p);
     }
 }
 
