@@ -53,7 +53,7 @@ static double damping_for(double restitution, bool pulls)
     for (int i = 0; i < 50 && restitution < 1.0; i++) {
         const double middle = 0.5 * (lo + hi);
         dem_collision_result c;
-        CHECK_OK(dem_collision(DEM_LINEAR, false, 1.0, middle > 0.0 ? middle : 0.0, 1.0, 1.0, &c));
+        CHECK_OK(dem_collision(DEM_LINEAR, false, 1.0, middle, 1.0, 1.0, &c));
         *(c.restitution > restitution ? &lo : &hi) = middle;
     }
     return lo;
@@ -63,7 +63,7 @@ static double damping_for(double restitution, bool pulls)
  * own damping force eta. */
 typedef struct {
     int n;
-    double k, lid, r, m[2], eta[3]; /* floor, pair (or lid for one), lid */
+    double k, lid, r, m[2], eta[3]; /* of floor, pair, lid; a single sphere has no lid */
 } vertical;
 
 static double contact(const vertical *p, int i, double overlap, double rate)
