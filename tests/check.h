@@ -31,7 +31,10 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
-    X(suite_rotation)
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
+    X(suite_rotation)                                                                                        \
+    X(suite_published)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
