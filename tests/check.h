@@ -32,7 +32,10 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
+    X(suite_published)                                                                                       \
     X(suite_order)
 
 #define X(suite) void suite(void);
