@@ -334,7 +334,7 @@ report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository
 	@mkdir -p figures/shown
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 	@cp $< paper-repro.md
-.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv
+.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv $(T)/.validation_%
 
 clean: ## remove everything made
 	rm -rf $(B)
