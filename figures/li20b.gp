@@ -4,8 +4,8 @@ load 'figures/style.gp'
 set xlabel 'distance from the centroid of the load / {/:Italic B}'
 set ylabel '{/:Italic N} / mean {/:Italic N}'
 set xrange [0:0.5]
-set yrange [0:2.1]
-set key bottom left font ',9' spacing 1.2
+set yrange [0:2.8]
+set key top right font ',8' spacing 1.1
 set arrow 1 from 0.1, graph 0 to 0.1, graph 1 nohead dt 3 lc rgb '#888888'
 set arrow 2 from 0.3, graph 0 to 0.3, graph 1 nohead dt 3 lc rgb '#888888'
 stats t('continuum_30.tsv') using (column('N/(chi*g*B)')) nooutput name 'C'

@@ -186,7 +186,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 static const char *const without_default[] = {
     "--help ",       "--set ",       "--box ",     "--reduce ",    "--base ",    "--pair ",
     "--successive ", "-o ",          "--runs ",    "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ", "--summary ", "--threshold ", "--ledger ",  NULL};
+    "--linear ",     "--set-again ", "--summary ", "--threshold ", "--ledger ",  "--profile ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {

@@ -55,6 +55,10 @@ static const char *const stress_hashed[] = {"n_0",    "n_1",   "h_0",          "
                                             "sxy_0",  "syx_1", "syy_1",        "sliding_last",  "tilts",
                                             "grains", "steps", "weight_error", "balance_error", NULL};
 
+static const char *const drop_hashed[] = {"disks", "base_disks", "height",  "width",       "centroid",
+                                          "dip",   "balance",    "psi6",    "contacts",    "moved_mean",
+                                          "steps", "awake",      "settled", "relax_steps", NULL};
+
 /* Of `repose`, the second: the other floor, spring and mass, a gate that is lifted, contacts that do not
  * pull. */
 static const golden_run runs[] = {
@@ -97,6 +101,12 @@ static const golden_run runs[] = {
      "ok",
      0xcab3e0e9969e5a49,
      {{"theta_r3_deg", 9.0404669867745451}, {"floor_tilt_deg", 13.965864750379495}}},
+    {"drop",
+     {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
+     drop_hashed,
+     "ok",
+     0xf0a4faee6ed6db6b,
+     {{"left_deg", 18.060928581852913}, {"right_deg", 23.787280849957227}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 
