@@ -240,6 +240,7 @@ STUDY_lh_rotation := 10
 STUDY_li20_point := 100
 STUDY_li20_broad := 100
 STUDY_li20_sizes := 100
+STUDY_li20_awake := 8
 STUDY_li20_sleep := 20
 STUDY_li20_choices := 6
 $(B)/studies/%: sweeps/%.cfg $(CODE)

@@ -372,7 +372,7 @@ static void piles_stand(void)
         CHECK_NEAR(output(&a, "capped"), 0.0, 0.0);
         double sum = 0.0;
         for (int i = 1; i <= 20; i++) {
-            char name[8];
+            char name[16];
             snprintf(name, sizeof name, "n_%02d", i);
             sum += output(&a, name);
         }

@@ -47,7 +47,7 @@ static const cli_command command = {
 /* Profiles of the rows that count, one after the other. */
 static rp_status read_profiles(const rp_table *t, double **profiles, size_t *n)
 {
-    char names[ANG_DIP_BINS][8];
+    char names[ANG_DIP_BINS][16];
     const char *columns_of[ANG_DIP_BINS];
     int columns[ANG_DIP_BINS], status_column;
     double *block = NULL;
