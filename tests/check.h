@@ -31,7 +31,8 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
-    X(suite_rotation)
+    X(suite_rotation)                                                                                        \
+    X(suite_stability)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
