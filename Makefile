@@ -102,8 +102,8 @@ lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is ex
 check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
 	@REPOSE=$(B)/repose $(B)/check
 
-validate: $(B)/check ## the validation at full size, with its tables in build/tables
-	@$(B)/check --full -o $(T)
+validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
@@ -312,7 +312,7 @@ $(T)/pile_threshold.tsv: $(CODE)
 $(T)/validation_%.tsv: $(CODE) $(B)/check
 	@mkdir -p $(T)
 	@echo "check   --full $(firstword $(subst _, ,$*))"
-	@$(B)/check --full -o $(T) $(firstword $(subst _, ,$*)) >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $(firstword $(subst _, ,$*)) >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)

@@ -32,7 +32,8 @@
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
     X(suite_rotation)                                                                                        \
-    X(suite_stability)
+    X(suite_stability)                                                                                       \
+    X(suite_extreme)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
