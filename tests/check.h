@@ -33,7 +33,8 @@
     X(suite_impact)                                                                                          \
     X(suite_rotation)                                                                                        \
     X(suite_stability)                                                                                       \
-    X(suite_extreme)
+    X(suite_extreme)                                                                                         \
+    X(suite_chaos)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
