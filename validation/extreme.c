@@ -8,6 +8,7 @@
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
+#include "core/clock.h"
 #include "core/table.h"
 #include "dem/dem.h"
 #include "tests/check.h"
@@ -21,7 +22,7 @@ static const double stiffnesses[] = {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e1
 /* ---- The table */
 
 static FILE *table;
-static int n_cases;
+static int n_cases, n_right, n_refused;
 
 typedef struct {
     char parameters[200], expected[120], observed[320];
@@ -44,6 +45,8 @@ static void say(char *to, size_t size, const char *format, ...)
 static void verdict(const char *name, bool right)
 {
     n_cases++;
+    n_right += right;
+    n_refused += strncmp(text.expected, "refused", 7) == 0;
     CU_ASSERT(right);
     if (!right)
         fprintf(stderr, "extreme: %s: %s: expected %s, observed %s\n", name, text.parameters, text.expected,
@@ -772,7 +775,7 @@ static void observe_answer(int status)
 
 static void program_refuses(const char *name, int status, int expected, const char *word)
 {
-    EXPECTED("exit status %d: %s", expected, word);
+    EXPECTED("%sexit status %d: %s", expected ? "refused, " : "", expected, word);
     observe_answer(status);
     verdict(name, status == expected && strstr(answer, word) != NULL);
 }
@@ -918,7 +921,8 @@ static void extremes(void)
                                       {"observed", "text"},
                                       {"verdict", "word"}};
     if (table) rp_table_columns(table, COUNT(columns), columns);
-    n_cases = 0;
+    n_cases = n_right = n_refused = 0;
+    const double start = rp_clock();
     static_overlaps();
     elastic_impacts();
     damped_impacts();
@@ -941,6 +945,14 @@ static void extremes(void)
     if (check_full()) million();
     CU_ASSERT(n_cases >= 300);
     check_table_close(table, "extreme");
+    table = check_table("extreme_sums");
+    if (table) {
+        rp_table_columns(
+            table, 4,
+            (const char *const[][2]){{"cases", ""}, {"right", ""}, {"refused", ""}, {"run_time", "s"}});
+        fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
+    }
+    check_table_close(table, "extreme_sums");
     table = NULL;
 }
 

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/sim.h"
@@ -364,14 +365,22 @@ static double theory_tolerance(const stability_case *c)
 static const double MARGIN = 1.13;
 
 static FILE *table;
-static double least_margin;
+
+/* Of one scheme: margins between measured and limit, largest deviation from the theory. */
+static struct {
+    int cases;
+    double least, most, deviation;
+} summary;
 
 static void check_one(const stability_case *c)
 {
     const stability s = examine(c, check_full() ? 4 : 3);
     CHECK_NEAR(s.measured / s.theory, 1.0, theory_tolerance(c));
     CU_ASSERT(s.measured > MARGIN * s.limit);
-    least_margin = fmin(least_margin, s.measured / s.limit);
+    summary.cases++;
+    summary.least = fmin(summary.least, s.measured / s.limit);
+    summary.most = fmax(summary.most, s.measured / s.limit);
+    summary.deviation = fmax(summary.deviation, fabs(s.measured / s.theory - 1.0));
     if (!table) return;
     const double w = s.omega, v[] = {c->k_n,       c->damping * w,      c->mass_ratio, c->radius_ratio,
                                      c->shear,     c->rotation,         s.limit,       s.measured,
@@ -459,14 +468,29 @@ static void map(void)
                                           {"margin", "measured/limit"}};
         rp_table_columns(table, sizeof columns / sizeof *columns, columns);
     }
-    least_margin = INFINITY;
+    FILE *sums = check_table("stability_sums");
+    const char *const sum_columns[][2] = {{"integrator", "word"},
+                                          {"cases", ""},
+                                          {"margin_least", "measured/limit"},
+                                          {"margin_most", "measured/limit"},
+                                          {"deviation", "of measured/theory from 1, largest"},
+                                          {"run_time", "s"}};
+    if (sums) rp_table_columns(sums, 6, sum_columns);
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
+        const double start = rp_clock();
+        summary.cases = 0;
+        summary.least = INFINITY;
+        summary.most = summary.deviation = 0.0;
         map_damping(scheme);
         map_stiffness(scheme);
         map_shear(scheme);
         map_radii(scheme);
+        if (sums)
+            fprintf(sums, "%s\t%d\t%.17g\t%.17g\t%.17g\t%.3g\n", scheme_names[scheme], summary.cases,
+                    summary.least, summary.most, summary.deviation, rp_clock() - start);
     }
     check_table_close(table, "stability");
+    check_table_close(sums, "stability_sums");
     table = NULL;
 }
 
