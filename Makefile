@@ -234,9 +234,8 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
-# Piles whose angles differ by some 3.8 degrees, though their fills agree: 1400 tell 0.3 degrees from none, with a
-# 95 % interval of +-0.2.
-STUDY_val_dt := 1400
+# Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
+STUDY_val_dt := 2000
 STUDY_val_integrator := 1400
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
