@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
@@ -31,7 +32,11 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
+    X(suite_published)                                                                                       \
+    X(suite_order)                                                                                           \
     X(suite_stability)                                                                                       \
     X(suite_extreme)                                                                                         \
     X(suite_chaos)
