@@ -102,8 +102,8 @@ lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is ex
 check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
 	@REPOSE=$(B)/repose $(B)/check
 
-validate: $(B)/check ## the validation at full size, with its tables in build/tables
-	@$(B)/check --full -o $(T)
+validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
@@ -182,6 +182,8 @@ TREND_lh_gear := --x integrator --by dt --pair
 TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
+TREND_val_dt := --x dt --scale log --pair --margin 0.3
+TREND_val_integrator := --x integrator --pair --margin 0.3
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
 	@cat $^ >$@
 $(T)/lh5_trend.tsv: $(T)/lh5_runs.tsv
@@ -232,11 +234,14 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+# Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
+STUDY_val_dt := 2000
+STUDY_val_integrator := 1400
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_val%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
@@ -314,7 +319,7 @@ $(T)/validation_%.tsv: $(T)/.validation_$$(firstword $$(subst _, ,$$*)) ;
 $(T)/.validation_%: $(call objects,validation) $(CODE) $(B)/check
 	@mkdir -p $(T)
 	@echo "check   --full $*"
-	@$(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
 	@touch $@
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv

@@ -36,7 +36,10 @@
     X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
     X(suite_published)                                                                                       \
-    X(suite_order)
+    X(suite_order)                                                                                           \
+    X(suite_stability)                                                                                       \
+    X(suite_extreme)                                                                                         \
+    X(suite_chaos)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
