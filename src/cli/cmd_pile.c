@@ -51,7 +51,7 @@ static const rp_param schema[] = {
     {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
-     "one row for the pile, not one a base disk"},
+     "one row for the pile, not one a base disk; with the processor time and peak memory of the program"},
     {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
      "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
     {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
@@ -279,7 +279,7 @@ static void write_summary(const options *o, const heap *h, const dem_pile_result
                                              {"horizontal", ""},
                                              {"broken", ""},
                                              {"jumps", ""},
-                                             {"seconds", "processor time"},
+                                             {"seconds", "s"},
                                              {"memory", "MB"},
                                              {"status", ""}};
     rp_table_columns(stdout, 16, columns);
