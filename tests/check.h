@@ -32,7 +32,10 @@
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \
-    X(suite_rotation)
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
+    X(suite_rotation)                                                                                        \
+    X(suite_published)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
