@@ -31,6 +31,7 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
+    X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
