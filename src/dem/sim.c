@@ -24,6 +24,7 @@ dem_definition dem_definition_default(void)
                      .mu = 0.2,
                      .k_roll = 1e4,
                      .gamma_roll = 5.0},
+        .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
@@ -110,7 +111,7 @@ static double gear_step_limit(const dem_definition *def, const dem_material *c, 
 static double overlap_step_limit(const dem_definition *def, const dem_material *c, double m_eff,
                                  double overlap)
 {
-    double limit = contact_step_limit(def, c, m_eff, overlap);
+    double limit = def->integrator == DEM_IMPLICIT ? INFINITY : contact_step_limit(def, c, m_eff, overlap);
     return def->integrator == DEM_GEAR5 ? fmin(limit, gear_step_limit(def, c, m_eff, overlap)) : limit;
 }
 
@@ -161,6 +162,10 @@ static double impact_speed(const dem_definition *def)
 double dem_time_step_limit(const dem_definition *def, const char **what)
 {
     double m_min = INFINITY, m_second = INFINITY, r_min = INFINITY, limit = INFINITY;
+    if (def->integrator == DEM_IMPLICIT) {
+        if (what) *what = "nothing: the integrator is implicit";
+        return INFINITY;
+    }
     for (size_t i = 0; i < def->n_grains; i++) {
         if (def->grains[i].fixed) continue;
         m_second = fmin(m_second, fmax(m_min, def->grains[i].m));
@@ -284,9 +289,11 @@ static rp_status check_hard(const dem_definition *def)
     return RP_OK;
 }
 
-static rp_status refuse_turn(void)
+static rp_status refuse_turn(bool implicit)
 {
-    return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
+    return rp_fail(RP_BAD_INPUT, "the box turns, but %s",
+                   implicit ? "the integrator implicit needs walls that stand"
+                            : "some grains are fixed: they would not turn with it");
 }
 
 static rp_status check_grain(const dem_definition *def, const dem_grain *p)
@@ -298,7 +305,7 @@ static rp_status check_grain(const dem_definition *def, const dem_grain *p)
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
-    if (p->fixed && def->box_turn_per_step != 0.0) return refuse_turn();
+    if (p->fixed && def->box_turn_per_step != 0.0) return refuse_turn(false);
     if (!isfinite(p->x + p->y + p->vx + p->vy))
         return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
     if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
@@ -331,6 +338,7 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
+    if (!status) status = dem_implicit_check(def);
     if (status) return status;
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
@@ -457,7 +465,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
         !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
-    return RP_OK;
+    return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
 
 /* Contacts that the start has already may be stiffer than any impact to come. */
@@ -583,7 +591,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     *c = *sim;
     c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->fixed = NULL, c->spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL;
     rp_status status = alloc_arrays(c, room);
@@ -676,6 +684,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
+    dem_implicit_free(sim);
     free(sim->gear), free(sim->fixed);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
@@ -687,12 +696,18 @@ rp_status dem_run(dem_sim *sim, long steps)
 {
     const double h = sim->def.dt;
     rp_status status;
-    if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
+    if ((sim->n_fixed > 0 || sim->implicit) && sim->def.box_turn_per_step != 0.0)
+        return refuse_turn(sim->implicit);
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        bool stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        bool stale = false;
+        if (sim->implicit) {
+            if ((status = dem_implicit_step(sim, &stale)) != RP_OK) return status;
+        } else {
+            stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        }
         sim->step++;
         if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
         sim->kernel(sim, h);
