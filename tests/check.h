@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_midpoint)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
@@ -31,7 +32,8 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
-    X(suite_rotation)
+    X(suite_rotation)                                                                                        \
+    X(suite_implicit)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

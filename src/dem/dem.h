@@ -92,7 +92,7 @@ enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR };
 typedef struct {
     int solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */
-    double tolerance;  /* [1e-16, 1e-3] */
+    double tolerance;  /* [1e-15, 1e-3] */
     long max_iterations;
 } dem_implicit_solver;
 

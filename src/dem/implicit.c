@@ -59,6 +59,8 @@ rp_status dem_implicit_check(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
     if (def->tangential == DEM_SPRING)
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
+    if (def->box_turn_per_step != 0.0)
+        return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
     for (size_t w = 0; w < def->n_walls; w++)
         if (isfinite(def->walls[w].extent[0]) || isfinite(def->walls[w].extent[1]))
             return rp_fail(RP_BAD_INPUT,
@@ -67,8 +69,8 @@ rp_status dem_implicit_check(const dem_definition *def)
     if (s->solver == DEM_SOLVER_SOR && !(s->relaxation > 0.0 && s->relaxation < 2.0))
         return rp_fail(RP_BAD_INPUT, "implicit: relaxation = %g: out of range, allowed: (0, 2)",
                        s->relaxation);
-    if (!(s->tolerance >= 1e-16 && s->tolerance <= 1e-3))
-        return rp_fail(RP_BAD_INPUT, "implicit: tolerance = %g: out of range, allowed: [1e-16, 1e-3]",
+    if (!(s->tolerance >= 1e-15 && s->tolerance <= 1e-3))
+        return rp_fail(RP_BAD_INPUT, "implicit: tolerance = %g: out of range, allowed: [1e-15, 1e-3]",
                        s->tolerance);
     if (s->max_iterations < 1)
         return rp_fail(RP_BAD_INPUT, "implicit: max_iterations = %ld: out of range, allowed: [1, inf)",
@@ -377,23 +379,34 @@ static rp_status newton_step(dem_sim *sim, double *step, double *size, double *f
     return status;
 }
 
+/* Go a part of m->step, and see. */
+static lack go(dem_sim *sim, double part)
+{
+    struct dem_implicit *m = sim->implicit;
+    for (size_t i = 0; i < sim->n; i++)
+        if (!is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
+    return evaluate(sim);
+}
+
 /* Go Newton's step, or half of it, a quarter, ..., until the next step by the same matrix is shorter. The
  * residuals themselves would not do to judge by: they grow by the stiffest contacts, however little those
  * lack. No grain goes farther than half the skin: a step that ends beyond is refused anyway, and from too far
- * away there is no way back. */
-static rp_status go(dem_sim *sim, lack *l)
+ * away there is no way back. The step after the last is gone too, by the same matrix: it takes what is left
+ * below the tolerance, that has the same sign in every impact and would add up. */
+static rp_status improve(dem_sim *sim, lack *l)
 {
-    struct dem_implicit *m = sim->implicit;
     double before, after, far, unused, gone = 0.0;
-    rp_status status = newton_step(sim, m->step, &before, &far);
+    rp_status status = newton_step(sim, sim->implicit->step, &before, &far);
     const double most = fmin(1.0, 0.5 * sim->skin / far);
     for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
-        for (size_t i = 0; i < sim->n; i++)
-            if (!is_fixed(sim, i)) m->u[i] -= (part - gone) * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
+        *l = go(sim, part - gone);
         gone = part;
-        *l = evaluate(sim);
-        if (l->largest <= sim->def.implicit.tolerance) break;
-        status = newton_step(sim, m->next, &after, &unused);
+        if (l->largest <= sim->def.implicit.tolerance) {
+            status = newton_step(sim, sim->implicit->step, &after, &unused);
+            go(sim, 1.0);
+            break;
+        }
+        status = newton_step(sim, sim->implicit->next, &after, &unused);
         if (after < before) break;
     }
     return status;
@@ -409,7 +422,7 @@ static rp_status solve_direct(dem_sim *sim)
         assemble(sim);
         rp_status status = dem_stiffness_factorise(sim->implicit->matrix, &pivots);
         if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
-        if (!status) status = go(sim, &l);
+        if (!status) status = improve(sim, &l);
         if (status) return status;
         sim->iterations++;
     }

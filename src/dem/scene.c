@@ -119,7 +119,7 @@ static const rp_param implicit_schema[] = {
     {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", "direct | sor",
      "how a step is solved: Newton's method by sparse factorisation, or sweeps grain by grain"},
     {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
-    {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-16, 1e-3]",
+    {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
      "largest step that a grain's own equation still asks for, over its radius"},
     {"max_iterations", "", RP_INT, AT(dem_implicit_solver, max_iterations), "1000", "[1, 1000000]",
      "factorisations or sweeps, after which a step counts as not solved"},

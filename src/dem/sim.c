@@ -289,11 +289,9 @@ static rp_status check_hard(const dem_definition *def)
     return RP_OK;
 }
 
-static rp_status refuse_turn(bool implicit)
+static rp_status refuse_turn(void)
 {
-    return rp_fail(RP_BAD_INPUT, "the box turns, but %s",
-                   implicit ? "the integrator implicit needs walls that stand"
-                            : "some grains are fixed: they would not turn with it");
+    return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
 }
 
 static rp_status check_grain(const dem_definition *def, const dem_grain *p)
@@ -305,7 +303,7 @@ static rp_status check_grain(const dem_definition *def, const dem_grain *p)
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
-    if (p->fixed && def->box_turn_per_step != 0.0) return refuse_turn(false);
+    if (p->fixed && def->box_turn_per_step != 0.0) return refuse_turn();
     if (!isfinite(p->x + p->y + p->vx + p->vy))
         return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
     if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
@@ -696,8 +694,8 @@ rp_status dem_run(dem_sim *sim, long steps)
 {
     const double h = sim->def.dt;
     rp_status status;
-    if ((sim->n_fixed > 0 || sim->implicit) && sim->def.box_turn_per_step != 0.0)
-        return refuse_turn(sim->implicit);
+    if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
+    if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
