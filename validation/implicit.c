@@ -74,7 +74,7 @@ static const energy_case energy_cases[] = {
     {"verlet_0.1", DEM_VERLET, 0.1, 0.0, false}};
 enum { ENERGY_CASES = sizeof energy_cases / sizeof *energy_cases };
 
-/* In units of the energy that moves: kinetic and of the heights above the lowest. */
+/* The largest error till a step, over the energy at the start, whose gravity counts from the floor. */
 enum { MARKS = 200 };
 static size_t run_energy(const energy_case *c, long steps, double error[MARKS], double at[MARKS],
                          double *most, double *iterations)
@@ -82,18 +82,16 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
     dem_sim *sim = gas(c->integrator, c->dt, c->tolerance);
     const double before = total_energy(sim);
     size_t n = 0;
-    double next = 10.0, worst = 0.0;
+    double next = 10.0;
     *most = 0.0;
     for (long k = 1; k <= steps; k++) {
         const rp_status status = dem_run(sim, 1);
         CHECK_OK(status);
         if (status) break;
-        worst = fmax(worst, fabs(total_energy(sim) - before) / before);
+        *most = fmax(*most, fabs(total_energy(sim) - before) / before);
         if ((double)k < next && k < steps) continue;
         at[n] = (double)k;
-        error[n++] = worst;
-        *most = fmax(*most, worst);
-        worst = 0.0;
+        error[n++] = *most;
         next *= 1.1547819846894583; /* 16 a decade */
     }
     dem_counts counts;
@@ -103,7 +101,8 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
     return n;
 }
 
-/* A step's error is of the places, some 5e-16, times a force of up to 300: the energy walks at random. */
+/* A step's error is that of places, some 5e-16, times a force of some 1000, over an energy of some 10: the
+ * energy walks at random. */
 static double walk(long steps)
 {
     return 1e-13 * sqrt((double)steps);
@@ -228,7 +227,7 @@ static void cost(void)
             cost_of(base, steps[k], DEM_SOLVER_DIRECT, &factorisations);
             if (out) rp_table_row(out, 4, (double[]){(double)base, steps[k], sweeps, factorisations});
             CU_ASSERT(factorisations <= 20.0);
-            if (k == 2) CU_ASSERT(sweeps > 2.0 * before[2]);
+            if (k == 2) CU_ASSERT(sweeps > 1.5 * before[2]);
             before[k] = sweeps;
         }
     check_table_close(out, "implicit_sweeps");
