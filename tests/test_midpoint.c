@@ -160,6 +160,31 @@ static void energy_of_gas(void)
     }
 }
 
+/* Steps of ten contact times, in which grains of a crowd meet several others: where Newton's method would go
+ * too far. */
+static void long_steps(void)
+{
+    enum { N = 16 };
+    dem_grain grains[N];
+    for (int i = 0; i < N; i++)
+        grains[i] = (dem_grain){.x = 1.2 * (i % 4) + 0.6 + 0.05 * (i / 4 % 2),
+                                .y = 0.6 + 1.1 * (i / 4),
+                                .r = R,
+                                .m = 1.0,
+                                .vx = 0.4 * (i % 2 ? 1.0 : -0.7),
+                                .vy = 0.2 * (i % 3 - 1)};
+    dem_definition def = disks(grains, N, 10.0);
+    def.gravity[1] = -0.2;
+    for (int i = 0; i < N; i++) grains[i].vx *= sqrt(0.1), grains[i].vy *= sqrt(0.1);
+    def.skin = 0.8;
+    dem_box_walls(&def, 4.8, &def.material);
+    dem_sim *sim = grains_start(&def);
+    const double before = total_energy(sim);
+    CHECK_OK(dem_run(sim, 300));
+    CHECK_NEAR(total_energy(sim), before, 1e-11);
+    dem_free(sim);
+}
+
 /* Free disks: momentum, whatever the tolerance, and angular momentum. */
 static void momentum(void)
 {
@@ -412,6 +437,7 @@ void suite_midpoint(void)
                                        {"energy of a well", well_conserves},
                                        {"order", second_order},
                                        {"energy of a gas", energy_of_gas},
+                                       {"long steps", long_steps},
                                        {"momentum", momentum},
                                        {"damping takes energy", damping_takes_energy},
                                        {"restitution", restitution},
