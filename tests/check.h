@@ -22,6 +22,7 @@
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
     X(suite_midpoint)                                                                                        \
+    X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
@@ -32,7 +33,11 @@
     X(suite_equilibrium)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
+    X(suite_published)                                                                                       \
+    X(suite_order)                                                                                           \
     X(suite_implicit)
 
 #define X(suite) void suite(void);

@@ -59,6 +59,7 @@ rp_status dem_implicit_check(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
     if (def->tangential == DEM_SPRING)
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
+    if (def->ledger) return rp_fail(RP_BAD_INPUT, "the integrator implicit has no energy ledger");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
     for (size_t w = 0; w < def->n_walls; w++)
