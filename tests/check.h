@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
@@ -40,7 +41,8 @@
     X(suite_order)                                                                                           \
     X(suite_stability)                                                                                       \
     X(suite_extreme)                                                                                         \
-    X(suite_chaos)
+    X(suite_chaos)                                                                                           \
+    X(suite_implicit)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

@@ -577,7 +577,7 @@ static void test_stiffness_update(void)
         dem_pivots pivots;
         CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
         dem_stiffness_clear(m, 0.125);
-        dem_stiffness_add_site(m, 3, -2, 0); /* one negative mode */
+        dem_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
         for (size_t k = 0; k < 5; k++)       /* bond 2 is wanted, bond 4 is not */
             if (way == 0 ? k != 4 : k != 2)
                 dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],

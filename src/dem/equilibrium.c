@@ -309,10 +309,10 @@ static void assemble(dem_pile *pile, bool start, double soften, double shift)
                                n[0] * n[1] * (b->hard + turn), b->hard * n[1] * n[1] - turn * n[0] * n[0]);
     }
     for (size_t i = 0; i < pile->n; i++)
-        if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 1);
+        if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 0, 1);
     for (size_t i = 0; i < pile->n_wells; i++) {
         const well *h = &pile->wells[i];
-        dem_stiffness_add_site(pile->matrix, h->disk, h->k,
+        dem_stiffness_add_site(pile->matrix, h->disk, h->k, 0,
                                ground_push(pile, h->disk, w) > 0 ? 0
                                : start                           ? 1
                                                                  : soften);

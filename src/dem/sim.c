@@ -24,6 +24,7 @@ dem_definition dem_definition_default(void)
                      .mu = 0.2,
                      .k_roll = 1e4,
                      .gamma_roll = 5.0},
+        .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
@@ -136,6 +137,7 @@ static double gear_step_limit(const dem_definition *def, const dem_material *c, 
 
 static double overlap_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap)
 {
+    if (def->integrator == DEM_IMPLICIT) return INFINITY;
     double limit = contact_step_limit(def, c, of, overlap);
     return def->integrator == DEM_GEAR5 ? fmin(limit, 0.85 * gear_step_limit(def, c, of, overlap, 3.0))
                                         : limit;
@@ -208,6 +210,10 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
 {
     double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
     const dem_grain *first, *second;
+    if (def->integrator == DEM_IMPLICIT) {
+        if (what) *what = "nothing: the integrator is implicit";
+        return INFINITY;
+    }
     for (size_t i = 0; i < def->n_grains; i++) {
         r_min = fmin(r_min, def->grains[i].r);
         if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
@@ -378,6 +384,7 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
+    if (!status) status = dem_implicit_check(def);
     if (status) return status;
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
@@ -506,7 +513,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
         !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
-    return RP_OK;
+    return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
 
 static meeting meeting_of(const dem_sim *sim, size_t i, size_t j)
@@ -643,7 +650,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     *c = *sim;
     c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->fixed = NULL, c->spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
@@ -738,6 +745,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
+    dem_implicit_free(sim);
     dem_ledger_free(sim);
     free(sim->gear), free(sim->fixed);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
@@ -751,11 +759,17 @@ rp_status dem_run(dem_sim *sim, long steps)
     const double h = sim->def.dt;
     rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
+    if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        bool stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        bool stale = false;
+        if (sim->implicit) {
+            if ((status = dem_implicit_step(sim, &stale)) != RP_OK) return status;
+        } else {
+            stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        }
         sim->step++;
         if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
         sim->kernel(sim, h);

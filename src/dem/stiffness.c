@@ -127,7 +127,7 @@ void dem_stiffness_clear(dem_stiffness *m, double shift)
 {
     double *v = m->A->x;
     memset(v, 0, m->A->nzmax * sizeof *v);
-    for (size_t a = 0; a < m->n; a++) dem_stiffness_add_site(m, a, shift, shift);
+    for (size_t a = 0; a < m->n; a++) dem_stiffness_add_site(m, a, shift, 0, shift);
 }
 
 /* Columns 2a and 2a + 1 of the values. */
@@ -139,10 +139,11 @@ static double *columns_of(dem_stiffness *m, size_t a, double **second)
     return v + p[2 * a];
 }
 
-void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double yy)
+void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double xy, double yy)
 {
     double *y, *x = columns_of(m, a, &y);
     x[0] += xx;
+    x[1] += xy;
     y[0] += yy;
 }
 

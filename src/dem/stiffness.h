@@ -26,7 +26,7 @@ void dem_stiffness_free(dem_stiffness *m);
 /* Set to shift times the identity, then add springs that hold disk a to the ground, or join the ends of bond
  * number k, with stiffness [xx xy; xy yy]. */
 void dem_stiffness_clear(dem_stiffness *m, double shift);
-void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double yy);
+void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double xy, double yy);
 void dem_stiffness_add_bond(dem_stiffness *m, size_t k, dem_pair ends, double xx, double xy, double yy);
 
 /* Pivots D of the last factorisation. */
