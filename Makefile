@@ -117,7 +117,7 @@ REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
 # of ensembles that only `make studies` makes
-STUDY_FIGURES := lh_forensics
+STUDY_FIGURES := lh_forensics li_size
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
@@ -232,11 +232,13 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+STUDY_li_size_large := 1
+STUDY_li_disorder := 200
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
@@ -279,20 +281,29 @@ $(T)/tent_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) tent --outer-deg $(word 1,$(call tent_words,$*)) --inner-deg $(word 2,$(call tent_words,$*)) \
 	  --x1 0.$(word 3,$(call tent_words,$*)) --points 401 >$@
+$(T)/tent_map_%.tsv: $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) tent --map --x1 0.$* >$@
 $(T)/triangle_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) lattice --layers $* >$@
-# Soft disks: base, angle and eps are in the name; in a folder of that name the contacts and disks.
+# Soft disks: base, angle and eps, or 0 for the limit, are in the name; in a folder of that name the contacts and disks.
 pile_words = $(subst _, ,$(1))
 define make_pile
 @mkdir -p $(T)
 @$(REPOSE) pile --base $(word 1,$(call pile_words,$*)) --alpha-deg $(word 2,$(call pile_words,$*)) \
-  --eps $(word 3,$(call pile_words,$*)) $(1)
+  $(if $(filter 0,$(word 3,$(call pile_words,$*))),--linear,--eps $(word 3,$(call pile_words,$*))) $(1)
 endef
 $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
 $(T)/pile_minimum_%.tsv: $(CODE)
 	$(call make_pile,--branch minimum >$@)
+# base, tent and eps, and the half-width of the wells where they are not springs
+pile_tent = --base $(word 1,$(1)) --outer-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x1 0.$(word 4,$(1))
+$(T)/pile_tent_%.tsv: $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) pile $(call pile_tent,$(call pile_words,$*)) --eps $(word 5,$(call pile_words,$*)) \
+	  $(addprefix --well ,$(word 6,$(call pile_words,$*))) >$@
 # One row a pile: the first with its header.
 define one_table
 @awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
