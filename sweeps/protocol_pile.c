@@ -81,22 +81,26 @@ static const sweep_output outputs[] = {
     {"load", "", "part of the load up to which equilibrium was followed"},
     {NULL, NULL, NULL}};
 
-static size_t outline(const pile_params *p, an_point v[5])
+static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
 {
     const double alpha = p->alpha_deg * M_PI / 180;
-    if (p->inner_deg > 0) return an_tent(alpha, p->inner_deg * M_PI / 180, p->x_1, v) ? 0 : 5;
+    *n = p->inner_deg > 0 ? 5 : 3;
+    if (p->inner_deg > 0) return an_tent(alpha, p->inner_deg * M_PI / 180, p->x_1, v);
     v[0] = (an_point){0, 0};
     v[1] = (an_point){0.5, 0.5 * tan(alpha)};
     v[2] = (an_point){1, 0};
-    return 3;
+    return RP_OK;
 }
 
 static rp_status make_heap(const pile_params *p, unsigned long seed, unsigned long run, sweep_heap *heap)
 {
     an_point v[5];
-    rp_status status = p->inner_deg > 0 ? sweep_heap_polygon(heap, p->base, p->gap, v, outline(p, v))
-                                        : sweep_heap_slope(heap, p->base, p->gap,
-                                                           p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0);
+    size_t n;
+    rp_status status = outline(p, v, &n);
+    if (!status)
+        status = p->inner_deg > 0 ? sweep_heap_polygon(heap, p->base, p->gap, v, n)
+                                  : sweep_heap_slope(heap, p->base, p->gap,
+                                                     p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0);
     return status || !(p->disorder > 0) ? status : sweep_heap_disorder(heap, p->disorder, seed, run);
 }
 
@@ -135,9 +139,10 @@ static void compare_continuum(const pile_params *p, const sweep_heap *h, const d
 {
     double sum[2] = {0}, most[2] = {0};
     an_point v[5];
+    size_t n;
     an_profile profile;
     deviation[0] = deviation[1] = NAN;
-    if (an_profile_set(&profile, v, outline(p, v))) return;
+    if (outline(p, v, &n) || an_profile_set(&profile, v, n)) return;
     for (size_t i = 0; i < h->k; i++) {
         const double place = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
         an_force f;
