@@ -46,6 +46,7 @@ enum {
     OUT_N_CENTRE_DIAGONALS,
     OUT_H_RATIO,
     OUT_THRUST,
+    OUT_SLOPE,
     OUT_N_RMS,
     OUT_N_MAX,
     OUT_N_CONTINUUM,
@@ -54,6 +55,8 @@ enum {
     OUT_PIVOT,
     OUT_CONTACTS,
     OUT_HORIZONTAL,
+    OUT_STRONGEST_LEVEL,
+    OUT_WEAKEST_LEVEL,
     OUT_BROKEN,
     OUT_JUMPS,
     OUT_LOAD,
@@ -67,6 +70,7 @@ static const sweep_output outputs[] = {
     {"N_centre_diagonals", "", "the same of what diagonals alone carry"},
     {"H_ratio", "", "largest H over that of diagonals alone"},
     {"thrust_ratio", "", "sum of H outwards, both halves, over that of diagonals alone"},
+    {"H_slope_ratio", "", "slope of H within 0.1 B of the middle over that of diagonals alone"},
     {"N_error_rms", "", "relative deviation of N from diagonals alone, root mean square"},
     {"N_error_max", "", "the largest"},
     {"N_continuum_rms", "",
@@ -76,6 +80,8 @@ static const sweep_output outputs[] = {
     {"smallest_pivot", "K_s", "of the stiffness"},
     {"contacts", "", "between disks"},
     {"horizontal", "", "of those, in a row"},
+    {"strongest_level", "", "part of the strongest contacts of the disks that is in a row"},
+    {"weakest_level", "", "the same of the weakest"},
     {"broken", "", "wells of static friction that broke"},
     {"jumps", "", "times that the primary branch ended"},
     {"load", "", "part of the load up to which equilibrium was followed"},
@@ -162,6 +168,38 @@ static double centre_over_largest(size_t k, const double N[])
     return (N[(k - 1) / 2] + N[k / 2]) / 2 / most;
 }
 
+static double middle_slope(const sweep_heap *h, const double x[], const double H[])
+{
+    const double WITHIN = 0.1, middle = (x[0] + x[h->k - 1]) / 2;
+    double ours = 0, exact = 0;
+    for (size_t i = 0; i < h->k; i++) {
+        const double u = x[i] - middle;
+        if (!(fabs(u) < WITHIN * h->B)) continue;
+        ours += u * H[i];
+        exact += u * h->exact[i].H;
+    }
+    return ours / exact;
+}
+
+/* Of the contacts that are the strongest, or the weakest, of a disk: the part in a row. */
+static rp_status find_level(const dem_pile *pile, double *strongest, double *weakest)
+{
+    dem_pile_contact *list;
+    size_t n, all[2] = {0}, level[2] = {0};
+    rp_status status = dem_pile_contacts(pile, &list, &n);
+    if (status) return status;
+    for (size_t i = 0; i < n; i++) {
+        all[0] += list[i].strongest;
+        all[1] += list[i].weakest;
+        level[0] += list[i].strongest && list[i].horizontal;
+        level[1] += list[i].weakest && list[i].horizontal;
+    }
+    free(list);
+    *strongest = (double)level[0] / (double)all[0];
+    *weakest = (double)level[1] / (double)all[1];
+    return RP_OK;
+}
+
 static rp_status measure(const pile_params *p, const sweep_heap *h, const dem_pile *pile, double *v)
 {
     const size_t k = h->k;
@@ -188,6 +226,8 @@ static rp_status measure(const pile_params *p, const sweep_heap *h, const dem_pi
         compare_continuum(p, h, x, N, H, deviation);
         v[OUT_N_CONTINUUM] = deviation[0];
         v[OUT_H_CONTINUUM] = deviation[1];
+        v[OUT_SLOPE] = middle_slope(h, x, H);
+        status = find_level(pile, &v[OUT_STRONGEST_LEVEL], &v[OUT_WEAKEST_LEVEL]);
     }
     free(disk);
     free(x);

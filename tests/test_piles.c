@@ -179,6 +179,8 @@ static void open_rows(void)
         CHECK_NEAR(output(&r, "N_error_max"), 0, BALANCE);
         CHECK_NEAR(output(&r, "H_ratio"), 1, BALANCE);
         CHECK_NEAR(output(&r, "thrust_ratio"), 1, BALANCE);
+        CHECK_NEAR(output(&r, "H_slope_ratio"), 1, BALANCE);
+        CU_ASSERT(output(&r, "strongest_level") == 0 && output(&r, "weakest_level") == 0);
         CHECK_NEAR(output(&r, "D"), output(&r, "D_diagonals"), BALANCE);
         CHECK_NEAR(output(&r, "N_centre"), output(&r, "N_centre_diagonals"), BALANCE);
         CU_ASSERT(output(&r, "horizontal") == 0 && output(&r, "negative_modes") == 0);
@@ -200,6 +202,7 @@ static void against_continuum(void)
     CU_ASSERT(N[0] < 0.05 && N[1] < 0.4 * N[0] && H[1] < 0.4 * H[0]);
     sweep_result r;
     CHECK_OK(RUN(0, &r, "base=120", "alpha_deg=30", "eps=0"));
+    CU_ASSERT(output(&r, "weakest_level") > 0.5 && output(&r, "strongest_level") < 0.05);
     CU_ASSERT(output(&r, "H_continuum_rms") > 0.1 && output(&r, "N_continuum_rms") > 0.02);
     CHECK_OK(RUN(0, &r, "base=20")); /* no continuum at 60 degrees */
     CU_ASSERT(isnan(output(&r, "N_continuum_rms")) && output(&r, "n_disks") == 210);

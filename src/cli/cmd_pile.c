@@ -271,7 +271,10 @@ static rp_status write(const options *o, sweep_heap *h, const dem_pile *pile, co
     if (!status) {
         dem_pile_base(pile, disk, N, H);
         if (h->exact && !r->fault) e = sweep_heap_compare(h, N, H);
+        double most = 0;
+        for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
         write_header(stdout, o, h, r);
+        rp_table_note(stdout, "sinks", "%.3g sigma at most", o->linear ? 0 : o->eps * most);
         rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", e.N_rms,
                       e.N_max);
         rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", e.H_ratio);
