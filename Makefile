@@ -323,7 +323,7 @@ $(T)/pile_threshold.tsv: $(CODE)
 	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
 	$(one_table)
 # Validation: validation_SUITE.tsv or validation_SUITE_*.tsv come from the suite of that name.
-$(T)/validation_%.tsv: $(CODE) $(B)/check
+$(T)/validation_%.tsv: $(CHECK) $(CODE) $(B)/check
 	@mkdir -p $(T)
 	@echo "check   --full $(firstword $(subst _, ,$*))"
 	@$(B)/check --full -o $(T) $(firstword $(subst _, ,$*)) >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
