@@ -748,6 +748,9 @@ static void check_ensemble(void)
         CHECK_NEAR(cell(&t, i, "N/mg"), mean, ROUNDING);
         CHECK_NEAR(cell(&t, i, "H/mg"), (H[0][i] + H[1][i] + H[2][i]) / 3, ROUNDING);
         CHECK_NEAR(cell(&t, i, "N_se/mg"), sqrt(squares / 6), ROUNDING);
+        const double B = cell(&t, i, "N/mg") / cell(&t, i, "N/(chi*g*B)");
+        CHECK_NEAR(cell(&t, i, "H/mg"), B * cell(&t, i, "H/(chi*g*B)"), ROUNDING);
+        CHECK_NEAR(1 / (cell(&t, 1, "x/B") - cell(&t, 0, "x/B")), B, ROUNDING);
         CHECK_NEAR(cell(&t, i, "x/B") + cell(&t, K - 1 - i, "x/B"), 1, ROUNDING);
     }
     rp_table_free(&t);
