@@ -102,8 +102,8 @@ lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is ex
 check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
 	@REPOSE=$(B)/repose $(B)/check
 
-validate: $(B)/check ## the validation at full size, with its tables in build/tables
-	@$(B)/check --full -o $(T)
+validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
@@ -182,6 +182,8 @@ TREND_lh_gear := --x integrator --by dt --pair
 TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
+TREND_val_dt := --x dt --scale log --pair --margin 0.3
+TREND_val_integrator := --x integrator --pair --margin 0.3
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
 	@cat $^ >$@
 $(T)/lh5_trend.tsv: $(T)/lh5_runs.tsv
@@ -237,11 +239,14 @@ STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
+# Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
+STUDY_val_dt := 2000
+STUDY_val_integrator := 1400
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
@@ -322,11 +327,14 @@ $(T)/pile_threshold.tsv: $(CODE)
 	@for k in 6 8 12 16 24 32 45 64 90; do \
 	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
 	$(one_table)
-# Validation: validation_SUITE.tsv or validation_SUITE_*.tsv come from the suite of that name.
-$(T)/validation_%.tsv: $(CHECK) $(CODE) $(B)/check
+# Validation: validation_SUITE.tsv and validation_SUITE_*.tsv come from one run of the suite of that name.
+.SECONDEXPANSION:
+$(T)/validation_%.tsv: $(T)/.validation_$$(firstword $$(subst _, ,$$*)) ;
+$(T)/.validation_%: $(call objects,validation) $(CODE) $(B)/check
 	@mkdir -p $(T)
-	@echo "check   --full $(firstword $(subst _, ,$*))"
-	@$(B)/check --full -o $(T) $(firstword $(subst _, ,$*)) >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@echo "check   --full $*"
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@touch $@
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)
@@ -345,7 +353,7 @@ report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository
 	@mkdir -p figures/shown
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 	@cp $< paper-repro.md
-.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv
+.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv $(T)/.validation_%
 
 clean: ## remove everything made
 	rm -rf $(B)

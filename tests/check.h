@@ -32,12 +32,16 @@
     X(suite_equilibrium)                                                                                    \
     X(suite_piles)
 #define CHECK_VALIDATION(X)                                                                                  \
+    X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
     X(suite_published)                                                                                       \
-    X(suite_order)
+    X(suite_order)                                                                                           \
+    X(suite_stability)                                                                                       \
+    X(suite_extreme)                                                                                         \
+    X(suite_chaos)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

@@ -8,6 +8,7 @@
 
 #include "analytic/analytic.h"
 #include "core/table.h"
+#include "dem/bonds.h"
 #include "dem/dem.h"
 #include "dem/equilibrium.h"
 #include "dem/stiffness.h"
@@ -620,6 +621,44 @@ static void test_stiffness_update(void)
     }
 }
 
+/* The pile of half the size: of k = 7 at 60 degrees that of k = 4, half way between whose disks all others
+ * are; of disks on no lattice there is none. */
+static void test_half_pile(void)
+{
+    heap h = make_disks(7, 60, 0);
+    dem_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
+    dem_pile_disk *half = NULL;
+    size_t n_bonds, n_half;
+    CHECK_OK(dem_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
+    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT_FATAL(n_half == 10);
+    for (size_t i = 0; i < h.n; i++) {
+        CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
+        const dem_pile_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
+        CHECK_NEAR(p->x + q->x, h.disks[i].x, 1e-14);
+        CHECK_NEAR(p->y + q->y - 1, h.disks[i].y - 0.5, 1e-14);
+        const double apart = hypot(p->x - q->x, p->y - q->y);
+        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : 1, 1e-14);
+    }
+    free(half);
+    h.disks[9].x += 0.12;
+    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT(n_half == 0 && half == NULL);
+    h.disks[9].x -= 0.12;
+    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
+    CU_ASSERT(n_half == 0 && half == NULL);
+    /* without the last disk of the base, the one beside it has a parent less */
+    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT(n_half == 9);
+    size_t orphans = 0;
+    for (size_t i = 0; i < h.n - 1; i++) orphans += parents[i].a >= n_half || parents[i].b >= n_half;
+    CU_ASSERT(orphans == 2);
+    free(half);
+    free(bonds);
+    free(parents);
+    free_heap(&h);
+}
+
 /* ---- the program ---- */
 
 static char folder[64];
@@ -805,6 +844,7 @@ void suite_equilibrium(void)
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
+                                       {"the pile of half the size", test_half_pile},
                                        {"the program", test_program},
                                        {NULL, NULL}};
     check_register("equilibrium", cases);

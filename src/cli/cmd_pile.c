@@ -2,10 +2,12 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "cli/cli.h"
+#include "core/clock.h"
 #include "sweeps/heap.h"
 
 typedef struct {
@@ -55,7 +57,7 @@ static const rp_param schema[] = {
     {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
-     "one row for the pile, not one a base disk"},
+     "one row for the pile, not one a base disk; with the processor time and peak memory of the program"},
     {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
      "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
     {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
@@ -196,13 +198,15 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
                                              {"horizontal", ""},
                                              {"broken", ""},
                                              {"jumps", ""},
+                                             {"seconds", "s"},
+                                             {"memory", "MB"},
                                              {"status", ""}};
-    rp_table_columns(stdout, 14, columns);
-    rp_table_row_word(stdout, 13,
+    rp_table_columns(stdout, 16, columns);
+    rp_table_row_word(stdout, 15,
                       (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, e->N_rms, e->N_max,
                                  e->H_ratio, (double)r->negative_modes, r->smallest_pivot, r->residual,
                                  (double)r->contacts, (double)r->horizontal, (double)r->broken,
-                                 (double)r->jumps},
+                                 (double)r->jumps, rp_cpu_clock(), rp_peak_memory()},
                       dem_pile_fault_text(r->fault));
 }
 
@@ -261,7 +265,7 @@ static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pi
 }
 
 /* The tables of a pile, and as much of them as is known when there is no equilibrium. */
-static rp_status write(const options *o, sweep_heap *h, const dem_pile *pile, const dem_pile_result *r)
+static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *pile, const dem_pile_result *r)
 {
     const size_t k = r->wells;
     size_t *disk = malloc((k + 1) * sizeof *disk);
@@ -370,18 +374,33 @@ static rp_status find_threshold(const options *o, const sweep_heap *h)
     return RP_OK;
 }
 
+/* One line on a terminal, drawn over and over, once it takes long. */
+static void draw(size_t n, const dem_pile_result *r, void *context)
+{
+    const double LONG = 1;
+    const double elapsed = rp_clock() - *(double *)context;
+    if (elapsed < LONG) return;
+    fprintf(stderr, "\r%zu disks: step %zu, %zu factorisations, residual %.2g m g  %.0f s   ", n, r->steps,
+            r->factored, r->residual, elapsed);
+    fflush(stderr);
+}
+
 static rp_status solve(const options *o, sweep_heap *h)
 {
     dem_pile *pile = NULL;
     dem_pile_result result;
-    const dem_pile_definition def = define(o, h);
+    double start = rp_clock();
+    dem_pile_definition def = define(o, h);
+    def.watch = isatty(STDERR_FILENO) ? draw : NULL;
+    def.context = &start;
     rp_status status = dem_pile_create(&def, &pile);
     if (status) return status;
     status = dem_pile_solve(pile, &result);
+    if (def.watch) fputs("\r\033[K", stderr);
     if (!status || status == RP_NO_RESULT) {
         char why[1024];
         snprintf(why, sizeof why, "%s", rp_message());
-        rp_status written = write(o, h, pile, &result);
+        rp_status written = write_tables(o, h, pile, &result);
         status = status ? rp_fail(status, "%s", why) : written;
     }
     dem_pile_free(pile);

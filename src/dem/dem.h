@@ -130,13 +130,17 @@ typedef enum {
 } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
-/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
- * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
- * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move. With
- * Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
- * start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact that sets it.
- * INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
+/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of where a
+ * packing's fastest mode becomes unstable. omega^2 = k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n
+ * sqrt(overlap) for Hertz at the overlap that an impact from the start's height and speed makes, and the
+ * largest of k_eff + k_s/3 (or the other way round), 3/4 (k_eff + k_s) and, where grains rotate,
+ * (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger than others, but not heavier, has more
+ * neighbours than six, and omega^2 and gamma grow with them. A single pair becomes unstable at about twice
+ * the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a
+ * column of the start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact
+ * that sets it.
+ * INFINITY without contacts to come. dem_create also looks at overlaps of the start, with Gear for
+ * 0.85/hypot(18.4 gamma, 3 omega). Measured in validation/stability.c. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.

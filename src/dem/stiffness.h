@@ -1,6 +1,8 @@
 /* Stiffness matrix of disks on a network of possible contacts: symmetric, a 2x2 block for each disk and each
  * bond. Factorised as L D L' by CHOLMOD without pivoting, so that an indefinite matrix is allowed and the
- * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. */
+ * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. Of large piles a
+ * positive matrix is factorised with BLAS, whose bits differ from one BLAS to another, and with OpenMP, so
+ * that a process that did so can't be forked to do it again. */
 #ifndef DEM_STIFFNESS_H
 #define DEM_STIFFNESS_H
 
