@@ -30,7 +30,8 @@
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_equilibrium)
+    X(suite_equilibrium)                                                                                    \
+    X(suite_piles)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \

@@ -24,18 +24,19 @@ static const double SPREAD = 0.5;         /* sigma: neighbours moved that far ap
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
+static const double LONGER = 8;         /* the next trial of a step that was too short */
 static const double APART = 3;          /* residual over that of the load step's start: going astray */
 static const double UPDATE_MAX = 8;     /* of sqrt(n): contacts that may change without factorising anew */
 static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
 static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
 static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
-static const double SOFTEN_MIN = 1e-3;  /* least softening of a singular or negative stiffness */
+static const double SOFTEN_MIN = 1e-6;  /* least softening of a singular or negative stiffness */
 static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
 /* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
  * downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
-    STEPS_LINEAR = 100,
+    STEPS_LINEAR = 1000,
     STEPS_FOLLOW = 15,
     TRIALS = 40,
     STEPS_DESCEND = 2000,
@@ -433,8 +434,9 @@ static double slope_along(const dem_pile *pile)
 }
 
 /* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
- * the way, to where the slope has fallen below half. Where the energy curves downwards the slope is positive
- * at first; its sign does not matter. Returns the residual there. */
+ * the way, to where the slope has fallen below half. Where the stiffness was softened p is short: it is
+ * lengthened until the slope has fallen. Where the energy curves downwards the slope is positive at first;
+ * its sign does not matter. Returns the residual there. */
 static double advance(dem_pile *pile, bool whole)
 {
     const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
@@ -446,7 +448,8 @@ static double advance(dem_pile *pile, bool whole)
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
         residual = gradient(pile, pile->trial, pile->g);
         const double s = slope_along(pile) / slope;
-        if (whole || !(s < -CURVED || (s > CURVED && above < INFINITY))) break;
+        const bool bracketed = isfinite(above), lengthen = pile->soften > 0 && LONGER * t * reach < STEP_MAX;
+        if (whole || !(s < -CURVED || (s > CURVED && (bracketed || lengthen)))) break;
         if (s < 0) {
             above = t;
             s_above = s;
@@ -455,7 +458,7 @@ static double advance(dem_pile *pile, bool whole)
             s_below = s;
         }
         const double part = s_below / (s_below - s_above);
-        t = below + (above - below) * fmin(fmax(part, 0.1), 0.9);
+        t = isfinite(above) ? below + (above - below) * fmin(fmax(part, 0.1), 0.9) : LONGER * t;
     }
     pile->moved += t * stretch;
     double *reached = pile->trial;
