@@ -28,7 +28,8 @@
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_equilibrium)
+    X(suite_equilibrium)                                                                                     \
+    X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
     X(suite_rotation)
