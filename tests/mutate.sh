@@ -12,10 +12,10 @@ limit_cpu=15 # seconds, three times what the suites of a file may take
 
 suites_of() {
     case $1 in
-    analytic/*) echo analytic ;;
-    src/angle/*) echo angle ;;
-    src/dem/equilibrium.c | src/dem/stiffness.c) echo equilibrium ;;
-    *) echo soft rotation impact motion hard golden scene dem ;;
+    analytic/*) echo property analytic ;;
+    src/angle/*) echo property angle ;;
+    src/dem/equilibrium.c | src/dem/stiffness.c) echo property equilibrium ;;
+    *) echo soft rotation impact motion hard property golden scene dem ;;
     esac
 }
 
@@ -35,8 +35,9 @@ try() {
 # One mutant: line $2 of the list in the folder $1.
 if [ "${3-}" = one ]; then
     work=$1 tree=$1/tree_$2
+    [ ! -f "$work/result_$2" ] || exit 0
     sed -n "$2p" "$work/mutants" >"$work/result_$2.new"
-    IFS='	' read -r file operator line rest <"$work/result_$2.new"
+    IFS='	' read -r file kind line rest <"$work/result_$2.new"
     rm -rf "$tree"
     cp -a "$work/tree" "$tree"
     cut -f 5- "$work/result_$2.new" | awk -v n="$line" 'NR == FNR { new = $0; next } { print FNR == n ? new : $0 }' \
@@ -54,11 +55,15 @@ build=$1 number=$2 jobs=$3
 work=$build/mutate
 files='analytic/*.c src/dem/law_*.h src/dem/contact.inl src/dem/integrators.c src/dem/walls.c src/dem/ground.c
     src/dem/impact.c src/dem/equilibrium.c src/dem/stiffness.c src/angle/surface.c src/angle/criterion.c'
-rm -rf "$work"
-mkdir -p "$work/tree" "$build/tables"
-cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
+# a run of the same code that was stopped goes on
+sum=$(cat Makefile tests/mutate.* $(find analytic src sweeps tests validation -name '*.[chi]*' | sort) | cksum)
+if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
+    rm -rf "$work"
+    mkdir -p "$work/tree" "$build/tables"
+    cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
+fi
 
-# by turns from each operator in each file; the numbers in column 3 shuffle these
+# by turns from each kind in each file
 awk -f tests/mutate.awk $files | sort -t '	' -k 1,2 -k 3,3 |
     awk -F '\t' -v OFS='\t' '$1 $2 != last { turn = 0; last = $1 $2 } { print ++turn, $0 }' |
     sort -t '	' -k 1n,1 -k 4,4 | cut -f 2,3,5- >"$work/mutants"
@@ -68,6 +73,7 @@ for file in $files; do suites_of "$file"; done | sort -u | while read -r suites;
     [ "$(try "$work/tree" $suites)" = survived ] || { echo "mutate: $suites fails as it is" >&2; exit 2; }
 done
 
+echo "$sum" >"$work/sum"
 # what does not compile is no mutant: another takes its place
 from=1 to=$number
 while [ "$from" -le "$to" ]; do
@@ -79,18 +85,18 @@ if [ -t 2 ]; then printf '\r\033[K' >&2; fi
 header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
 {
     echo "$header"
-    printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\toperator\toriginal\tmutant\toutcome\tby\twall_time\n'
+    printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
     for i in $(seq 1 "$to"); do cat "$work/result_$i"; done | awk -F '\t' -v OFS='\t' '
         function trim(text) { gsub(/^ +| +$/, "", text); return text }
         FILENAME == "validation/mutants.txt" { if (NF == 4) reason[$1 FS $2 FS $3] = $4; next }
-        FNR % 2 { file = $1; operator = $2; line = $3; old = trim($4); new = trim($5); next }
+        FNR % 2 { file = $1; kind = $2; line = $3; old = trim($4); new = trim($5); next }
         $1 == "broken" { next }
         {
             outcome = by = $1
             sub(/ .*/, "", outcome)
             if (!sub(/^killed /, "", by)) by = "-"
             if (outcome == "survived" && (file FS old FS new) in reason) outcome = "equivalent"
-            print file, line, operator, old, new, outcome, by, $2
+            print file, line, kind, old, new, outcome, by, $2
         }' validation/mutants.txt -
 } >"$build/tables/mutate.tsv"
 awk -F '\t' -v OFS='\t' -v header="$header" '

@@ -294,7 +294,15 @@ static void test_surface_errors(void)
     CU_ASSERT(s.n_cells == 11 && s.n_occupied == 0);
     ang_surface_free(&s);
     CHECK_FAILS(MAKE(N_GRAINS, bad, NULL, 2.13), RP_BAD_INPUT, "grain 2");
-    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0");
+    for (int i = 0; i < N_GRAINS; i++) {
+        double x[N_GRAINS];
+        memcpy(x, grain_x, sizeof x);
+        x[i] = INFINITY;
+        char text[20];
+        snprintf(text, sizeof text, "grain %d: place", i + 1);
+        CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, NULL, 2.13, &o, &s), RP_BAD_INPUT, text);
+    }
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0: out of range");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, NAN), RP_BAD_INPUT, "width");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.09), RP_BAD_INPUT, "0 cells");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 1e30), RP_BAD_INPUT, "allowed: 1 to 1e+08");

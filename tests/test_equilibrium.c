@@ -141,6 +141,8 @@ static void test_three_disks(void)
     size_t n = 0;
     CHECK_OK(dem_pile_contacts(h.pile, &contacts, &n));
     CU_ASSERT(n == 2 && h.result.contacts == 2 && h.result.horizontal == 0);
+    /* one factorisation that still holds at the end, one step, no other branch */
+    CU_ASSERT(h.result.factored == 1 && h.result.steps == 1 && h.result.jumps == 0 && h.result.load == 1);
     for (size_t c = 0; c < n; c++) {
         CHECK_NEAR(contacts[c].force, 1 / sqrt(3), ROUNDING);
         CU_ASSERT(contacts[c].strongest && contacts[c].weakest && !contacts[c].horizontal);
@@ -228,7 +230,7 @@ static void test_primary(void)
     CHECK_OK(solve(&h, soft(1e-4)));
     CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
     CHECK_NEAR(most, 4.8e-3, 0.05e-3);
-    CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0);
+    CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0 && h.result.jumps == 0);
     double *direct = malloc(2 * h.n * sizeof *direct);
     memcpy(direct, h.u, 2 * h.n * sizeof *direct);
     dem_pile_definition ramp = soft(1e-4); /* the same branch in small steps */
@@ -243,6 +245,19 @@ static void test_primary(void)
         if (last > 0) CHECK_NEAR(last / error, 10, 0.02);
         last = error;
     }
+    free_heap(&h);
+}
+
+/* A branch that ends under load: the pile goes over to another, once, with all its load. */
+static void test_jump(void)
+{
+    heap h = make_disks(12, 50, 0);
+    dem_pile_definition def = soft(1e-2);
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
+    def.branch = DEM_BRANCH_MINIMUM; /* is not followed, and so does not end */
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.jumps == 0 && h.result.load == 1 && h.result.negative_modes == 0);
     free_heap(&h);
 }
 
@@ -733,6 +748,7 @@ void suite_equilibrium(void)
                                        {"soft wells", test_soft_wells},
                                        {"45 layers: primary state", test_primary},
                                        {"45 layers: minimum", test_minimum},
+                                       {"a branch that ends", test_jump},
                                        {"stability threshold", test_threshold},
                                        {"plain forces and modes", test_plain_forces_and_modes},
                                        {"horizontal force of slopes", test_horizontal_force},

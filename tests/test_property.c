@@ -346,6 +346,24 @@ static double pair_keeps_momentum(const double x[])
 
 /* ---- piles of soft disks ---- */
 
+/* Strongest and weakest of those of a disk, found contact by contact. */
+static bool marks_right(const dem_pile_contact *c, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        bool strongest[2] = {true, true}, weakest[2] = {true, true};
+        for (size_t k = 0; k < n; k++)
+            for (int e = 0; e < 2; e++) {
+                const size_t disk = e ? c[i].b : c[i].a;
+                if (c[k].a != disk && c[k].b != disk) continue;
+                if (c[k].force > c[i].force * (1.0 + 1e-9)) strongest[e] = false;
+                if (c[k].force < c[i].force * (1.0 - 1e-9)) weakest[e] = false;
+            }
+        if (c[i].strongest != (strongest[0] || strongest[1]) || c[i].weakest != (weakest[0] || weakest[1]))
+            return false;
+    }
+    return true;
+}
+
 /* Every disk is in balance, with contact forces from the places alone: overlap over eps. */
 static double pile_in_balance(const double x[])
 {
@@ -377,6 +395,7 @@ static double pile_in_balance(const double x[])
     dem_pile_displacements(pile, u);
     dem_pile_base(pile, base, N, H);
     dem_pile_free(pile);
+    const bool marked = n_contacts == r.contacts && marks_right(c, n_contacts);
     for (size_t i = 0; i < n_contacts; i++) {
         const double dx = c[i].x_b - c[i].x, dy = c[i].y_b - c[i].y, length = hypot(dx, dy),
                      f = (1.0 - length) / eps;
@@ -391,6 +410,7 @@ static double pile_in_balance(const double x[])
     }
     for (size_t i = 0; i < n; i++)
         worst = larger(larger(fabs(net[i][0]), fabs(net[i][1] - disks[i].weight)), worst);
+    if (!marked) return NAN;
     return worst /
            (16.0 * (double)k * DBL_EPSILON / eps); /* places to 2 k are rounded, and six contacts add */
 }

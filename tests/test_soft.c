@@ -435,6 +435,67 @@ static void passes_through_a_row(void)
     }
 }
 
+/* What passes on against the order of the pairs needs a round each, and there are eight: the rest is left to
+ * meet softly. */
+static void rounds_end(void)
+{
+    enum { N = 12 };
+    long found[2];
+    for (int side = 0; side < 2; side++) {
+        dem_grain grains[N];
+        for (int i = 0; i < N; i++) grains[i] = (dem_grain){.y = 3.0 - i * (1.0 + 1e-5), .r = R, .m = 1.0};
+        grains[side ? N - 1 : 0].vy = side ? 2.0 : -2.0;
+        dem_definition def = on_ground(grains, N);
+        def.gravity[1] = 0.0;
+        def.n_walls = def.ground.wall = 0;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1));
+        found[side] = collisions(sim);
+        dem_free(sim);
+    }
+    /* all in one round upwards; downwards one pair of the list follows the one before it */
+    CU_ASSERT(found[1] == N - 1 && found[0] == 8 + 1);
+}
+
+/* A disk that flies over a fixed one in an arc of height g dt^2/8: the line from the step's start to its end
+ * cuts the fixed one, by up to the arc's height, where the arc misses it. */
+static void arc_over_a_disk(void)
+{
+    for (int k = 1; k < 60; k++) {
+        dem_grain grains[2] = {{.y = 3.0, .r = R, .m = 1.0, .fixed = true}, {.r = R, .m = 1.0, .vx = 8.0}};
+        dem_definition def = on_ground(grains, 2);
+        grains[1].x = -0.5 * grains[1].vx * def.dt * (0.7 + 0.01 * k);
+        grains[1].y = 4.0 - def.dt * def.dt / 8.0 * k / 30.0; /* its top is at 4 for k = 30 */
+        grains[1].vy = 0.5 * def.dt;                          /* comes down again to where it started */
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1));
+        /* one that cuts it by little closes too slowly to be hard, (22) */
+        if (k < 30 || k > 32) CU_ASSERT((collisions(sim) > 0) == (k > 30));
+        dem_free(sim);
+    }
+}
+
+/* What touches at the very end of a step collides in it; all numbers here are exact. */
+static void touches_at_the_end(void)
+{
+    for (int pair = 0; pair < 2; pair++) {
+        const double dt = 1.0 / 512.0;
+        const dem_grain grains[2] = {{.y = 3.0 + 2.0 * dt, .r = R, .m = 1.0, .vy = -2.0},
+                                     {.y = 2.0, .r = R, .m = 1.0, .fixed = true}};
+        dem_definition def = on_ground(grains, 1 + (size_t)pair);
+        if (!pair) def.walls[0].point[1] = 3.0 - R;
+        def.gravity[1] = 0.0;
+        def.dt = dt;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1));
+        CU_ASSERT_EQUAL(collisions(sim), 1);
+        dem_free(sim);
+    }
+}
+
 /* A disk that slides on the ground, slowed and spun up evenly, hits a fixed one as fast as it is then, not as
  * in the middle of the step. */
 static void hits_while_it_slides(void)
@@ -597,6 +658,9 @@ void suite_soft(void)
                                        {"collisions in flight", collide_in_flight},
                                        {"a blow passes through a row", passes_through_a_row},
                                        {"a hit while sliding", hits_while_it_slides},
+                                       {"rounds of collisions", rounds_end},
+                                       {"an arc over a disk", arc_over_a_disk},
+                                       {"a touch at the end of a step", touches_at_the_end},
                                        {"no collision is missed", no_collision_is_missed},
                                        {"a heap of disks", heap_of_disks},
                                        {"refused", refused},
