@@ -477,6 +477,23 @@ static void arc_over_a_disk(void)
     }
 }
 
+/* At a distance of just their radii grains do not touch yet, or no more: the dashpot does not act. */
+static void touching_is_no_contact(void)
+{
+    for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        const dem_grain grains[2] = {{.y = 3.0, .r = R, .m = 1.0, .vy = -2.0}, {.y = 2.0, .r = R, .m = 1.0}};
+        dem_definition def = on_ground(grains, 2);
+        def.kernel = kernel;
+        def.gravity[1] = 0.0;
+        dem_sim *sim = grains_start(&def);
+        dem_state s[2];
+        CHECK_OK(dem_states(sim, s));
+        CU_ASSERT(s[0].contacts == 0 && s[0].fy == 0.0 && s[1].fy == 0.0);
+        dem_free(sim);
+    }
+}
+
 /* What touches at the very end of a step collides in it; all numbers here are exact. */
 static void touches_at_the_end(void)
 {
@@ -660,6 +677,7 @@ void suite_soft(void)
                                        {"a hit while sliding", hits_while_it_slides},
                                        {"rounds of collisions", rounds_end},
                                        {"an arc over a disk", arc_over_a_disk},
+                                       {"touching is no contact", touching_is_no_contact},
                                        {"a touch at the end of a step", touches_at_the_end},
                                        {"no collision is missed", no_collision_is_missed},
                                        {"a heap of disks", heap_of_disks},
