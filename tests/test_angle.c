@@ -222,6 +222,17 @@ static void test_tilt_without_root(void)
     CHECK_NEAR(r.limit, M_PI_2 - 1.2, tight);
 }
 
+static void test_words(void)
+{
+    static const char *const forms[ANG_N_FORMS] = {[ANG_BALANCED] = "balanced",
+                                                   [ANG_LATTICE] = "lattice",
+                                                   [ANG_SINE] = "sine",
+                                                   [ANG_PRINTED] = "printed"};
+    for (int i = 0; i < ANG_N_FORMS; i++) CU_ASSERT_STRING_EQUAL(ang_form_word((ang_form)i), forms[i]);
+    CU_ASSERT_STRING_EQUAL(ang_tilt_word(ANG_TILT_OK), "ok");
+    CU_ASSERT_STRING_EQUAL(ang_tilt_word(ANG_TILT_RAYS_MISS), "rays_miss");
+}
+
 static void test_theory_errors(void)
 {
     ang_tilt_result r;
@@ -984,6 +995,7 @@ void suite_angle(void)
         {"zero tilt against (3)", test_zero_tilt},
         {"theta_MS", test_marginal},
         {"piles without theta_T", test_tilt_without_root},
+        {"words of the theory", test_words},
         {"errors of the theory", test_theory_errors},
         {"surface and its variants", test_surface},
         {"errors of the surface", test_surface_errors},

@@ -148,12 +148,35 @@ static void test_three_disks(void)
         CU_ASSERT(contacts[c].strongest && contacts[c].weakest && !contacts[c].horizontal);
     }
     free(contacts);
+    /* solved once more from the start, not from where it is */
+    CHECK_OK(dem_pile_solve(h.pile, &h.result));
+    CU_ASSERT(h.result.steps == 1);
     /* wells set anew where half the load had brought their disks: pulled from there by the whole force */
     def.set_load = 0.5;
     CHECK_OK(solve(&h, def));
     CHECK_NEAR(h.H[1], THREE_H, ROUNDING);
     CHECK_NEAR(h.u[2 * 2], 1.5 * THREE_H / 0.385, ROUNDING);
     free_heap(&h);
+}
+
+/* Disks apart on wells of stiffness mu N/a = N/4: the softest belongs to the lightest. */
+static void test_softest_disk(void)
+{
+    for (size_t light = 0; light < 4; light++) {
+        dem_pile_disk disks[4];
+        for (size_t i = 0; i < 4; i++)
+            disks[i] = (dem_pile_disk){3 * (double)i, 0.5, 0.5, i == light ? 0.7 : 1.1 + 0.1 * (double)i};
+        dem_pile_definition def = friction(1e-4, 0.5, 2);
+        def.n = 4;
+        def.disks = disks;
+        dem_pile *pile = NULL;
+        dem_pile_result r;
+        CHECK_OK(dem_pile_create(&def, &pile));
+        CHECK_OK(dem_pile_solve(pile, &r));
+        CHECK_NEAR(r.smallest_pivot, 0.7 / 4, ROUNDING);
+        CU_ASSERT(r.pivot_disk == light && r.contacts == 0 && r.negative_modes == 0);
+        dem_pile_free(pile);
+    }
 }
 
 static void test_friction_wells(void)
@@ -752,6 +775,7 @@ static void test_program(void)
 void suite_equilibrium(void)
 {
     static const check_case cases[] = {{"three disks by hand", test_three_disks},
+                                       {"the softest disk", test_softest_disk},
                                        {"wells of friction", test_friction_wells},
                                        {"linearised piles against diagonals alone", test_linearised},
                                        {"soft wells", test_soft_wells},
