@@ -104,11 +104,12 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     run->work = malloc(3 * most * sizeof *run->work);
     if (!run->states || !run->work) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     if (!tables) return RP_OK;
+    run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
     if (!status)
         status =
             sweep_box_table(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
-    if (!status) dem_write_energy_columns(run->energy);
+    if (!status) dem_write_energy_columns(tables->ledger, run->energy);
     return status;
 }
 

@@ -3,6 +3,7 @@
 #ifndef SWEEP_PROTOCOL_H
 #define SWEEP_PROTOCOL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -30,6 +31,7 @@ typedef struct {
     const char *directory;
     long every;             /* steps from one row of energies to the next; 0: none */
     void (*header)(FILE *); /* writes the first lines of each table */
+    bool ledger;            /* the energies with the ledger */
 } sweep_tables;
 
 typedef struct {

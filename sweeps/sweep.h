@@ -77,12 +77,10 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows);
 
-/* Make run number `row` of a sweep `file` again, in this process, and leave its tables in the folder `dir`,
- * energies every `every` steps; `header` writes the first lines of each table. Sets *protocol and *result.
- * Errors: RP_BAD_INPUT (the file, a row it does not have, a protocol without tables), RP_IO, the protocol's.
- */
-rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row, const char *dir,
-                      long every, void (*header)(FILE *), const sweep_protocol **protocol,
-                      sweep_result *result);
+/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
+ * *result. Errors: RP_BAD_INPUT (the file, a row it does not have, a protocol without tables), RP_IO, the
+ * protocol's. */
+rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
+                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
 
 #endif

@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
@@ -32,7 +33,11 @@
     X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_impact)                                                                                          \
-    X(suite_rotation)
+    X(suite_statics)                                                                                         \
+    X(suite_incline)                                                                                         \
+    X(suite_rotation)                                                                                        \
+    X(suite_published)                                                                                       \
+    X(suite_order)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

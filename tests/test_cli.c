@@ -186,7 +186,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 static const char *const without_default[] = {
     "--help ",       "--set ",       "--box ",     "--reduce ",    "--base ",    "--pair ",
     "--successive ", "-o ",          "--runs ",    "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ", "--summary ", "--threshold ", NULL};
+    "--linear ",     "--set-again ", "--summary ", "--threshold ", "--ledger ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1040,7 +1040,7 @@ static void test_output_folder(void)
                "dt = 2.0e-5; steps = 100; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                "particles = ( { x = 0.385; y = %.17g; r = 0.1; m = %.17g; } );\n",
                0.1 - overlap, m);
-    GOOD("run scene.cfg --every 50 -o new/d");
+    GOOD("run scene.cfg --set ledger=true --every 50 -o new/d");
     CU_ASSERT(out[0] == '\0');
     rp_table t = read_table("new/d/states.tsv");
     CU_ASSERT(t.n_rows == 3);
@@ -1063,7 +1063,12 @@ static void test_output_folder(void)
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
         CHECK_NEAR(cell(&t, i, "elastic"), 0.4 * weight * overlap, relative * weight);
         CHECK_NEAR(cell(&t, i, "gravity"), weight * (0.1 - overlap), relative * weight);
+        CHECK_NEAR(cell(&t, i, "start"), weight * (0.1 - 0.6 * overlap), relative * weight);
     }
+    GOOD("run scene.cfg -o new/d");
+    rp_table_free(&t);
+    t = read_table("new/d/energy.tsv");
+    CU_ASSERT(rp_table_column(&t, "start") < 0 && rp_table_column(&t, "rotational") >= 0);
     rp_table_free(&t);
     leave();
 }
@@ -1184,7 +1189,7 @@ static void test_row_again(void)
 {
     enter();
     write_sweep();
-    GOOD("run --box s.cfg --row 1 -o box --every 1000");
+    GOOD("run --box s.cfg --row 1 -o box --every 1000 --ledger");
     rp_table again = read_table("out");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
@@ -1201,6 +1206,8 @@ static void test_row_again(void)
     CU_ASSERT(equal_tables("scene/contacts.tsv", "box/pile_contacts.tsv"));
     rp_table energy = read_table("box/energy.tsv");
     CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
+    CU_ASSERT(cell(&energy, 3, "normal_damping") > 0.0);
+    CHECK_NEAR(cell(&energy, 3, "residual"), 0.0, 1e-10 * cell(&energy, 3, "turnover"));
     rp_table_free(&energy);
     leave();
 }

@@ -604,10 +604,9 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
     const sweep_protocol *protocol;
     sweep_result result;
-    CHECK_FAILS(sweep_trace(file, toys, 40, base, 1, NULL, &protocol, &result), RP_BAD_INPUT,
-                "allowed: [0, 39]");
-    CHECK_FAILS(sweep_trace(file, toys, 39, base, 1, NULL, &protocol, &result), RP_BAD_INPUT,
-                "writes no tables");
+    const sweep_tables tables = {base, 1, NULL};
+    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &protocol, &result), RP_BAD_INPUT, "allowed: [0, 39]");
+    CHECK_FAILS(sweep_trace(file, toys, 39, &tables, &protocol, &result), RP_BAD_INPUT, "writes no tables");
     unlink(store);
     CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
     mkdir(store, 0777);

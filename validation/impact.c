@@ -1,36 +1,47 @@
-/* Validation of the contact laws and the integrator against closed forms: head-on impacts of the Hertz and
- * the linear law, with the observed order; static overlaps; a block on an incline. */
+/* Validation of the normal laws and the integrator: head-on impacts, elastic and damped, of grains and on
+ * walls, in both readings of the damped force, and the observed order. */
+#include <float.h>
 #include <gsl/gsl_sf_gamma.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "core/table.h"
 #include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "validation/cases.h"
 
-/* Two unequal grains that meet head on at relative speed v; `clipped`: the damped force may not pull. */
+/* Two grains that meet head on at relative speed v, or one and a wall (m_b infinite); `clipped`: the damped
+ * force may not pull. `phase`: the part of a step from the start to first touch. */
 typedef struct {
     int law;
     double k_n, gamma_n, v;
     bool clipped;
+    double m_a, m_b, phase;
 } impact;
+
+typedef struct {
+    double restitution, overlap, time, force;
+} outcome;
 
 static const double R_A = 0.1385, R_B = 0.0871, M_A = 0.01313, M_B = 0.00297;
 static const double M_EFF = 0.01313 * 0.00297 / (0.01313 + 0.00297);
+static const char *const LAW[] = {"hertz", "linear"};
 
-static dem_definition two_grains(const impact *p, double dt, dem_grain grains[2])
+static double effective_mass(const impact *p)
 {
+    return p->m_a / (1.0 + p->m_a / p->m_b);
+}
+
+static dem_definition scene(const impact *p, double dt, dem_grain grains[2])
+{
+    const bool wall = isinf(p->m_b);
     dem_definition def = dem_definition_default();
-    /* the first touch lies a fraction of a step after the start, so that no step meets it exactly */
-    const double gap = 0.381 * p->v * dt, distance = R_A + R_B + gap;
+    const double gap = p->phase * p->v * dt, distance = R_A + (wall ? 0.0 : R_B) + gap;
     const double ux = 0.6, uy = 0.8; /* off the axes */
-    grains[0] = (dem_grain){0.0, 0.0, R_A, M_A, ux * p->v * M_B / (M_A + M_B), uy * p->v * M_B / (M_A + M_B)};
-    grains[1] = (dem_grain){ux * distance,
-                            uy * distance,
-                            R_B,
-                            M_B,
-                            -ux * p->v * M_A / (M_A + M_B),
-                            -uy * p->v * M_A / (M_A + M_B)};
+    const double share_a = wall ? 1.0 : p->m_b / (p->m_a + p->m_b), share_b = 1.0 - share_a;
+    grains[0] = (dem_grain){0.0, 0.0, R_A, p->m_a, ux * p->v * share_a, uy * p->v * share_a};
+    grains[1] =
+        (dem_grain){ux * distance, uy * distance, R_B, p->m_b, -ux * p->v * share_b, -uy * p->v * share_b};
     def.gravity[1] = 0.0;
     def.normal = p->law;
     def.tension = !p->clipped;
@@ -38,68 +49,304 @@ static dem_definition two_grains(const impact *p, double dt, dem_grain grains[2]
     def.material = (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n};
     def.dt = dt;
     def.grains = grains;
-    def.n_grains = 2;
+    def.n_grains = wall ? 1 : 2;
+    def.n_walls = wall;
+    def.walls[0] = grains_line(ux * distance, uy * distance, -ux, -uy, &def.material);
     return def;
 }
 
-/* Restitution and largest overlap of the simulated impact; time of contact to a step's fraction. */
-static void simulate(const impact *p, double dt, double *restitution, double *overlap, double *time)
+/* The simulated impact; times of touch and parting to a step's fraction. One that has not parted after
+ * `longest` has restitution 0. */
+static outcome simulate(const impact *p, double dt, double longest)
 {
     dem_grain grains[2];
-    dem_definition def = two_grains(p, dt, grains);
-    dem_sim *sim;
-    CHECK_OK(dem_create(&def, &sim));
-    *overlap = *time = 0.0;
-    *restitution = NAN;
-    for (long step = 0; step < 10000000; step++) {
-        dem_state s[2];
+    dem_definition def = scene(p, dt, grains);
+    dem_sim *sim = grains_start(&def);
+    outcome o = {0.0, 0.0, INFINITY, 0.0};
+    const bool wall = isinf(p->m_b);
+    dem_state s[2];
+    while (dem_time(sim) < longest) {
         CU_ASSERT_EQUAL_FATAL(dem_run(sim, 1), RP_OK);
         dem_states(sim, s);
-        double x = s[1].x - s[0].x, y = s[1].y - s[0].y, r = hypot(x, y);
-        double closing = -((s[1].vx - s[0].vx) * x + (s[1].vy - s[0].vy) * y) / r;
-        double depth = R_A + R_B - r;
-        if (depth > *overlap) *overlap = depth;
+        if (wall) s[1] = (dem_state){.x = def.walls[0].point[0], .y = def.walls[0].point[1]};
+        const double x = s[1].x - s[0].x, y = s[1].y - s[0].y, r = hypot(x, y);
+        const double closing = -((s[1].vx - s[0].vx) * x + (s[1].vy - s[0].vy) * y) / r;
+        const double depth = R_A + (wall ? 0.0 : R_B) - r;
+        o.overlap = fmax(o.overlap, depth);
+        o.force = fmax(o.force, -(s[0].fx * x + s[0].fy * y) / r);
         if (depth <= 0.0 && closing < 0.0) {
-            *restitution = -closing / p->v;
-            *time = dem_time(sim) - 0.381 * dt + depth / -closing; /* back to the moment of parting */
+            o.restitution = -closing / p->v;
+            o.time = dem_time(sim) - p->phase * dt + depth / -closing; /* back to the moment of parting */
             break;
         }
     }
     dem_free(sim);
+    return o;
 }
 
-/* Elastic Hertz impact: overlap (5 m v^2 / 4 k)^(2/5), time 2.9432 overlap/v (the constant is
- * 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10)). */
-static void hertz_elastic(void)
+/* Elastic: Hertz overlap (5 m v^2/(4 k))^(2/5), time 2.9432 overlap/v (the constant is
+ * 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10)); linear overlap v/w, time pi/w, w^2 = k/m. */
+static outcome elastic_exact(const impact *p)
 {
-    const impact p = {DEM_HERTZ, 2.385e6, 0.0, 31.7, false};
-    double e, overlap, time, deepest = pow(1.25 * M_EFF * p.v * p.v / p.k_n, 0.4);
-    double exact_time = 0.8 * sqrt(M_PI) * gsl_sf_gamma(0.4) / gsl_sf_gamma(0.9) * deepest / p.v;
-    const double n =
-        2000.0; /* steps a contact: errors of second order are some 1/n^2, times a constant below 10 */
-    simulate(&p, exact_time / n, &e, &overlap, &time);
-    CHECK_NEAR(e, 1.0, 10.0 / (n * n));
-    CHECK_NEAR(overlap / deepest, 1.0, 10.0 / (n * n));
-    CHECK_NEAR(time / exact_time, 1.0, 10.0 / (n * n));
+    const double m = effective_mass(p);
+    if (p->law == DEM_LINEAR) {
+        const double w = sqrt(p->k_n / m), deepest = p->v / w;
+        return (outcome){1.0, deepest, M_PI / w, p->k_n * deepest};
+    }
+    const double deepest = pow(1.25 * m * p->v * p->v / p->k_n, 0.4);
+    return (outcome){1.0, deepest, 0.8 * sqrt(M_PI) * gsl_sf_gamma(0.4) / gsl_sf_gamma(0.9) * deepest / p->v,
+                     p->k_n * pow(deepest, 1.5)};
 }
 
-/* Linear impact: v exp(-gamma t) sin(w t) / w for the overlap; restitution exp(-gamma pi / (2 w0 ...)). */
-static void linear_closed_form(void)
+/* Largest rate of the elastic contact, sqrt(k_eff/m). */
+static double stiffest(const impact *p)
 {
-    const double n = 2000.0;
-    for (int damped = 0; damped < 2; damped++) {
-        const impact p = {DEM_LINEAR, 3.19e4, damped ? 417.0 : 0.0, 23.85, false};
-        const double half = 0.5 * p.gamma_n, w = sqrt(p.k_n / M_EFF - half * half);
-        /* the pair parts where overlap is 0 again, at t = pi/w */
-        const double exact_time = M_PI / w, exact_e = exp(-half * exact_time);
-        const double t_top = atan2(w, half) / w, deepest = p.v * exp(-half * t_top) * sin(w * t_top) / w;
-        double e, overlap, time;
-        simulate(&p, exact_time / n, &e, &overlap, &time);
-        /* damping sets in with a jump: first order, with gamma dt = 417 pi/(w n) as its measure */
-        const double tolerance = damped ? p.gamma_n * exact_time / n : 10.0 / (n * n);
-        CHECK_NEAR(e, exact_e, tolerance);
-        CHECK_NEAR(overlap / deepest, 1.0, tolerance);
-        CHECK_NEAR(time / exact_time, 1.0, tolerance);
+    const double k = p->law == DEM_LINEAR ? p->k_n : 1.5 * p->k_n * sqrt(elastic_exact(p).overlap);
+    return sqrt(k / effective_mass(p));
+}
+
+/* The linear law's overlap is v exp(-b t) sin(w t)/w, b = gamma/2, w^2 = k/m - b^2. It parts where that is 0;
+ * a force that may not pull ends earlier, where tan(w t) = -2 b w/(w0^2 - 2 b^2), and the pair flies on
+ * (over-damped: the same with hyperbolic functions, and a force that pulls never lets go). */
+static outcome linear_exact(const impact *p)
+{
+    const double m = effective_mass(p), b = 0.5 * p->gamma_n, w02 = p->k_n / m, w2 = w02 - b * b;
+    const double w = sqrt(fabs(w2)), v = p->v;
+    const double top = w2 > 0.0 ? atan2(w, b) / w : atanh(w / b) / w;
+    double end = w2 > 0.0 ? M_PI / w : INFINITY;
+    if (p->clipped)
+        end = w2 > 0.0 ? atan2(2.0 * b * w, 2.0 * b * b - w02) / w
+                       : atanh(2.0 * b * w / (2.0 * b * b - w02)) / w;
+    const double s_top = w2 > 0.0 ? sin(w * top) : sinh(w * top);
+    outcome o = {0.0, v * exp(-b * top) * s_top / w, INFINITY, NAN};
+    if (isinf(end)) return o;
+    const double s = w2 > 0.0 ? sin(w * end) : sinh(w * end), c = w2 > 0.0 ? cos(w * end) : cosh(w * end);
+    const double speed = v * exp(-b * end) * (b / w * s - c),
+                 left = p->clipped ? v * exp(-b * end) * s / w : 0.0;
+    o.restitution = speed / v;
+    o.time = end + left / speed;
+    return o;
+}
+
+/* The expected outcome of a damped impact: closed form or, for Hertz, the solver of single impacts. */
+static outcome damped_exact(const impact *p)
+{
+    if (p->law == DEM_LINEAR) return linear_exact(p);
+    dem_collision_result c;
+    CHECK_OK(dem_collision(p->law, !p->clipped, p->k_n, p->gamma_n, effective_mass(p), p->v, &c));
+    return (outcome){c.restitution, c.overlap, c.time, NAN};
+}
+
+/* To first order in h = gamma dt/2 the scheme, whose dashpot sees the velocity of half a step before, solves
+ * the law with k and gamma larger by 1 + h; and the dashpot's force sets in up to half a step early or late,
+ * which changes the speed by h, and lets go as much too late or early. Of second order is what the kink of
+ * the spring does at touch and parting, and the curvature in h, which counts near the sticking threshold. A
+ * pair that flies apart slowly is rounded every step, always the same way. */
+static outcome damped_bound(const impact *p, const outcome *exact, double dt)
+{
+    const double h = 0.5 * p->gamma_n * dt, rate = fmax(stiffest(p), p->gamma_n) * dt, second = rate * rate;
+    impact lag = *p, lag2 = *p, fast = *p;
+    lag.k_n *= 1.0 + h, lag.gamma_n *= 1.0 + h;
+    lag2.k_n *= 1.0 + 2.0 * h, lag2.gamma_n *= 1.0 + 2.0 * h;
+    fast.v *= 1.0 + h;
+    const double rounding = DBL_EPSILON * (R_A + R_B) / (exact->restitution * p->v * dt);
+    const outcome l = damped_exact(&lag), l2 = damped_exact(&lag2), f = damped_exact(&fast);
+#define FIRST_AND_SECOND(q)                                                                                  \
+    (fabs(l.q - exact->q) + 0.5 * fabs(l2.q - 2.0 * l.q + exact->q) + second * exact->q)
+    return (outcome){FIRST_AND_SECOND(restitution) + fabs((1.0 + h) * f.restitution - exact->restitution) +
+                         (p->clipped ? 0.0 : h * exact->restitution) + second,
+                     FIRST_AND_SECOND(overlap) + fabs(f.overlap - exact->overlap),
+                     FIRST_AND_SECOND(time) + fabs(f.time - exact->time) + rounding * exact->time, NAN};
+#undef FIRST_AND_SECOND
+}
+
+static case_problem elastic_problem = {"elastic", "closed forms",
+                                       "w^2 dt^2: touch and parting fall into a step"},
+                    damped_problem = {"damped", "closed forms (linear); Runge-Kutta to 1e-13 (Hertz)",
+                                      "gamma dt/2 from the lag of the dashpot, from touch and from parting"},
+                    sticking_problem = {"sticking", "threshold 1.12799 (Hertz), critical damping (linear)",
+                                        "never parts"},
+                    solver_problem = {"single_impacts", "closed forms",
+                                      "tolerance of the Runge-Kutta method"};
+
+/* Calls `check` for every law, stiffness, mass, speed and partner, or for every `stride`th, with phases that
+ * fill the step evenly. */
+static void for_grid(int stride, void (*check)(impact *p))
+{
+    static const double stiffness[] = {1e4, 1.7e6, 3.1e8}, scale[] = {1.0, 0.0123},
+                        speed[] = {0.53, 4.7, 47.0};
+    for (int i = 0; i < 2 * 3 * 2 * 3 * 3; i += stride) {
+        const int partner = i / 36 % 3;
+        impact p = {.law = i % 2, .k_n = stiffness[i / 2 % 3], .v = speed[i / 12 % 3]};
+        p.m_a = M_A * scale[i / 6 % 2];
+        p.m_b = partner == 0 ? INFINITY : partner == 1 ? p.m_a : M_B * scale[i / 6 % 2];
+        p.phase = fmod(0.381 + 0.6180339887 * i, 1.0);
+        check(&p);
+    }
+}
+
+static void check_elastic(impact *p)
+{
+    const outcome exact = elastic_exact(p);
+    const double dt = exact.time / (check_full() ? 2000.0 : 500.0), bound = pow(stiffest(p) * dt, 2.0);
+    const outcome o = simulate(p, dt, 2.0 * exact.time);
+    const double expected[] = {exact.restitution, exact.overlap, exact.time, exact.force},
+                 observed[] = {o.restitution, o.overlap, o.time, o.force};
+    static const char *const names[] = {"restitution", "overlap", "time", "force"};
+    for (int q = 0; q < 4; q++)
+        case_near(&elastic_problem, names[q], expected[q], observed[q], bound * expected[q],
+                  "%s k_n=%g m_eff=%g v=%g dt=%g phase=%.3f", LAW[p->law], p->k_n, effective_mass(p), p->v,
+                  dt, p->phase);
+}
+
+static void elastic(void)
+{
+    for_grid(case_stride(7), check_elastic);
+}
+
+/* Damping in units of the contact's rate: Hertz gamma (m/k)^(2/5) v^(-1/5), linear gamma/(2 sqrt(k/m)). */
+static double damping_of(const impact *p, double number)
+{
+    const double m = effective_mass(p);
+    return p->law == DEM_HERTZ ? number / (pow(m / p->k_n, 0.4) * pow(p->v, -0.2))
+                               : number * 2.0 * sqrt(p->k_n / m);
+}
+
+static void check_damped(impact *p)
+{
+    static const double numbers[] = {0.01, 0.1, 0.4, 0.8, 0.97, 1.6, 5.0};
+    for (int i = 0; i < 2 * 7; i++) {
+        const double number = numbers[i / 2];
+        p->clipped = i % 2;
+        p->gamma_n = damping_of(p, number);
+        if (!p->clipped && number > 1.0) continue; /* sticks */
+        const outcome exact = damped_exact(p);
+        const double dt = elastic_exact(p).time / (check_full() ? 2000.0 : 500.0) / fmax(1.0, 2.0 * number);
+        const outcome o = simulate(p, dt, 4.0 * exact.time), bound = damped_bound(p, &exact, dt);
+        const double expected[] = {exact.restitution, exact.overlap, exact.time},
+                     observed[] = {o.restitution, o.overlap, o.time},
+                     bounds[] = {bound.restitution, bound.overlap, bound.time};
+        static const char *const names[] = {"restitution", "overlap", "time"};
+        for (int q = 0; q < 3; q++)
+            case_near(&damped_problem, names[q], expected[q], observed[q], bounds[q],
+                      "%s %s damping=%g k_n=%g m_eff=%g v=%g dt=%g phase=%.3f", LAW[p->law],
+                      p->clipped ? "pushes" : "pulls", number, p->k_n, effective_mass(p), p->v, dt, p->phase);
+    }
+}
+
+static void damped(void)
+{
+    for_grid(case_stride(17), check_damped);
+}
+
+/* Beyond the threshold a pair whose dashpot pulls stays together; the force that only pushes parts them
+ * always. The threshold itself by bisection with the solver of single impacts. */
+static void check_sticking(impact *p)
+{
+    const double limit = p->law == DEM_HERTZ ? 1.12799 : 1.0;
+    for (int side = -1; side <= 1; side += 2) {
+        p->gamma_n = damping_of(p, (1.0 + 0.01 * side) * limit);
+        const double t = elastic_exact(p).time, dt = t / 1000.0;
+        const outcome o = simulate(p, dt, side < 0 ? 40.0 * t : 5.0 * t);
+        const outcome exact = side < 0 ? damped_exact(p) : (outcome){0.0, NAN, INFINITY, NAN};
+        case_near(&sticking_problem, "restitution", exact.restitution, o.restitution,
+                  side < 0 ? damped_bound(p, &exact, dt).restitution : 0.0,
+                  "%s damping=%g of the threshold k_n=%g m_eff=%g v=%g dt=%g", LAW[p->law], 1.0 + 0.01 * side,
+                  p->k_n, effective_mass(p), p->v, dt);
+    }
+}
+
+static void sticking(void)
+{
+    for_grid(case_stride(5), check_sticking);
+    double parts = 1.1, sticks = 1.2;
+    for (int i = 0; i < (check_fast() ? 8 : 16); i++) {
+        const double s = 0.5 * (parts + sticks);
+        dem_collision_result c;
+        CHECK_OK(dem_collision(DEM_HERTZ, true, 1.0, s, 1.0, 1.0, &c));
+        *(c.restitution > 0.0 ? &parts : &sticks) = s;
+    }
+    /* half a unit of the last digit given, and the bisection */
+    case_near(&sticking_problem, "threshold", 1.12799, 0.5 * (parts + sticks), 0.5e-5 + sticks - parts,
+              "hertz, bisection with single impacts");
+    const double stick = dem_sticking_speed(1e6, 500.0, M_EFF);
+    case_near(&sticking_problem, "sticking speed", 1.12799, 500.0 * pow(M_EFF / 1e6, 0.4) * pow(stick, -0.2),
+              1e-13, "hertz, the function of that name");
+}
+
+/* The solver of single impacts against the closed forms. */
+static void check_solver(impact *p)
+{
+    for (int i = 0; i < 4; i++) {
+        static const double numbers[] = {0.0, 0.1, 0.7, 2.0};
+        p->gamma_n = damping_of(p, numbers[i]);
+        for (int clipped = 0; clipped < 2; clipped++) {
+            p->clipped = clipped;
+            if ((p->law == DEM_HERTZ && i > 0) || (i == 3 && !clipped)) continue;
+            const outcome exact = p->law == DEM_HERTZ ? elastic_exact(p) : linear_exact(p);
+            dem_collision_result c;
+            CHECK_OK(dem_collision(p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v, &c));
+            const char *format = "%s %s damping=%g k_n=%g m_eff=%g v=%g";
+            const char *reading = clipped ? "pushes" : "pulls";
+            /* some 1e2 to 1e3 adaptive steps of 1e-13; the deepest point comes from the parabola of a step of
+             * 0.01: some 1e-6 */
+            case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10, format,
+                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
+            case_near(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time,
+                      format, LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
+            case_near(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap, format,
+                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
+        }
+    }
+}
+
+static void single_impacts(void)
+{
+    for_grid(case_stride(11), check_solver);
+    dem_collision_result c;
+    CHECK_FAILS(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0, &c), RP_BAD_INPUT, "v = 0");
+}
+
+/* The range of damping from light to over-damped in both readings, as a table for the figure. */
+static void damping_range(void)
+{
+    static const char *const columns[][2] = {
+        {"damping", "1"},     {"pulls_exact", "1"},  {"pulls", "1"},
+        {"pulls_error", "1"}, {"pulls_bound", "1"},  {"pushes_exact", "1"},
+        {"pushes", "1"},      {"pushes_error", "1"}, {"pushes_bound", "1"}};
+    for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {
+        const char *const name = law == DEM_HERTZ ? "impact_hertz" : "impact_linear";
+        FILE *out = check_table(name);
+        if (!out) return;
+        rp_table_note(out, "steps",
+                      "1000 in the time of the elastic contact, at least 1000/(2 damping) in 1/gamma");
+        rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+        for (int i = 0; i <= 48; i++) {
+            impact p = {.law = law,
+                        .k_n = 1e6,
+                        .v = 12.3,
+                        .m_a = M_A,
+                        .m_b = M_B,
+                        .phase = fmod(0.6180339887 * i, 1.0)};
+            const double number = 0.01 * pow(10.0, i / 16.0);
+            double row[9] = {number};
+            p.gamma_n = damping_of(&p, number);
+            const double t = elastic_exact(&p).time, dt = t / 1000.0 / fmax(1.0, 2.0 * number);
+            for (int clipped = 0; clipped < 2; clipped++) {
+                p.clipped = clipped;
+                const bool sticks = !clipped && number > (law == DEM_HERTZ ? 1.12799 : 1.0 - 1e-12);
+                const outcome exact = sticks ? (outcome){.time = INFINITY} : damped_exact(&p);
+                double *r = row + 1 + 4 * clipped;
+                r[0] = exact.restitution;
+                r[1] = simulate(&p, dt, fmin(4.0 * exact.time, 5.0 * t * fmax(1.0, number * number)))
+                           .restitution;
+                r[2] = fabs(r[1] - r[0]);
+                r[3] = sticks ? NAN : damped_bound(&p, &exact, dt).restitution;
+                CU_ASSERT(r[2] <= (sticks ? 0.0 : r[3]));
+            }
+            rp_table_row(out, 9, row);
+        }
+        check_table_close(out, name);
     }
 }
 
@@ -110,9 +357,8 @@ static double observed_order(const impact *p, double exact_time, double exact_ov
     const int sizes = 8;
     for (int k = 0; k < sizes; k++) {
         const double n = 40.37 * pow(1.7, k); /* no whole number of steps a contact */
-        double e, overlap, time;
-        simulate(p, exact_time / n, &e, &overlap, &time);
-        double error = fabs(time / exact_time - 1.0) + fabs(overlap / exact_overlap - 1.0);
+        const outcome o = simulate(p, exact_time / n, 2.0 * exact_time);
+        double error = fabs(o.time / exact_time - 1.0) + fabs(o.overlap / exact_overlap - 1.0);
         double x = log(n), y = log(error);
         sx += x, sy += y, sxx += x * x, sxy += x * y;
     }
@@ -121,8 +367,8 @@ static double observed_order(const impact *p, double exact_time, double exact_ov
 
 static void order_elastic(void)
 {
-    const impact hertz = {DEM_HERTZ, 2.385e6, 0.0, 31.7, false},
-                 linear = {DEM_LINEAR, 3.19e4, 0.0, 23.85, false};
+    const impact hertz = {DEM_HERTZ, 2.385e6, 0.0, 31.7, false, M_A, M_B, 0.381},
+                 linear = {DEM_LINEAR, 3.19e4, 0.0, 23.85, false, M_A, M_B, 0.381};
     dem_collision_result exact;
     CHECK_OK(dem_collision(DEM_HERTZ, true, hertz.k_n, 0.0, M_EFF, hertz.v, &exact));
     CHECK_NEAR(observed_order(&hertz, exact.time, exact.overlap), 2.0, 0.25);
@@ -134,187 +380,28 @@ static void order_elastic(void)
 /* The damped force jumps at touch: first order (the rebound depends on where in a step the touch falls). */
 static void order_damped(void)
 {
-    const impact p = {DEM_HERTZ, 1e6, 500.0, 12.3, false};
+    const impact p = {DEM_HERTZ, 1e6, 500.0, 12.3, false, M_A, M_B, 0.381};
     dem_collision_result exact;
     CHECK_OK(dem_collision(DEM_HERTZ, true, p.k_n, p.gamma_n, M_EFF, p.v, &exact));
     CHECK_NEAR(observed_order(&p, exact.time, exact.overlap), 1.0, 0.35);
-    double e, overlap, time;
-    simulate(&p, exact.time / 4000.0, &e, &overlap, &time);
-    CHECK_NEAR(e, exact.restitution, p.gamma_n * exact.time / 4000.0);
 }
 
-/* A force that may not pull returns more speed, by what the solver of single impacts says. */
-static void clipped_force(void)
+static void cases(void)
 {
-    const impact pulls = {DEM_HERTZ, 1e6, 2000.0, 12.3, false}, pushes = {DEM_HERTZ, 1e6, 2000.0, 12.3, true};
-    dem_collision_result a, b;
-    double e_a, e_b, overlap, time;
-    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, 2000.0, M_EFF, 12.3, &a));
-    CHECK_OK(dem_collision(DEM_HERTZ, false, 1e6, 2000.0, M_EFF, 12.3, &b));
-    const double dt = a.time / 4000.0;
-    simulate(&pulls, dt, &e_a, &overlap, &time);
-    simulate(&pushes, dt, &e_b, &overlap, &time);
-    CHECK_NEAR(e_a, a.restitution, 2000.0 * dt); /* first order, as below */
-    CHECK_NEAR(e_b, b.restitution, 2000.0 * dt);
-    CU_ASSERT(b.restitution > a.restitution + 10.0 * 2000.0 * dt);
-}
-
-/* The solver of single impacts itself: closed forms of the linear law and of elastic Hertz, the sticking
- * threshold from both sides. */
-static void collision_closed_forms(void)
-{
-    const double k = 3.19e4, gamma = 417.0, v = 23.85, half = 0.5 * gamma, w = sqrt(k / M_EFF - half * half);
-    dem_collision_result c;
-    CHECK_OK(dem_collision(DEM_LINEAR, true, k, gamma, M_EFF, v, &c));
-    CHECK_NEAR(c.restitution, exp(-half * M_PI / w),
-               1e-10); /* adaptive steps of tolerance 1e-13, some 1e2 of them */
-    CHECK_NEAR(c.time * w / M_PI, 1.0, 1e-10);
-    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, 0.0, M_EFF, v, &c));
-    CHECK_NEAR(c.restitution, 1.0, 1e-10);
-    /* the deepest point comes from the end of a step of 0.01: some 1e-6 */
-    CHECK_NEAR(c.overlap / pow(1.25 * M_EFF * v * v / 1e6, 0.4), 1.0, 2e-6);
-    const double stick = dem_sticking_speed(1e6, 500.0, M_EFF);
-    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 1.02 * stick, &c));
-    CU_ASSERT(c.restitution > 0.0);
-    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.98 * stick, &c));
-    CU_ASSERT(c.restitution == 0.0);
-    CHECK_FAILS(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0, &c), RP_BAD_INPUT, "v = 0");
-}
-
-/* A grain on the floor, and a column of five: overlaps from the weight above, (m g n / k)^(2/3). */
-static void static_overlap(void)
-{
-    enum { N = 5 };
-    const double r = 0.1193, m = 0.00471, g = 981.0;
-    dem_grain grains[N];
-    for (int i = 0; i < N; i++) grains[i] = (dem_grain){0.5, r * (2 * i + 1), r, m, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.material.gamma_n = 2000.0;
-    def.grains = grains;
-    def.n_grains = N;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    def.walls[0].material.k_n = 2.3e6;
-    for (int n = 1; n <= N; n += N - 1) {
-        def.n_grains = (size_t)n;
-        dem_sim *sim;
-        dem_contact *contacts;
-        size_t n_contacts;
-        CHECK_OK(dem_create(&def, &sim));
-        CHECK_OK(dem_run(sim, check_fast() ? 40000 : 100000));
-        CHECK_OK(dem_contacts(sim, &contacts, &n_contacts));
-        CU_ASSERT_EQUAL((int)n_contacts, n);
-        for (size_t k = 0; k < n_contacts; k++) {
-            bool floor = contacts[k].wall >= 0;
-            uint32_t lower = contacts[k].id_a < contacts[k].id_b ? contacts[k].id_a : contacts[k].id_b;
-            double load = floor ? n * m * g : (n - (double)lower) * m * g;
-            /* the slowest mode of the column decays as exp(-20 t): to round-off after 2 s */
-            CHECK_NEAR(contacts[k].overlap, pow(load / (floor ? 2.3e6 : 1e6), 2.0 / 3.0), 1e-9);
-            CHECK_NEAR(contacts[k].normal_force, load, 1e-6 * load);
-        }
-        double forces[2];
-        dem_wall_forces(sim, forces);
-        CHECK_NEAR(forces[1], -n * m * g, 1e-6 * n * m * g);
-        free(contacts);
-        dem_free(sim);
-    }
-}
-
-/* A grain on a floor, gravity inclined by `angle`; it starts where the floor carries it. */
-static dem_sim *incline(double angle, double mu, int slip, double gamma_s, double k_s)
-{
-    const double r = 0.1, m = 0.0042, g = 981.0, k = 2e6;
-    dem_grain grain = {0.0, r - pow(m * g * cos(angle) / k, 2.0 / 3.0), r, m, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.gravity[0] = g * sin(angle);
-    def.gravity[1] = -g * cos(angle);
-    def.slip = slip;
-    def.material = (dem_material){1e6, 500.0, k_s, gamma_s, mu};
-    def.grains = &grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    def.walls[0].material.k_n = k;
-    dem_sim *sim = NULL;
-    CHECK_OK(dem_create(&def, &sim));
-    return sim;
-}
-
-/* Below atan(mu/2) a suddenly loaded grain sticks, displaced by m g sin/k_s; above atan(mu) it slides and
- * comes to the speed g (sin - mu cos)/gamma_s of the viscous term outside the cap. */
-static void incline_sticks_and_slides(void)
-{
-    const double mu = 0.2385, gamma_s = 40.0, g = 981.0;
-    double angle = 0.9 * atan(0.5 * mu);
-    dem_state s;
-    dem_sim *sim = incline(angle, mu, DEM_TRUNCATED, gamma_s, 1e4);
-    CHECK_OK(dem_run(sim, 40000));
-    dem_states(sim, &s);
-    CHECK_NEAR(s.x, 0.0042 * g * sin(angle) / 1e4,
-               1e-9); /* the sway has died out: exp(-gamma_s t / 2), t = 2 s */
-    dem_free(sim);
-    angle = 1.3 * atan(mu);
-    sim = incline(angle, mu, DEM_TRUNCATED, gamma_s, 1e4);
-    CHECK_OK(dem_run(sim, 20000));
-    dem_states(sim, &s);
-    double speed = g * (sin(angle) - mu * cos(angle)) / gamma_s;
-    CHECK_NEAR(s.vx / speed, 1.0, 1e-9); /* exp(-gamma_s t), t = 1 s, is 4e-18; the rest is round-off */
-    dem_free(sim);
-}
-
-/* As (2b) is printed, without damping, friction is a conservative spring: a grain kicked along the floor
- * comes back to its start at full speed, though it slid; the truncated spring leaves it slower. */
-static void total_spring_comes_back(void)
-{
-    for (int slip = DEM_TRUNCATED; slip <= DEM_TOTAL; slip++) {
-        const double r = 0.1, m = 0.0042, g = 981.0, k = 2e6, kick = 15.0;
-        dem_grain grain = {0.0, r - pow(m * g / k, 2.0 / 3.0), r, m, kick, 0.0};
-        dem_definition def = dem_definition_default();
-        def.slip = slip;
-        def.dt = 1e-5;
-        def.material =
-            (dem_material){1e6, 500.0, 200.0, 0.0, 0.2}; /* soft in shear, so that its energy counts */
-        def.grains = &grain;
-        def.n_grains = 1;
-        def.n_walls = 1;
-        def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-        def.walls[0].material.k_n = k;
-        dem_sim *sim;
-        dem_state s = {0};
-        CHECK_OK(dem_create(&def, &sim));
-        double back = 0.0, most = 0.0;
-        for (long step = 0; step < 60000; step++) {
-            dem_energy e;
-            CHECK_OK(dem_run(sim, 1));
-            dem_states(sim, &s);
-            dem_energies(sim, &e);
-            most =
-                fmax(most, fabs(e.kinetic + e.elastic + e.gravity - m * g * grain.y - 0.5 * m * kick * kick));
-            if (s.vx < back) back = s.vx;
-            if (s.vx < 0.0 && s.x < 0.0) break;
-        }
-        if (slip == DEM_TOTAL) {
-            CHECK_NEAR(back, -kick, 1e-3 * kick); /* second order in dt, of a kink at slip */
-            /* its energy is all there, in a spring that pulls with a constant force; the normal spring of the
-             * floor holds some (2/5) m g overlap */
-            CHECK_NEAR(most, 0.0, 1e-3 * 0.5 * m * kick * kick + m * g * (r - grain.y));
-        } else
-            CU_ASSERT(back > -0.1 * kick);
-        dem_free(sim);
-    }
+    case_problem *const problems[] = {&elastic_problem, &damped_problem, &sticking_problem, &solver_problem};
+    case_write("impact", problems, sizeof problems / sizeof *problems);
 }
 
 void suite_impact(void)
 {
-    static const check_case cases[] = {{"elastic Hertz impact", hertz_elastic},
-                                       {"linear impact, closed form", linear_closed_form},
-                                       {"observed order, elastic", order_elastic},
-                                       {"observed order, damped", order_damped},
-                                       {"force that may not pull", clipped_force},
-                                       {"solver of single impacts", collision_closed_forms},
-                                       {"static overlap of a grain and a column", static_overlap},
-                                       {"incline: sticks, slides", incline_sticks_and_slides},
-                                       {"the untruncated spring comes back", total_spring_comes_back},
-                                       {NULL, NULL}};
-    check_register("validation: impacts and friction", cases);
+    static const check_case list[] = {{"elastic impacts", elastic},
+                                      {"damped impacts", damped},
+                                      {"sticking threshold", sticking},
+                                      {"solver of single impacts", single_impacts},
+                                      {"range of damping", damping_range},
+                                      {"observed order, elastic", order_elastic},
+                                      {"observed order, damped", order_damped},
+                                      {"cases", cases},
+                                      {NULL, NULL}};
+    check_register("validation: impacts", list);
 }

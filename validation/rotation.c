@@ -1,6 +1,7 @@
 /* Validation of what acts along a contact, against closed forms: damping under the Coulomb limit, rotation,
  * rolling resistance. q = I/(m r^2) is 2/5 for a sphere and 1/2 for a disk; b is the arm of the force from
  * the centre, r less the overlap with a wall. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,6 +9,13 @@
 #include "dem/law_shear.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "validation/cases.h"
+#include "validation/oblique.h"
+
+static case_problem rolls_problem = {"slides_then_rolls", "force mu m g; v - (q r^2/b) omega is kept",
+                                     "time of the spring to load and a step; round-off"},
+                    oblique_problem = {"oblique", "event by event, undamped linear law",
+                                       "W dt of the spring's first step; overlap/r"};
 
 static const double R = 0.1193, M = 0.00471, G = 981.0, FLOOR_K = 2e6;
 
@@ -92,44 +100,53 @@ static void inside_incline(void)
 }
 
 /* Sliding over into rolling. The floor's force changes v_x by f/m and omega by b f/(q m r^2), so that
- * v_x - (q r^2/b) omega is kept whatever the force, and rolling, v_x = -b omega, has v0/(1 + q r^2/b^2).
- * At the force mu m g that is reached at t = v0/(mu g (1 + b^2/(q r^2))). */
+ * v_x - (q r^2/b) omega is kept whatever the force, and rolling, v_x = -b omega, has v0/(1 + q r^2/b^2): 5/7
+ * of v0 for a sphere, 2/3 for a disk, but for the overlap. At the force mu m g that is reached at
+ * t = v0/(mu g (1 + b^2/(q r^2))). */
+static void check_rolls(int shape, double mu, double v0)
+{
+    const char *const name = shape == DEM_SPHERE ? "sphere" : "disk", *const format = "%s mu=%g v0=%g dt=%g";
+    const double q = inertia_ratio(shape);
+    dem_material c = {1e6, 500.0, 1e4, 0.0, mu};
+    dem_grain grain;
+    dem_definition def = on_floor(0.0, &grain, &c);
+    def.shape = shape;
+    grain.vx = v0;
+    const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
+    dem_sim *sim = grains_start(&def);
+    dem_state s = {0};
+    double slip = v0, last = v0;
+    while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
+        last = slip;
+        s = run(sim, def.dt, def.dt);
+        slip = s.vx + b * s.omega;
+    }
+    /* the spring takes mu m g/(k_s v0), and the force a step, to come up */
+    const double late = mu * M * G / (1e4 * v0) + def.dt;
+    case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late, format,
+              name, mu, v0, def.dt);
+    case_near(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late, format,
+              name, mu, v0, def.dt);
+    case_near(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
+              DBL_EPSILON * v0 * dem_time(sim) / def.dt, format, name, mu, v0, def.dt);
+    dem_free(sim);
+    /* the spring that is left swings, and dies out as exp(-gamma_s (1 + 1/q) t/2) */
+    def.walls[0].material.gamma_s = 40.0;
+    sim = grains_start(&def);
+    s = run(sim, exact + 0.6, def.dt);
+    case_near(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0, format, name, mu, v0, def.dt);
+    case_near(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b, format, name, mu, v0, def.dt);
+    /* the angle is that of the way rolled and slid: x + b angle is the slip, the rest is kept */
+    case_near(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0, format,
+              name, mu, v0, def.dt);
+    dem_free(sim);
+}
+
 static void slides_then_rolls(void)
 {
-    const double mu = 0.2385, v0 = 20.0;
-    for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
-        const double q = inertia_ratio(shape);
-        dem_material c = {1e6, 500.0, 1e4, 0.0, mu};
-        dem_grain grain;
-        dem_definition def = on_floor(0.0, &grain, &c);
-        def.shape = shape;
-        grain.vx = v0;
-        const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
-        dem_sim *sim = grains_start(&def);
-        dem_state s = {0};
-        double slip = v0, last = v0;
-        while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
-            last = slip;
-            s = run(sim, def.dt, def.dt);
-            slip = s.vx + b * s.omega;
-        }
-        double t = dem_time(sim) - def.dt * slip / (slip - last);
-        /* the spring takes mu m g/(k_s v0), and the force a step, to come up */
-        const double late = mu * M * G / (1e4 * v0) + def.dt;
-        CHECK_NEAR(t, exact, late);
-        CHECK_NEAR(s.x, v0 * exact - 0.5 * mu * G * exact * exact, v0 * late);
-        CHECK_NEAR(s.vx - q * R * R / b * s.omega, v0, 1e-12 * v0);
-        dem_free(sim);
-        /* the spring that is left swings, and dies out as exp(-gamma_s (1 + 1/q) t/2) */
-        def.walls[0].material.gamma_s = 40.0;
-        sim = grains_start(&def);
-        s = run(sim, 0.8, def.dt);
-        CHECK_NEAR(s.vx, v0 / (1.0 + ratio), 1e-9 * v0);
-        CHECK_NEAR(s.omega, -s.vx / b, 1e-9 * v0 / b);
-        /* the angle is that of the way rolled and slid: x + b angle is the slip, the rest is kept */
-        CHECK_NEAR(s.x - q * R * R / b * s.angle, v0 * dem_time(sim), 1e-9 * v0);
-        dem_free(sim);
-    }
+    static const double mus[] = {0.07, 0.2385, 0.8}, speeds[] = {3.0, 20.0, 70.0};
+    for (int i = 0; i < 2 * 3 * 3; i += case_stride(5))
+        check_rolls(i % 2 ? DEM_DISK : DEM_SPHERE, mus[i / 2 % 3], speeds[i / 6]);
 }
 
 /* Impacts against a wall or another grain, linear law: v_n and v_s at touch, and what is left of v_s. */
@@ -215,6 +232,47 @@ static void oblique_sticking(void)
         CHECK_NEAR(p.out_s / p.v_s, left, 10.0 / n + 10.0 * depth / R);
         CHECK_NEAR(p.out_n / p.v_n, 1.0, 10.0 / n + 10.0 * depth / R);
         CHECK_NEAR(p.turned, p.impulse / (q * M * R), 3.0 * depth / R * fabs(p.turned));
+    }
+}
+
+static void oblique_any(void)
+{
+    static const double kappas[] = {0.05, 2.0 / 7.0, 0.86}, mus[] = {0.1, 0.4},
+                        slopes[] = {0.02, 0.2, 0.6, 1.2, 2.5, 6.0};
+    for (int i = 0; i < 2 * 2 * 3 * 2 * 6; i += case_stride(5)) {
+        oblique p = {.pair = i % 2,
+                     .shape = i / 2 % 2 ? DEM_DISK : DEM_SPHERE,
+                     .k_s = LINEAR_K * kappas[i / 4 % 3],
+                     .mu = mus[i / 12 % 2],
+                     .v_n = 2e-4};
+        p.v_s = p.v_n * slopes[i / 24];
+        const double steps = 4000.0, q = inertia_ratio(p.shape), a = 1.0 + 1.0 / q;
+        const double m_eff = p.pair ? M * 0.00297 / (M + 0.00297) : M, depth = p.v_n * sqrt(m_eff / LINEAR_K);
+        const double out = oblique_left(a, p.k_s / LINEAR_K, p.mu, p.v_n, p.v_s);
+        collide(&p, steps);
+        /* the spring's first step counts whole, though the touch falls into it; the arms change with the
+         * overlap, and a pair turns by the way that it moves on */
+        const double first = sqrt(a * p.k_s / LINEAR_K) * M_PI / steps * p.v_s;
+        const double places = depth / R + (p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0);
+        const double bound = first + 3.0 * places * (p.v_s + p.v_n);
+        const char *const format = "%s %s k_s/k_n=%g mu=%g v_s/v_n=%g";
+        const char *const shape = p.shape == DEM_SPHERE ? "sphere" : "disk", *const on =
+                                                                                 p.pair ? "grain" : "wall";
+        case_near(&oblique_problem, "slip", out, p.out_s, bound, format, shape, on, kappas[i / 4 % 3], p.mu,
+                  slopes[i / 24]);
+        case_near(&oblique_problem, "spin", m_eff * (out - p.v_s) / (a * q * M * R), p.turned,
+                  m_eff * bound / (q * M * R), format, shape, on, kappas[i / 4 % 3], p.mu, slopes[i / 24]);
+    }
+}
+
+/* Event by event against the two ends of the range, sliding and sticking, in closed form. */
+static void oblique_ends(void)
+{
+    for (int i = 0; i < 20; i++) {
+        const double a = i % 2 ? 3.0 : 3.5, kappa = 0.05 + 0.04 * i, mu = 0.13, v_n = 1.7;
+        const double fast = 1.1 * fmax(2.0 * a * mu * v_n + mu * v_n / kappa, mu * v_n / kappa);
+        CHECK_NEAR(oblique_left(a, kappa, mu, v_n, fast), fast - 2.0 * a * mu * v_n, 1e-12);
+        CHECK_NEAR(oblique_left(a, kappa, 1e9, v_n, 1.0), cos(M_PI * sqrt(a * kappa)), 1e-6);
     }
 }
 
@@ -383,18 +441,27 @@ static void rotating_time_step(void)
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * sqrt(4.0 / 3.0 * M / 1e4), 1e-12);
 }
 
+static void cases(void)
+{
+    case_problem *const problems[] = {&rolls_problem, &oblique_problem};
+    case_write("rotation", problems, sizeof problems / sizeof *problems);
+}
+
 void suite_rotation(void)
 {
-    static const check_case cases[] = {{"law with the dashpot inside", inside_law},
-                                       {"incline with the dashpot inside", inside_incline},
-                                       {"slides, then rolls", slides_then_rolls},
-                                       {"oblique impact that slides", oblique_sliding},
-                                       {"oblique impact that sticks", oblique_sticking},
-                                       {"a pair keeps its momenta", pair_conserves},
-                                       {"energy stays", energy_stays},
-                                       {"rolling resistance stops", rolling_stops},
-                                       {"rolling on an incline", rolling_incline},
-                                       {"time step of what rotates", rotating_time_step},
-                                       {NULL, NULL}};
-    check_register("validation: rotation and rolling", cases);
+    static const check_case list[] = {{"law with the dashpot inside", inside_law},
+                                      {"incline with the dashpot inside", inside_incline},
+                                      {"slides, then rolls", slides_then_rolls},
+                                      {"oblique impact that slides", oblique_sliding},
+                                      {"oblique impact that sticks", oblique_sticking},
+                                      {"oblique impacts event by event: both ends", oblique_ends},
+                                      {"oblique impacts: stick, slide, reverse", oblique_any},
+                                      {"a pair keeps its momenta", pair_conserves},
+                                      {"energy stays", energy_stays},
+                                      {"rolling resistance stops", rolling_stops},
+                                      {"rolling on an incline", rolling_incline},
+                                      {"time step of what rotates", rotating_time_step},
+                                      {"cases", cases},
+                                      {NULL, NULL}};
+    check_register("validation: rotation and rolling", list);
 }

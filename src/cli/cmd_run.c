@@ -13,6 +13,7 @@
 typedef struct {
     rp_texts set;
     long every, row;
+    bool ledger;
     const char *directory, *box;
 } run_options;
 
@@ -23,6 +24,8 @@ static const rp_param options[] = {
      "write states (with --box: energies) each time; auto: the final state (with --box: every 100)"},
     {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
      "folder for tables, instead of standard output"},
+    {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
+     "where the energy goes, further columns of the energies; as `ledger = true` in a scene"},
     {"box", "", RP_TEXT, offsetof(run_options, box), "", "",
      "a sweep file: run one of its rows and write its tables"},
     {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
@@ -31,7 +34,7 @@ static const rp_param options[] = {
 
 static const cli_command command = {
     "run",
-    "SCENE.cfg [--set KEY=VALUE]... [--every N] [-o DIR] | --box SWEEP.cfg [--row N] -o DIR",
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | --box SWEEP.cfg [--row N] -o DIR",
     "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y "
     "(cm),\n"
     "angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
@@ -66,7 +69,7 @@ static rp_status open_in(const char *directory, const char *name, char path[4096
     return status;
 }
 
-static rp_status outputs_open(outputs *o, const dem_sim *sim)
+static rp_status outputs_open(outputs *o, const dem_scene *scene, const dem_sim *sim)
 {
     rp_status status = RP_OK;
     if (o->directory) {
@@ -74,7 +77,7 @@ static rp_status outputs_open(outputs *o, const dem_sim *sim)
         if (!status) status = open_in(o->directory, "states.tsv", o->states_path, &o->states);
         if (!status) status = open_in(o->directory, "energy.tsv", o->energy_path, &o->energy);
         if (status) return status;
-        dem_write_energy_columns(o->energy);
+        dem_write_energy_columns(scene->def.ledger, o->energy);
     } else {
         o->states = stdout;
         write_header(stdout);
@@ -152,7 +155,7 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     /* some tenths of a second: often enough to show progress and to notice a signal */
     const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
     outputs out = {.directory = *o->directory ? o->directory : NULL};
-    rp_status status = outputs_open(&out, sim);
+    rp_status status = outputs_open(&out, scene, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
     while (!status && dem_step(sim) < scene->steps) {
         long part = scene->steps - dem_step(sim);
@@ -179,8 +182,8 @@ static rp_status run_box(const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, o->directory,
-                                   o->every > 0 ? o->every : 100, write_header, &protocol, &result);
+    const sweep_tables tables = {o->directory, o->every > 0 ? o->every : 100, write_header, o->ledger};
+    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
@@ -213,6 +216,7 @@ rp_status cmd_run(int argc, char **argv)
     dem_scene scene;
     dem_sim *sim = NULL;
     status = dem_scene_read(path, &o.set, &scene);
+    if (o.ledger) scene.def.ledger = true;
     if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
     if (!status) status = run_scene(&scene, &o, sim);
     dem_free(sim);

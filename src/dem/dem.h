@@ -100,6 +100,7 @@ typedef struct {
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
     int kernel;
+    bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
@@ -229,6 +230,32 @@ typedef struct {
     double kinetic, elastic, gravity, rotational;
 } dem_energy;
 void dem_energies(const dem_sim *sim, dem_energy *energy);
+
+/* Where the energy went since the start, in channels, each with its sign in
+ *
+ *   energy now = start + (put_in - taken_out + ... + integration) + residual:
+ *
+ * energy of the grains put in and taken out, contacts of these included; work of gravity's change, and of
+ * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
+ * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
+ * each step against the changes of kinetic energy and of the potentials. What a loss with memory, a well or a
+ * spring of the untruncated law, gives back counts as negative. */
+#define DEM_LEDGER_LIST(X)                                                                                   \
+    X(put_in, +)                                                                                             \
+    X(taken_out, -) X(gravity_turn, +) X(wall_work, +) X(normal_damping, -) X(shear_damping, -)              \
+        X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
+typedef struct {
+    double start;
+#define X(channel, sign) double channel;
+    DEM_LEDGER_LIST(X)
+#undef X
+    double at_walls; /* of normal_damping to wells: at walls */
+    double turnover; /* sum of the magnitudes of all changes of kinetic energy and height, and of such work */
+    double residual; /* round-off of turnover, if the ledger is right */
+} dem_ledger;
+
+/* False without a ledger. */
+bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
 
 /* Force on each wall, laboratory frame, in the order of the definition: forces[2 * wall],
  * forces[2 * wall + 1]. */

@@ -116,11 +116,12 @@ static bool collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
     const double t = time_of_touch(d, v, a, reach, sim->def.dt);
     if (isinf(t)) return false;
     const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / reach);
-    const dem_body one = body_at(sim, i, &m_i, t), two = body_at(sim, j, &m_j, t);
-    dem_body one_after = one, two_after = two;
-    if (!collide(sim, &one_after, &two_after, n, dem_dot(a, n))) return false;
-    deflect(sim, i, &one, &one_after, t);
-    deflect(sim, j, &two, &two_after, t);
+    const dem_body before[2] = {body_at(sim, i, &m_i, t), body_at(sim, j, &m_j, t)};
+    dem_body after[2] = {before[0], before[1]};
+    if (!collide(sim, &after[0], &after[1], n, dem_dot(a, n))) return false;
+    if (sim->book) dem_ledger_collision(sim, (size_t[]){i, j}, before, after);
+    deflect(sim, i, &before[0], &after[0], t);
+    deflect(sim, j, &before[1], &after[1], t);
     return true;
 }
 
@@ -137,10 +138,11 @@ static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
     if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return false;
     const double t = -2.0 * overlap / (sqrt(root2) + closing);
     if (t > sim->def.dt) return false;
-    const dem_body before = body_at(sim, i, &m, t);
-    dem_body after = before, wall = {{wall_velocity[0], wall_velocity[1]}};
-    if (!collide(sim, &after, &wall, -normal, pressing)) return false;
-    deflect(sim, i, &before, &after, t);
+    const dem_body before[2] = {body_at(sim, i, &m, t), {{wall_velocity[0], wall_velocity[1]}}};
+    dem_body after[2] = {before[0], before[1]};
+    if (!collide(sim, &after[0], &after[1], -normal, pressing)) return false;
+    if (sim->book) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
+    deflect(sim, i, &before[0], &after[0], t);
     return true;
 }
 

@@ -30,8 +30,13 @@ static double omega(const dem_sim *sim, size_t i)
     return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
 }
 
-/* In a frame that spins itself. */
-static double rotational_energy(const dem_sim *sim, size_t i, double frame)
+double dem_kinetic_energy(const dem_sim *sim, size_t i)
+{
+    dem_vec v = velocity(sim, i);
+    return 0.5 * sim->mass[i] * dem_dot(v, v);
+}
+
+double dem_rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
     if (!sim->spin || is_fixed(sim, i)) return 0.0;
     const double spin = omega(sim, i) - frame;
@@ -168,22 +173,43 @@ rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
     return RP_OK;
 }
 
-/* Energy that a contact's springs hold. A shear spring of the untruncated law pulls with the constant cap
- * beyond its Coulomb limit. */
-static double spring_energy(const dem_sim *sim, const dem_material *c, double mu, const dem_contact *contact)
+/* A shear spring of the untruncated law pulls with the constant cap beyond its Coulomb limit. */
+static dem_elastic elastic(const dem_sim *sim, const dem_material *c, double mu, const dem_contact *contact)
 {
-    double overlap = contact->overlap, ds = fabs(contact->shear_spring);
-    double energy = sim->def.normal == DEM_HERTZ ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
-                                                 : 0.5 * c->k_n * overlap * overlap;
+    const double overlap = contact->overlap, ds = fabs(contact->shear_spring);
+    dem_elastic energy = {.normal = sim->def.normal == DEM_HERTZ
+                                        ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
+                                        : 0.5 * c->k_n * overlap * overlap,
+                          .rolling = 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring};
     if (contact->well == DEM_WELL_HOLDS)
-        energy +=
+        energy.well =
             0.5 * sim->def.ground.mu_static * fmax(contact->normal_force, 0.0) / sim->def.ground.a * ds * ds;
     if (sim->def.tangential == DEM_SPRING) {
         double pull = c->k_s * ds;
         if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
-        energy += pull * ds - 0.5 * pull * pull / c->k_s;
+        energy.shear = pull * ds - 0.5 * pull * pull / c->k_s;
     }
-    return energy + 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring;
+    return energy;
+}
+
+dem_elastic dem_pair_elastic(const dem_sim *sim, size_t k)
+{
+    const dem_contact contact = pair_contact(sim, k);
+    return elastic(sim, &sim->def.material, sim->mu, &contact);
+}
+
+dem_elastic dem_slot_elastic(const dem_sim *sim, size_t k)
+{
+    dem_contact contact;
+    const uint32_t w = sim->wall_slot[k].wall;
+    return slot_contact(sim, k, &contact)
+               ? elastic(sim, &sim->def.walls[w].material, sim->wall_mu[w], &contact)
+               : (dem_elastic){0};
+}
+
+static double all_elastic(dem_elastic e)
+{
+    return e.normal + e.well + e.shear + e.rolling;
 }
 
 void dem_energies(const dem_sim *sim, dem_energy *energy)
@@ -191,21 +217,13 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     *energy = (dem_energy){0};
     for (size_t i = 0; i < sim->n; i++) {
         if (is_fixed(sim, i)) continue;
-        dem_vec v = velocity(sim, i);
-        energy->kinetic += 0.5 * sim->mass[i] * dem_dot(v, v);
+        energy->kinetic += dem_kinetic_energy(sim, i);
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
-        energy->rotational += rotational_energy(sim, i, 0.0);
+        energy->rotational += dem_rotational_energy(sim, i, 0.0);
     }
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        dem_contact contact = pair_contact(sim, sim->touching[t]);
-        energy->elastic += spring_energy(sim, &sim->def.material, sim->mu, &contact);
-    }
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        dem_contact contact;
-        const uint32_t w = sim->wall_slot[k].wall;
-        if (slot_contact(sim, k, &contact))
-            energy->elastic += spring_energy(sim, &sim->def.walls[w].material, sim->wall_mu[w], &contact);
-    }
+    for (size_t t = 0; t < sim->n_touching; t++)
+        energy->elastic += all_elastic(dem_pair_elastic(sim, sim->touching[t]));
+    for (size_t k = 0; k < sim->n_wall_slots; k++) energy->elastic += all_elastic(dem_slot_elastic(sim, k));
 }
 
 void dem_wall_forces(const dem_sim *sim, double *forces)
@@ -229,7 +247,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         dem_vec f = sim->mass[i] * acceleration(sim, i);
         rest->n++;
         rest->kinetic_energy +=
-            0.5 * sim->mass[i] * dem_dot(v, v) + rotational_energy(sim, i, -sim->box_swing[1]);
+            0.5 * sim->mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->box_swing[1]);
         rest->contact_number += contacts[i];
         if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
     }

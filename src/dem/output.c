@@ -58,7 +58,10 @@ rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
     return status;
 }
 
-void dem_write_energy_columns(FILE *out)
+/* Without a ledger the columns end before its own. */
+enum { ENERGY_COLUMNS = 8 };
+
+void dem_write_energy_columns(bool ledger, FILE *out)
 {
     static const char *const columns[][2] = {{"step", ""},
                                              {"t", "s"},
@@ -67,16 +70,38 @@ void dem_write_energy_columns(FILE *out)
                                              {"elastic", "erg"},
                                              {"gravity", "erg"},
                                              {"kinetic_per_grain", "erg"},
-                                             {"rotational", "erg"}};
-    rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+                                             {"rotational", "erg"},
+                                             {"start", "erg"},
+#define X(channel, sign) {#channel, "erg"},
+                                             DEM_LEDGER_LIST(X)
+#undef X
+                                                 {"at_walls", "erg"},
+                                             {"turnover", "erg"},
+                                             {"residual", "erg"}};
+    rp_table_columns(out, ledger ? sizeof columns / sizeof *columns : ENERGY_COLUMNS, columns);
 }
 
 void dem_write_energy(const dem_sim *sim, FILE *out)
 {
     const double n = (double)dem_count(sim);
     dem_energy e;
+    dem_ledger l = {0};
+    const bool ledger = dem_ledger_read(sim, &l);
     dem_energies(sim, &e);
-    rp_table_row(out, 8,
-                 (double[]){(double)dem_step(sim), dem_time(sim), n, e.kinetic, e.elastic, e.gravity,
-                            n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0, e.rotational});
+    const double row[] = {(double)dem_step(sim),
+                          dem_time(sim),
+                          n,
+                          e.kinetic,
+                          e.elastic,
+                          e.gravity,
+                          n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0,
+                          e.rotational,
+                          l.start,
+#define X(channel, sign) l.channel,
+                          DEM_LEDGER_LIST(X)
+#undef X
+                              l.at_walls,
+                          l.turnover,
+                          l.residual};
+    rp_table_row(out, ledger ? sizeof row / sizeof *row : ENERGY_COLUMNS, row);
 }

@@ -11,7 +11,7 @@
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
 typedef struct {
-    bool rotation;
+    bool rotation, ledger;
     int shape, integrator, kernel;
     double density, dt, skin, x_max, y_min, turn_deg, box_turn_deg;
     long steps, turn_from_step;
@@ -65,6 +65,9 @@ static const rp_param top_schema[] = {
      "first step at which gravity or the box turns"},
     {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference | baseline | avx2 | avx512",
      "pair loop: the best here, the general one, or with these instructions; the same bits"},
+    {"ledger", "", RP_BOOL, AT(scene_values, ledger), "false", "",
+     "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
+     "bits"},
     {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
@@ -459,6 +462,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->turn_from_step = top.turn_from_step;
     def->integrator = top.integrator;
     def->kernel = top.kernel;
+    def->ledger = top.ledger;
     scene->steps = top.steps;
     status = read_laws(root, def);
     if (!status) status = read_walls(root, def);
@@ -530,6 +534,7 @@ static void write_top(FILE *out, const dem_scene *scene)
     top.integrator = def->integrator;
     top.steps = scene->steps;
     top.kernel = def->kernel;
+    top.ledger = def->ledger;
     if (scene->has_fill) {
         top.shape = scene->fill.shape;
         top.density = scene->fill.density;

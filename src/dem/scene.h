@@ -43,8 +43,8 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out);
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
 
 /* Table rows: step t grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the
- * origin; kinetic of translation alone, per grain of both). */
-void dem_write_energy_columns(FILE *out);
+ * origin; kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. */
+void dem_write_energy_columns(bool ledger, FILE *out);
 void dem_write_energy(const dem_sim *sim, FILE *out);
 
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and

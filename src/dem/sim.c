@@ -393,6 +393,7 @@ void dem_gravity_set(dem_sim *sim, const double g[2])
     dem_vec before = sim->gravity;
     set_gravity(sim, g);
     dem_integrate_gravity(sim, sim->gravity - before);
+    if (sim->book) dem_ledger_gravity(sim);
 }
 
 static void turn_gravity(dem_sim *sim)
@@ -401,6 +402,7 @@ static void turn_gravity(dem_sim *sim)
     g = sim->turn_cos * g + sim->turn_sin * (dem_vec){-g[1], g[0]};
     double norm = sqrt(dem_dot(g, g));
     sim->gravity = norm > 0.0 ? g * (sim->gravity_norm / norm) : g;
+    if (sim->book) dem_ledger_gravity(sim);
 }
 
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
@@ -494,8 +496,10 @@ static rp_status start_forces(dem_sim *sim)
     dem_walls_apply(sim, 0.0);
     if (sim->alarm) status = check_overlaps(sim);
     if (!status) status = check_start_overlaps(sim);
+    if (!status && sim->book) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;
     dem_integrate_start(sim, 0);
+    if (sim->book) dem_ledger_start(sim);
     return RP_OK;
 }
 
@@ -555,6 +559,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->start_speed = impact_speed(def);
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
+    if (!status && def->ledger) status = dem_ledger_alloc(sim);
     return status ? status : start_forces(sim);
 }
 
@@ -585,9 +590,10 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
-    c->wall_slot = NULL, c->scratch = NULL;
+    c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
+    if (!status && sim->book) status = dem_ledger_clone(c, sim);
     if (status) {
         dem_free(c);
         return status;
@@ -666,6 +672,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     put_grain(sim, sim->n, grain);
     status = check_new_walls(sim, sim->n);
     if (status) return rp_prefix(status, "new particle: ");
+    if (sim->book && (status = dem_ledger_add(sim, grain)) != RP_OK) return status;
     sim->id[sim->n++] = ++sim->last_id;
     dem_integrate_start(sim, sim->n - 1);
     if (id) *id = sim->last_id;
@@ -676,6 +683,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
+    dem_ledger_free(sim);
     free(sim->gear), free(sim->fixed);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
@@ -698,7 +706,9 @@ rp_status dem_run(dem_sim *sim, long steps)
         sim->kernel(sim, h);
         dem_walls_apply(sim, h);
         if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;
+        if (sim->book && (status = dem_ledger_forces(sim, h)) != RP_OK) return status;
         if (sim->gear) dem_integrate_correct(sim);
+        if (sim->book) dem_ledger_step(sim);
     }
     return RP_OK;
 }

@@ -3,6 +3,7 @@
 #define DEM_SIM_H
 
 #include "dem/dem.h"
+#include "dem/impact.h"
 
 /* Two doubles as one value: + - * act on both. */
 typedef double dem_vec __attribute__((vector_size(16)));
@@ -33,6 +34,11 @@ typedef struct {
 typedef struct {
     dem_vec q[4], slide;
 } dem_gear;
+
+/* What the springs of a contact hold. */
+typedef struct {
+    double normal, well, shear, rolling;
+} dem_elastic;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
 /* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
@@ -98,6 +104,7 @@ struct dem_sim {
     dem_vec wall_force[DEM_MAX_WALLS];
 
     struct dem_scratch *scratch; /* of the neighbour list */
+    struct dem_book *book;       /* of the energy ledger; NULL without */
     long rebuilds;
     long collisions;
     double grain_steps;
@@ -175,6 +182,30 @@ dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_f
 
 /* Hard collisions of the coming step, before it; impact.c. Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_impacts_apply(dem_sim *sim);
+
+/* Energies of the grain at a place, as an observer sees them; of its rotation in a frame that spins itself.
+ * Of a pair, and of a wall slot, all 0 where it does not touch; observe.c. */
+double dem_kinetic_energy(const dem_sim *sim, size_t i);
+double dem_rotational_energy(const dem_sim *sim, size_t i, double frame);
+dem_elastic dem_pair_elastic(const dem_sim *sim, size_t k);
+dem_elastic dem_slot_elastic(const dem_sim *sim, size_t k);
+
+/* The energy ledger, where a simulation has its book; ledger.c. Note the contacts' forces once they have
+ * moved all springs by h; then, as they are at the start, or close the books of a step once all is in its
+ * place. */
+rp_status dem_ledger_alloc(dem_sim *sim);
+rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
+void dem_ledger_free(dem_sim *sim);
+rp_status dem_ledger_forces(dem_sim *sim, double h);
+void dem_ledger_start(dem_sim *sim);
+void dem_ledger_step(dem_sim *sim);
+
+/* Gravity has changed; a hard collision of two grains, or of one with what cannot move, whose place is then
+ * not looked at; a grain is about to be put in. */
+void dem_ledger_gravity(dem_sim *sim);
+void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
+                          const dem_body after[2]);
+rp_status dem_ledger_add(dem_sim *sim, const dem_grain *grain);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * overlap; brings slot->side up to date. False where the wall is open. */

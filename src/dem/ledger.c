@@ -1,0 +1,456 @@
+/* Energy ledger: where the energy of a run goes, beside a simulation that it does not touch.
+ *
+ * A step takes each grain by D. The forces F of its two ends do the work (F_0 + F_1) . D/2, split over the
+ * contacts and there over the parts of the law. The work of what damps, slides or pushes from outside is the
+ * channel's; the work of what has a potential is set against the change of the potential, and the sum of all
+ * works on a grain against the change of its kinetic energy: what is left of these two is what the scheme
+ * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
+ * the grains, and the potentials are those of dem_energies.
+ *
+ * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
+ * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/impact.h"
+#include "dem/law_normal.h"
+#include "dem/law_shear.h"
+#include "dem/sim.h"
+
+/* A grain, by id, as it was read last; then its way and turn in the step, and the energy that hard collisions
+ * of the step gave to it. Mass 0: it is fixed. */
+typedef struct {
+    bool present, seen;
+    dem_vec x, force, way;
+    double angle, torque, turn, mass, kinetic, hard;
+} ledger_grain;
+
+/* A contact of grain a with b, or with a wall, where b is 0: its frame, its forces on a along n and s and of
+ * rolling on r_eff (omega_a - omega_b), the law's increments of displacement, and its energies. */
+typedef struct {
+    uint64_t key;
+    uint32_t a, b, place; /* place in the list of pairs or wall slots */
+    dem_vec n, s, point, gate;
+    double arm_a, arm_b, r_eff;
+    double elastic, damping, spring, dashpot, slip, well, roll_spring, roll_dashpot;
+    double sheared, rolled;
+    dem_elastic energy;
+} ledger_contact;
+
+struct dem_book {
+    dem_ledger sum;
+    dem_vec gravity;
+    size_t room; /* ids, with the 0 that is nobody's */
+    ledger_grain *grain;
+    size_t n_old, n_new, contact_room;
+    ledger_contact *old_contact, *new_contact;
+};
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "energy ledger: out of memory");
+}
+
+static bool grow(void *array, size_t size, size_t room)
+{
+    void *more = realloc(*(void **)array, size * room);
+    if (more) *(void **)array = more;
+    return more != NULL;
+}
+
+static rp_status grain_room(dem_sim *sim, size_t last_id)
+{
+    struct dem_book *b = sim->book;
+    if (last_id < b->room) return RP_OK;
+    const size_t room = 2 * last_id + 2;
+    if (!grow(&b->grain, sizeof *b->grain, room)) return no_memory();
+    memset(b->grain + b->room, 0, (room - b->room) * sizeof *b->grain);
+    b->room = room;
+    return RP_OK;
+}
+
+static rp_status contact_room(dem_sim *sim)
+{
+    struct dem_book *b = sim->book;
+    const size_t need = sim->n_touching + sim->n_wall_slots;
+    if (need < b->contact_room) return RP_OK;
+    const size_t room = 2 * need + 16;
+    if (!grow(&b->old_contact, sizeof *b->old_contact, room) ||
+        !grow(&b->new_contact, sizeof *b->new_contact, room))
+        return no_memory();
+    b->contact_room = room;
+    return RP_OK;
+}
+
+/* Relative motion of a contact, by which its laws give their forces. */
+typedef struct {
+    double m_eff, overlap, v_n, v_s, v_roll, spring, roll;
+} relative;
+
+/* The parts of the normal, tangential and rolling force, springs as they are after the step. */
+static double split_forces(const dem_sim *sim, const dem_material *c, double mu, const relative *r,
+                           ledger_contact *e)
+{
+    const dem_definition *def = &sim->def;
+    const double f_n =
+        dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
+    e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
+    e->damping = f_n - e->elastic;
+    if (def->tangential == DEM_SPRING) {
+        double ds = r->spring, pull = c->k_s * ds;
+        const double cap = mu * fmax(f_n, 0.0);
+        if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
+        e->spring = -pull;
+        e->dashpot = pull + dem_law_shear(def->slip, def->damping, c->k_s, c->gamma_s, mu, r->m_eff, r->v_s,
+                                          f_n, 0.0, &ds);
+    } else if (def->tangential == DEM_SLIP_ROLL) {
+        const double f_s = dem_law_slip_roll(c->gamma_s, mu, r->m_eff, r->v_s, f_n);
+        *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s;
+    }
+    if (sim->rolling) {
+        double xi = r->roll;
+        e->roll_spring = -c->k_roll * xi;
+        e->roll_dashpot = dem_law_rolling(c, r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
+    }
+    return f_n;
+}
+
+/* Grain a is that of the smaller id, so that a contact keeps its sense as places change. */
+static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
+{
+    const bool swap = sim->id[sim->pair_i[k]] > sim->id[sim->pair_j[k]];
+    const size_t i = swap ? sim->pair_j[k] : sim->pair_i[k], j = swap ? sim->pair_i[k] : sim->pair_j[k];
+    const dem_vec d = sim->grain[i].x - sim->grain[j].x, v = sim->grain[i].v - sim->grain[j].v;
+    const double distance = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - distance;
+    *e = (ledger_contact){.a = sim->id[i], .b = sim->id[j], .place = k, .n = d * (1.0 / distance)};
+    e->key = (uint64_t)e->a << 32 | e->b;
+    e->s = dem_clockwise(e->n);
+    relative r = {.m_eff = sim->pair_mass[k],
+                  .overlap = overlap,
+                  .v_n = dem_dot(v, e->n),
+                  .v_s = dem_dot(v, e->s),
+                  .spring = sim->spring[k]};
+    if (sim->spin) {
+        e->arm_a = sim->radius[i] - 0.5 * overlap;
+        e->arm_b = sim->radius[j] - 0.5 * overlap;
+        e->r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
+        r.v_s += e->arm_a * sim->spin[i].omega + e->arm_b * sim->spin[j].omega;
+        r.v_roll = e->r_eff * (sim->spin[i].omega - sim->spin[j].omega);
+    }
+    if (sim->rolling) r.roll = swap ? -sim->roll[k] : sim->roll[k];
+    e->sheared = r.v_s * h;
+    if (sim->gear) e->sheared += dem_dot(sim->gear[i].slide - sim->gear[j].slide, e->s);
+    e->rolled = r.v_roll * h;
+    split_forces(sim, &sim->def.material, sim->mu, &r, e);
+}
+
+static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
+{
+    dem_wall_slot slot = sim->wall_slot[k];
+    const size_t i = slot.grain;
+    dem_vec wall_velocity;
+    double overlap;
+    *e = (ledger_contact){.a = sim->id[i], .place = k};
+    e->key = (uint64_t)e->a << 32 | (UINT32_MAX - slot.wall);
+    if (!dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0) return;
+    const dem_vec v = sim->grain[i].v - wall_velocity;
+    e->s = dem_clockwise(e->n);
+    e->point = sim->grain[i].x - (sim->radius[i] - overlap) * e->n;
+    e->gate = wall_velocity - dem_box_velocity(sim, e->point);
+    relative r = {.m_eff = sim->mass[i],
+                  .overlap = overlap,
+                  .v_n = dem_dot(v, e->n),
+                  .v_s = dem_dot(v, e->s),
+                  .spring = slot.spring,
+                  .roll = slot.roll};
+    if (sim->spin) {
+        e->arm_a = sim->radius[i] - overlap;
+        e->r_eff = sim->radius[i];
+        r.v_s += e->arm_a * sim->spin[i].omega;
+        r.v_roll = e->r_eff * (sim->spin[i].omega + sim->box_swing[1]);
+    }
+    e->sheared = r.v_s * h;
+    if (sim->gear) e->sheared += dem_dot(sim->gear[i].slide, e->s);
+    e->rolled = r.v_roll * h;
+    const double f_n = split_forces(sim, &sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], &r, e);
+    if (dem_is_ground(sim, &slot)) e->well = dem_ground_force(sim, &slot, f_n);
+}
+
+static int by_key(const void *a, const void *b)
+{
+    const uint64_t x = ((const ledger_contact *)a)->key, y = ((const ledger_contact *)b)->key;
+    return (x > y) - (x < y);
+}
+
+rp_status dem_ledger_forces(dem_sim *sim, double h)
+{
+    struct dem_book *b = sim->book;
+    rp_status status = contact_room(sim);
+    if (status) return status;
+    b->n_new = 0;
+    for (size_t t = 0; t < sim->n_touching; t++)
+        pair_forces(sim, sim->touching[t], h, &b->new_contact[b->n_new++]);
+    for (uint32_t k = 0; k < sim->n_wall_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
+    qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
+    return RP_OK;
+}
+
+static ledger_grain read_grain(const dem_sim *sim, size_t i)
+{
+    ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = sim->force[i]};
+    if (sim->spin) {
+        g.angle = sim->spin[i].angle;
+        g.torque = sim->spin[i].torque;
+    }
+    if (sim->inverse_mass[i] == 0.0) return g;
+    g.mass = sim->mass[i];
+    g.kinetic = dem_kinetic_energy(sim, i) + dem_rotational_energy(sim, i, 0.0);
+    return g;
+}
+
+static double weight_energy(const struct dem_book *b, const ledger_grain *g)
+{
+    return -g->mass * dem_dot(b->gravity, g->x);
+}
+
+/* What a step's channels add to the energy. */
+static double net(const dem_ledger *l)
+{
+#define X(channel, sign) sign l->channel
+    return DEM_LEDGER_LIST(X);
+#undef X
+}
+
+static void add(dem_ledger *sum, const dem_ledger *l)
+{
+#define X(channel, sign) sum->channel += l->channel;
+    DEM_LEDGER_LIST(X)
+#undef X
+    sum->at_walls += l->at_walls;
+    sum->turnover += fabs(l->wall_work);
+}
+
+/* The ways of all grains in the step, and what their kinetic energies gain beyond the work of the forces.
+ * A grain that is no longer there was taken out as it was at the step's start. */
+static void move_grains(dem_sim *sim)
+{
+    struct dem_book *b = sim->book;
+    for (size_t i = 0; i < sim->n; i++) {
+        ledger_grain *g = &b->grain[sim->id[i]], now = read_grain(sim, i);
+        now.seen = true;
+        now.way = now.x - g->x;
+        now.turn = now.angle - g->angle;
+        if (now.mass > 0.0) {
+            const double work =
+                0.5 * (dem_dot(g->force + now.force, now.way) + (g->torque + now.torque) * now.turn);
+            const double fall = now.mass * dem_dot(b->gravity, now.way), change = now.kinetic - g->kinetic;
+            b->sum.integration += change - work - fall - g->hard;
+            b->sum.turnover += fabs(change) + fabs(fall);
+        }
+        *g = now;
+    }
+    for (size_t id = 1; id <= sim->last_id; id++) {
+        ledger_grain *g = &b->grain[id];
+        if (g->present && !g->seen) {
+            b->sum.taken_out += g->kinetic + g->hard + weight_energy(b, g);
+            *g = (ledger_grain){0};
+        }
+        g->seen = false;
+    }
+}
+
+/* Half of the work that the forces of one end of the step do over it. */
+static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, dem_ledger *step)
+{
+    const double dt = sim->def.dt;
+    const ledger_grain *a = &sim->book->grain[c->a], *b = &sim->book->grain[c->b];
+    dem_vec way = b->way;
+    double turn = b->turn;
+    if (c->b == 0) { /* where the wall's point goes from the step's start, or came from at its end */
+        way = dt * (c->gate + (first ? -sim->box_swing[0] : sim->box_swing[0]) * c->point +
+                    sim->box_swing[1] * dem_clockwise(c->point));
+        turn = -dt * sim->box_swing[1];
+    }
+    const double along_n = dem_dot(a->way - way, c->n), turned = a->turn - turn;
+    const double centres = dem_dot(a->way - way, c->s); /* a well holds the centre */
+    const double along_s = centres + c->arm_a * a->turn + c->arm_b * b->turn;
+    const double rolled = c->r_eff * turned, shear = c->spring + c->dashpot + c->slip + c->well;
+    step->normal_damping -= 0.5 * c->damping * along_n;
+    step->shear_damping -= 0.5 * c->dashpot * along_s;
+    step->sliding -= 0.5 * c->slip * along_s;
+    step->wells -= 0.5 * c->well * centres;
+    step->rolling -= 0.5 * c->roll_dashpot * rolled;
+    step->integration += 0.5 * (c->elastic * along_n + c->spring * along_s + c->roll_spring * rolled);
+    if (c->b == 0)
+        step->wall_work += 0.5 * (dem_dot((c->elastic + c->damping) * c->n + shear * c->s, way) +
+                                  c->r_eff * (c->roll_spring + c->roll_dashpot) * turn);
+}
+
+static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
+{
+    const dem_wall *w = &sim->def.walls[UINT32_MAX - (uint32_t)c->key];
+    return w->open_at_step >= 0 && sim->step >= w->open_at_step && isinf(w->open_speed);
+}
+
+/* What a contact does in the step, from how it was to how it is; empty where it was not or is not. */
+static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger_contact *is)
+{
+    dem_ledger step = {0};
+    half_works(sim, was, true, &step);
+    half_works(sim, is, false, &step);
+    const double pull = -0.5 * (was->spring + is->spring) * is->sheared;
+    const double roll_pull = -0.5 * (was->roll_spring + is->roll_spring) * is->rolled;
+    step.sliding += pull - (is->energy.shear - was->energy.shear);
+    step.rolling += roll_pull - (is->energy.rolling - was->energy.rolling);
+    step.wells -= is->energy.well - was->energy.well;
+    step.integration += pull + roll_pull + is->energy.normal - was->energy.normal;
+    const ledger_contact *c = was->a ? was : is;
+    struct dem_book *b = sim->book;
+    if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
+        step = (dem_ledger){.taken_out = -net(&step)};
+    else if (c->b == 0 && wall_gone(sim, c))
+        step = (dem_ledger){.wall_work = net(&step)};
+    else if (c->b == 0)
+        step.at_walls = step.normal_damping + step.shear_damping + step.sliding + step.rolling + step.wells;
+    add(&b->sum, &step);
+}
+
+static void read_elastic(dem_sim *sim)
+{
+    struct dem_book *b = sim->book;
+    for (size_t k = 0; k < b->n_new; k++) {
+        ledger_contact *c = &b->new_contact[k];
+        c->energy = c->b ? dem_pair_elastic(sim, c->place) : dem_slot_elastic(sim, c->place);
+    }
+}
+
+static void swap_contacts(struct dem_book *b)
+{
+    ledger_contact *swap = b->old_contact;
+    b->old_contact = b->new_contact;
+    b->new_contact = swap;
+    b->n_old = b->n_new;
+}
+
+void dem_ledger_step(dem_sim *sim)
+{
+    static const ledger_contact none;
+    struct dem_book *b = sim->book;
+    move_grains(sim);
+    read_elastic(sim);
+    for (size_t i = 0, j = 0; i < b->n_old || j < b->n_new;) {
+        const ledger_contact *was = &b->old_contact[i], *is = &b->new_contact[j];
+        const bool ended = i < b->n_old && (j == b->n_new || was->key < is->key);
+        const bool begun = j < b->n_new && (i == b->n_old || is->key < was->key);
+        settle_contact(sim, begun ? &none : was, ended ? &none : is);
+        i += !begun;
+        j += !ended;
+    }
+    swap_contacts(b);
+}
+
+void dem_ledger_gravity(dem_sim *sim)
+{
+    struct dem_book *b = sim->book;
+    const dem_vec change = sim->gravity - b->gravity;
+    double gain = 0.0;
+    for (size_t i = 0; i < sim->n; i++)
+        if (sim->inverse_mass[i] > 0.0) gain -= sim->mass[i] * dem_dot(change, sim->grain[i].x);
+    b->sum.gravity_turn += gain;
+    b->sum.turnover += fabs(gain);
+    b->gravity = sim->gravity;
+}
+
+static double energy_of_body(const dem_body *body)
+{
+    return body->inverse_mass == 0.0
+               ? 0.0
+               : 0.5 * (body->v[0] * body->v[0] + body->v[1] * body->v[1]) / body->inverse_mass +
+                     (body->inverse_inertia > 0.0 ? 0.5 * body->omega * body->omega / body->inverse_inertia
+                                                  : 0.0);
+}
+
+void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
+                          const dem_body after[2])
+{
+    struct dem_book *b = sim->book;
+    double gain = 0.0, wall = 0.0;
+    for (int k = 0; k < 2; k++) {
+        if (before[k].inverse_mass == 0.0) continue;
+        const double gained = energy_of_body(&after[k]) - energy_of_body(&before[k]);
+        b->grain[sim->id[grain[k]]].hard += gained;
+        gain += gained;
+        /* where the other cannot be moved, the work of the impulse as it moves */
+        if (before[1 - k].inverse_mass == 0.0)
+            wall = ((after[k].v[0] - before[k].v[0]) * before[1 - k].v[0] +
+                    (after[k].v[1] - before[k].v[1]) * before[1 - k].v[1]) /
+                   before[k].inverse_mass;
+    }
+    add(&b->sum, &(dem_ledger){.hard = wall - gain, .wall_work = wall});
+}
+
+rp_status dem_ledger_add(dem_sim *sim, const dem_grain *p)
+{
+    struct dem_book *b = sim->book;
+    rp_status status = grain_room(sim, sim->last_id + 1);
+    if (status) return status;
+    ledger_grain *g = &b->grain[sim->last_id + 1];
+    *g = (ledger_grain){.present = true, .x = {p->x, p->y}, .angle = p->angle, .mass = p->m};
+    g->kinetic = 0.5 * p->m * (p->vx * p->vx + p->vy * p->vy) +
+                 0.5 * dem_inertia(sim->def.shape, p->m, p->r) * p->omega * p->omega;
+    b->sum.put_in += g->kinetic + weight_energy(b, g);
+    return RP_OK;
+}
+
+static double energy_now(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.rotational + e.elastic + e.gravity;
+}
+
+rp_status dem_ledger_alloc(dem_sim *sim)
+{
+    if (!(sim->book = calloc(1, sizeof *sim->book))) return no_memory();
+    return grain_room(sim, sim->last_id);
+}
+
+void dem_ledger_start(dem_sim *sim)
+{
+    struct dem_book *b = sim->book;
+    b->gravity = sim->gravity;
+    for (size_t i = 0; i < sim->n; i++) b->grain[sim->id[i]] = read_grain(sim, i);
+    read_elastic(sim);
+    swap_contacts(b);
+    b->sum.start = energy_now(sim);
+}
+
+rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
+{
+    const struct dem_book *from = sim->book;
+    struct dem_book *b = copy->book = malloc(sizeof *b);
+    if (!b) return no_memory();
+    *b = *from;
+    b->grain = malloc(b->room * sizeof *b->grain);
+    b->old_contact = malloc(b->contact_room * sizeof *b->old_contact);
+    b->new_contact = malloc(b->contact_room * sizeof *b->new_contact);
+    if (!b->grain || !b->old_contact || !b->new_contact) return no_memory();
+    memcpy(b->grain, from->grain, b->room * sizeof *b->grain);
+    memcpy(b->old_contact, from->old_contact, b->n_old * sizeof *b->old_contact);
+    return RP_OK;
+}
+
+void dem_ledger_free(dem_sim *sim)
+{
+    if (!sim->book) return;
+    free(sim->book->grain), free(sim->book->old_contact), free(sim->book->new_contact), free(sim->book);
+}
+
+bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger)
+{
+    if (!sim->book) return false;
+    *ledger = sim->book->sum;
+    ledger->residual = energy_now(sim) - (ledger->start + net(ledger));
+    return true;
+}

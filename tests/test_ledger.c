@@ -1,0 +1,371 @@
+/* The energy ledger: it closes, sees what closed forms say, and touches nothing. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+/* Sums of some 1e6 numbers, each rounded to 1e-16 of what it is made of. */
+static const double CLOSES = 1e-10;
+
+static dem_ledger ledger_of(const dem_sim *sim)
+{
+    dem_ledger l = {0};
+    CU_ASSERT_FATAL(dem_ledger_read(sim, &l));
+    return l;
+}
+
+static double losses(const dem_ledger *l)
+{
+    return l->normal_damping + l->shear_damping + l->sliding + l->rolling + l->wells + l->hard;
+}
+
+/* Would a channel of the wrong sign go unnoticed? */
+static bool seen(double channel, const dem_ledger *l)
+{
+    return fabs(2.0 * channel) > 100.0 * CLOSES * l->turnover;
+}
+
+/* It closes at `looks` times over the run, with a simulation that has the same bits without a ledger. */
+static dem_ledger run_closed(const char *name, dem_definition *def, long steps, int looks)
+{
+    def->ledger = false;
+    dem_sim *plain = grains_start(def);
+    def->ledger = true;
+    dem_sim *sim = grains_start(def);
+    dem_ledger l = {0};
+    CU_ASSERT_FALSE(dem_ledger_read(plain, &l));
+    for (int k = 0; k < looks; k++) {
+        CHECK_OK(dem_run(sim, steps / looks));
+        CHECK_OK(dem_run(plain, steps / looks));
+        l = ledger_of(sim);
+        if (!(fabs(l.residual) <= CLOSES * l.turnover)) fprintf(stderr, "%s: look %d\n", name, k);
+        CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    }
+    CU_ASSERT(grains_same_bits(sim, plain));
+    dem_free(sim);
+    dem_free(plain);
+    return l;
+}
+
+/* Two grains that meet, as in the validation of impacts. */
+static dem_definition two_grains(dem_grain grains[2], int law, double gamma_n, bool tension)
+{
+    grains[0] = (dem_grain){0.0, 0.0, 0.13, 0.011, 6.1, 5.2};
+    grains[1] = (dem_grain){0.19, 0.17, 0.09, 0.0032, -9.3, -11.7};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.normal = law;
+    def.tension = tension;
+    def.tangential = DEM_NONE;
+    def.material = (dem_material){.k_n = law == DEM_HERTZ ? 1e6 : 3e4, .gamma_n = gamma_n};
+    def.dt = 2e-6;
+    def.grains = grains;
+    def.n_grains = 2;
+    return def;
+}
+
+/* Damping takes what the collision takes, 1 - e^2 of the energy of the motion along the normal. */
+static void impacts(void)
+{
+    for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++)
+        for (int tension = 0; tension < 2; tension++)
+            for (int integrator = DEM_VERLET; integrator <= DEM_GEAR5; integrator++) {
+                dem_grain grains[2];
+                dem_definition def = two_grains(grains, law, 900.0, tension);
+                def.integrator = integrator;
+                const dem_ledger l = run_closed("impact", &def, 2000, 40);
+                CU_ASSERT(seen(l.normal_damping, &l) && l.integration != 0.0);
+                CU_ASSERT(l.shear_damping == 0.0 && l.sliding == 0.0 && l.at_walls == 0.0);
+                CU_ASSERT(l.normal_damping > 0.0 && fabs(l.integration) < 0.01 * l.normal_damping);
+            }
+}
+
+/* A grain on a floor, where the floor carries it, kicked along it. */
+static dem_definition kicked(dem_grain *grain, double kick, const dem_material *floor)
+{
+    const double r = 0.1, m = 0.0042;
+    *grain = (dem_grain){0.0, r - pow(m * 981.0 / floor->k_n, 2.0 / 3.0), r, m, kick, 0.0};
+    dem_definition def = dem_definition_default();
+    def.material = *floor;
+    def.grains = grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, floor);
+    return def;
+}
+
+/* Friction takes mu m g times the way that the grain slid; here all that it loses, but for the dashpot, is
+ * lost at the wall. */
+static void sliding_block(void)
+{
+    for (int choice = 0; choice < 8; choice++) {
+        dem_grain grain;
+        const dem_material floor = {
+            .k_n = 2e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = choice & 4 ? 5.0 : 0.0, .mu = 0.2};
+        dem_definition def = kicked(&grain, 15.0, &floor);
+        def.slip = choice & 1 ? DEM_TOTAL : DEM_TRUNCATED;
+        def.damping = choice & 2 ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE;
+        def.dt = 2e-5;
+        const long steps = 3000; /* it has slid 0.55 cm */
+        const dem_ledger l = run_closed("block", &def, steps, 30);
+        CHECK_NEAR(losses(&l), l.at_walls, CLOSES * l.turnover);
+        const double weight = grain.m * 981.0;
+        /* slip begins somewhere within a step, over which the pull is taken at its middle */
+        const double one_step = 0.5 * floor.mu * weight * 15.0 * def.dt;
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, steps));
+        const dem_state s = grains_state_of_one(sim);
+        if (def.slip == DEM_TRUNCATED && !(choice & 4)) {
+            const double slid = s.x - floor.mu * weight / floor.k_s; /* the rest is in the spring */
+            CHECK_NEAR(l.sliding, floor.mu * weight * slid, one_step);
+        }
+        if (def.slip == DEM_TOTAL) CHECK_NEAR(l.sliding, 0.0, one_step);
+        if (choice & 4) CU_ASSERT(seen(l.shear_damping, &l));
+        dem_free(sim);
+    }
+}
+
+/* Viscous slip under Coulomb's limit: first it slides, then it creeps. */
+static void slip_roll(void)
+{
+    dem_grain grain;
+    const dem_material floor = {.k_n = 2e6, .gamma_n = 500.0, .gamma_s = 40.0, .mu = 0.2};
+    dem_definition def = kicked(&grain, 15.0, &floor);
+    def.tangential = DEM_SLIP_ROLL;
+    const dem_ledger l = run_closed("slip", &def, 4000, 20);
+    CU_ASSERT(seen(l.sliding, &l) && seen(l.shear_damping, &l) && l.shear_damping > 0.0 && l.sliding > 0.0);
+    CHECK_NEAR(l.shear_damping + l.sliding, 0.5 * grain.m * 15.0 * 15.0, 1e-3 * l.turnover);
+}
+
+/* A box that is filled and opened, some grains leave. */
+static void avalanche(void)
+{
+    const long steps = check_fast() ? 6000 : 12000;
+    for (int choice = 0; choice < 9; choice++) {
+        dem_grain *grains;
+        dem_definition def = grains_box(40, 1.2, choice, &grains);
+        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
+        def.x_max = 2.0;
+        if (choice == 1) def.slip = DEM_TOTAL;
+        if (choice == 2) def.damping = DEM_DAMPING_INSIDE, def.tension = false;
+        if (choice == 3) def.integrator = DEM_GEAR5;
+        if (choice == 4) def.integrator = DEM_GEAR5, def.slip = DEM_TOTAL, def.dt = 2.5e-5;
+        if (choice >= 5) def.rotation = true;
+        if (choice >= 6)
+            for (int w = -1; w < DEM_BOX_N; w++) {
+                dem_material *c = w < 0 ? &def.material : &def.walls[w].material;
+                c->mu_roll = 0.1, c->k_roll = 1e4, c->gamma_roll = 5.0;
+            }
+        if (choice == 7) { /* a gate, and a floor that ends in a corner */
+            def.walls[DEM_BOX_RIGHT].open_speed = 20.0;
+            def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
+            def.walls[DEM_BOX_FLOOR].extent[1] = 1.2;
+            def.y_min = -0.4;
+        }
+        if (choice == 8) def.slip = DEM_TOTAL, def.damping = DEM_DAMPING_INSIDE, def.tension = false;
+        const dem_ledger l = run_closed("avalanche", &def, steps, 200);
+        CU_ASSERT(seen(l.normal_damping, &l) && seen(l.shear_damping, &l) && seen(l.sliding, &l));
+        CU_ASSERT(seen(l.wall_work, &l) && seen(l.integration, &l));
+        CU_ASSERT(l.normal_damping > 0.0 && losses(&l) > l.at_walls && l.at_walls > 0.0);
+        if (def.slip == DEM_TRUNCATED) CU_ASSERT(l.sliding > 0.0 && l.shear_damping > 0.0);
+        if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l));
+        if (choice >= 6) CU_ASSERT(l.rolling > 0.0 && seen(l.rolling, &l));
+        free(grains);
+    }
+}
+
+/* Gravity turns, and is set; then the box turns about a point that is not in it. */
+static void turns(void)
+{
+    for (int choice = 0; choice < 4; choice++) {
+        dem_grain *grains;
+        dem_definition def = grains_box(20, 0.8, 3 + choice, &grains);
+        def.turn_from_step = 3000;
+        if (choice & 2) def.rotation = true, def.material.mu_roll = 0.1;
+        if (choice & 2)
+            for (int w = 0; w < DEM_BOX_N; w++)
+                def.walls[w].material.mu_roll = 0.1, def.walls[w].material.k_roll = 1e4;
+        *(choice & 1 ? &def.box_turn_per_step : &def.turn_per_step) = 1e-4;
+        const dem_ledger l = run_closed("turn", &def, 6000, 60);
+        CU_ASSERT(seen(choice & 1 ? l.wall_work : l.gravity_turn, &l));
+        CU_ASSERT((choice & 1 ? l.gravity_turn : l.wall_work) == 0.0);
+        free(grains);
+    }
+    dem_grain *grains;
+    dem_definition def = grains_box(20, 0.8, 3, &grains);
+    def.ledger = true;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 3000));
+    dem_energy before, after;
+    dem_energies(sim, &before);
+    dem_gravity_set(sim, (double[]){100.0, -900.0});
+    dem_energies(sim, &after);
+    dem_ledger l = ledger_of(sim);
+    CHECK_NEAR(l.gravity_turn, after.gravity - before.gravity, CLOSES * l.turnover);
+    CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    CHECK_OK(dem_run(sim, 1000));
+    l = ledger_of(sim);
+    CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    dem_free(sim);
+    free(grains);
+}
+
+/* Grains put in one after the other; a clone goes on with books of its own. */
+static void grains_put_in(void)
+{
+    dem_grain grain;
+    const dem_material floor = {.k_n = 2e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 5.0, .mu = 0.2};
+    dem_definition def = kicked(&grain, 3.0, &floor);
+    def.ledger = true;
+    def.rotation = true;
+    dem_sim *sim = grains_start(&def), *copy;
+    double put_in = 0.0;
+    for (int k = 0; k < 20; k++) {
+        const dem_grain more = {0.07 * k, 1.3, 0.08 + 0.002 * k, 0.003, 4.0, -7.0, 0.0, 11.0};
+        CHECK_OK(dem_run(sim, 1500));
+        CHECK_OK(dem_add(sim, &more, NULL));
+        put_in += 0.5 * more.m * 65.0 + 0.5 * dem_inertia(DEM_SPHERE, more.m, more.r) * 121.0 +
+                  more.m * 981.0 * more.y;
+    }
+    CHECK_OK(dem_clone(sim, &copy));
+    CHECK_OK(dem_run(sim, 4000));
+    CHECK_OK(dem_run(copy, 4000));
+    const dem_ledger l = ledger_of(sim), same = ledger_of(copy);
+    CHECK_NEAR(l.put_in, put_in, CLOSES * put_in);
+    CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    CU_ASSERT(memcmp(&l, &same, sizeof l) == 0);
+    CHECK_FAILS(dem_add(sim, &(dem_grain){0.0, 0.05, 0.1, 0.003}, NULL), RP_BAD_INPUT, "touches");
+    dem_free(copy);
+    dem_free(sim);
+}
+
+/* Hard collisions, some at once with soft contacts, in a box that turns; wells on a ground. */
+static void hard_and_wells(void)
+{
+    for (int choice = 0; choice < 6; choice++) {
+        dem_grain *grains;
+        dem_definition def = grains_box(30, 1.0, 11 + choice, &grains);
+        def.tangential = DEM_SLIP_ROLL;
+        def.tension = false;
+        def.normal = DEM_LINEAR;
+        def.material.k_n = 2e4;
+        def.rotation = choice & 1;
+        for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material = def.material;
+        if (choice < 4) def.hard = (dem_hard){true, 0.5, 0.3};
+        if (choice >= 2) def.ground = (dem_ground){1, 0.3, 1e-3, choice % 3};
+        if (choice == 3) grains[7].fixed = true, grains[7].vx = grains[7].vy = 0.0;
+        if (choice == 1) def.box_turn_per_step = 1e-4;
+        if (choice == 2) def.walls[DEM_BOX_RIGHT].open_at_step = 4000;
+        def.x_max = 1.5;
+        const dem_ledger l = run_closed("hard", &def, 8000, 100);
+        CU_ASSERT(seen(choice < 4 ? l.hard : l.wells, &l));
+        CU_ASSERT(l.hard >= 0.0);
+        free(grains);
+    }
+}
+
+/* Nothing slides where friction has no limit, whatever the scheme makes of the sway: of a grain on a floor,
+ * and of two in the midst of an impact. */
+static void sticking(void)
+{
+    for (int integrator = DEM_VERLET; integrator <= DEM_GEAR5; integrator++) {
+        dem_grain grain;
+        const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
+        dem_definition def = kicked(&grain, 3.0, &floor);
+        def.integrator = integrator;
+        def.dt = 1e-4;
+        const dem_ledger l = run_closed("sticks", &def, 3000, 10);
+        CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
+        CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));
+        dem_grain grains[2];
+        def = two_grains(grains, DEM_HERTZ, 0.0, true);
+        def.integrator = integrator;
+        def.tangential = DEM_SPRING;
+        def.material.k_s = 1e4;
+        def.material.mu = INFINITY;
+        const dem_ledger pair = run_closed("sticks", &def, 950, 1);
+        CHECK_NEAR(losses(&pair), 0.0, CLOSES * pair.turnover);
+        CU_ASSERT(pair.integration != 0.0);
+    }
+}
+
+/* Work of a floor that turns under a grain: its force, as it is read, over the way of the contact's point,
+ * and the rolling torque over the angle. */
+static void work_of_a_wall(void)
+{
+    const double turn = 0.01, dt = 1e-4;
+    dem_grain grain;
+    const dem_material floor = {.k_n = 2e6,
+                                .gamma_n = 500.0,
+                                .k_s = 1e4,
+                                .gamma_s = 5.0,
+                                .mu = 0.5,
+                                .mu_roll = 0.3,
+                                .k_roll = 1e4,
+                                .gamma_roll = 5.0};
+    dem_definition def = kicked(&grain, 0.0, &floor);
+    def.rotation = true;
+    def.dt = dt;
+    def.box_turn_per_step = turn;
+    def.ledger = true;
+    dem_sim *sim = grains_start(&def);
+    double work = 0.0;
+    for (int step = 0; step < 30; step++) {
+        for (int end = 0; end < 2; end++) {
+            dem_contact *c;
+            size_t n;
+            double f[2];
+            CHECK_OK(dem_contacts(sim, &c, &n));
+            dem_wall_forces(sim, f);
+            CU_ASSERT_FATAL(n == 1);
+            /* clockwise, from the step's start on or back from its end */
+            const double angle = end ? -turn : turn, x = c->x_b, y = c->y_b;
+            const double dx = x * cos(angle) + y * sin(angle) - x, dy = y * cos(angle) - x * sin(angle) - y;
+            work -= (end ? -0.5 : 0.5) * (f[0] * dx + f[1] * dy) + 0.5 * c->rolling_torque * sin(turn);
+            free(c);
+            if (!end) CHECK_OK(dem_run(sim, 1));
+        }
+    }
+    const dem_ledger l = ledger_of(sim);
+    CHECK_NEAR(l.wall_work / work, 1.0, 1e-9);
+    CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
+    dem_free(sim);
+}
+
+/* A grain that is hit at rest and leaves within the same step takes the energy along that it was given. */
+static void hit_and_gone(void)
+{
+    dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.004, 50.0, 0.0}, {0.2001, 0.0, 0.1, 0.004}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.dt = 1e-4;
+    def.tangential = DEM_NONE;
+    def.tension = false;
+    def.material = (dem_material){.k_n = 1e5};
+    def.hard = (dem_hard){true, 0.5, 0.0};
+    def.x_max = 0.2005;
+    def.grains = grains;
+    def.n_grains = 2;
+    const dem_ledger l = run_closed("gone", &def, 1, 1);
+    const double v = 50.0;
+    CHECK_NEAR(l.taken_out, 0.5 * 0.004 * 0.75 * 0.75 * v * v, CLOSES * l.turnover);
+    CHECK_NEAR(l.hard, 0.25 * 0.004 * 0.75 * v * v, CLOSES * l.turnover);
+}
+
+void suite_ledger(void)
+{
+    static const check_case cases[] = {{"impacts", impacts},
+                                       {"block that slides", sliding_block},
+                                       {"what sticks", sticking},
+                                       {"viscous slip", slip_roll},
+                                       {"work of a wall", work_of_a_wall},
+                                       {"hit and gone", hit_and_gone},
+                                       {"avalanches", avalanche},
+                                       {"gravity or the box turns", turns},
+                                       {"grains put in, clone", grains_put_in},
+                                       {"hard collisions, wells", hard_and_wells},
+                                       {NULL, NULL}};
+    check_register("energy ledger", cases);
+}

@@ -1,0 +1,81 @@
+/* Cases of validation; see cases.h. */
+#include "validation/cases.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include "core/table.h"
+#include "tests/check.h"
+
+/* A cell of a table holds no spaces. */
+static void print_cell(FILE *out, const char *text)
+{
+    for (char last = 0; *text; last = *text++)
+        if (*text != ' ')
+            fputc(*text, out);
+        else if (last != ',')
+            fputc(',', out);
+    fputc('\t', out);
+}
+
+void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
+               const char *format, ...)
+{
+    char parameters[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(parameters, sizeof parameters, format, arguments);
+    va_end(arguments);
+    const double error = fabs(observed - expected);
+    const bool near = error <= bound;
+    if (!near)
+        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem, parameters,
+                quantity, observed, expected, bound);
+    CU_ASSERT(near);
+    const double ratio = isnan(error) ? INFINITY : error > 0.0 ? error / bound : 0.0;
+    problem->n++;
+    problem->worst = fmax(problem->worst, ratio);
+    if (!problem->text) problem->text = open_memstream(&problem->rows, &problem->size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(problem->text);
+    print_cell(problem->text, problem->problem);
+    print_cell(problem->text, parameters);
+    print_cell(problem->text, quantity);
+    fprintf(problem->text, "%.17g\t%.17g\t%.17g\t%.17g\n", expected, observed, error, bound);
+}
+
+int case_stride(int daily)
+{
+    return check_full() ? 1 : check_fast() ? 5 * daily : daily;
+}
+
+void case_write(const char *suite, case_problem *const problems[], size_t n)
+{
+    static const char *const columns[][2] = {{"problem", ""}, {"cases", "1"}, {"worst_over_bound", "1"}},
+                             *const case_columns[][2] = {
+                                 {"problem", ""},  {"parameters", ""}, {"quantity", ""}, {"expected", ""},
+                                 {"observed", ""}, {"error", ""},      {"bound", ""}};
+    char name[64], key[80];
+    snprintf(name, sizeof name, "%s_cases", suite);
+    FILE *out = check_table(suite), *cases = check_table(name);
+    for (size_t i = 0; i < n && out; i++) {
+        snprintf(key, sizeof key, "source_%s", problems[i]->problem);
+        rp_table_note(out, key, "%s", problems[i]->source);
+        snprintf(key, sizeof key, "bound_%s", problems[i]->problem);
+        rp_table_note(out, key, "%s", problems[i]->bound);
+    }
+    if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    if (cases) rp_table_columns(cases, sizeof case_columns / sizeof *case_columns, case_columns);
+    for (size_t i = 0; i < n; i++) {
+        case_problem *p = problems[i];
+        CU_ASSERT(p->n > 0);
+        if (p->text) fclose(p->text);
+        if (out) fprintf(out, "%s\t%ld\t%.17g\n", p->problem, p->n, p->worst);
+        if (cases && p->rows) fputs(p->rows, cases);
+        free(p->rows);
+        p->text = NULL;
+        p->rows = NULL;
+    }
+    check_table_close(out, suite);
+    check_table_close(cases, name);
+}

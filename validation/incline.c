@@ -1,0 +1,231 @@
+/* Validation of the shear law on a floor: a grain that does not rotate, gravity inclined. It is at rest in
+ * the normal direction from the start, so that the normal force is m g cos(angle) throughout. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+#include "validation/cases.h"
+
+static const double R = 0.1, M = 0.0042, G = 981.0, FLOOR_K = 2e6;
+
+static case_problem stick_problem = {"sticks", "m g sin/k_s", "exp(-gamma_s t/2) of the sway, round-off"},
+                    slow_problem = {"slow_loading", "atan mu", "rate times the sway's time and a step"},
+                    sudden_problem = {"sudden_loading", "atan(mu/2)", "(w dt)^2, w^2 = k_s/m; bisection"},
+                    terminal_problem = {"terminal_speed", "g (sin - mu cos)/gamma_s",
+                                        "exp(-gamma_s t), round-off"},
+                    speeding_problem = {"speeding_up", "g (sin - mu cos)", "round-off of the steps"},
+                    stopping_problem = {"stopping", "x_1 + (v^2 - (mu g/w)^2)/(2 mu g)",
+                                        "(w dt)^2 at slip, mu g dt^2 at rest"},
+                    return_problem = {"comes_back", "conservative force", "(w dt)^2 at each kink"};
+
+/* A grain of speed v along the floor. */
+static dem_definition incline(double angle, const dem_material *c, double v, dem_grain *grain)
+{
+    dem_definition def = dem_definition_default();
+    *grain = (dem_grain){0.0, R - pow(M * G * cos(angle) / FLOOR_K, 2.0 / 3.0), R, M, v, 0.0};
+    def.gravity[0] = G * sin(angle);
+    def.gravity[1] = -G * cos(angle);
+    def.material = *c;
+    def.grains = grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, c);
+    def.walls[0].material.k_n = FLOOR_K;
+    return def;
+}
+
+static dem_state run(dem_sim *sim, double seconds, double dt)
+{
+    CHECK_OK(dem_run(sim, lround(seconds / dt)));
+    return grains_state_of_one(sim);
+}
+
+static const double MU[] = {0.05, 0.2385, 0.7, 2.0}, K_S[] = {1e3, 1e4, 1e5};
+
+/* Below atan(mu/2) a suddenly loaded grain sticks, and comes to rest displaced by m g sin/k_s. */
+static void sticks(void)
+{
+    static const double parts[] = {0.1, 0.5, 0.95};
+    for (int i = 0; i < 4 * 3 * 3 * 2; i += case_stride(5)) {
+        const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], angle = parts[i / 12 % 3] * atan(0.5 * mu);
+        const dem_material c = {1e6, 500.0, k_s, 80.0, mu};
+        dem_grain grain;
+        dem_definition def = incline(angle, &c, 0.0, &grain);
+        def.damping = i / 36;
+        dem_sim *sim = grains_start(&def);
+        const dem_state s = run(sim, 0.8, def.dt);
+        const double rest = M * G * sin(angle) / k_s;
+        /* exp(-80 0.8/2) = 1e-14; x is of the order of 1e-5 and rounded to 1e-21 a step */
+        case_near(&stick_problem, "displacement", rest, s.x, 1e-12 * rest + 16000 * 1e-21,
+                  "mu=%g k_s=%g angle=%g damping=%s", mu, k_s, angle, def.damping ? "inside" : "outside");
+        dem_free(sim);
+    }
+}
+
+static dem_contact only_contact(const dem_sim *sim)
+{
+    dem_contact *contacts, only = {0};
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &contacts, &n));
+    CU_ASSERT_FATAL(n == 1);
+    only = contacts[0];
+    free(contacts);
+    return only;
+}
+
+/* Turned slowly, it slips where its friction comes to the limit. */
+static void slow_loading(void)
+{
+    for (int i = 0; i < 4 * 3 * 2; i += case_stride(3)) {
+        const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], rate = 1.0; /* radians a second */
+        const dem_material c = {1e6, 500.0, k_s, 80.0, mu};
+        const int every = 4;
+        dem_grain grain;
+        dem_definition def = incline(0.0, &c, 0.0, &grain);
+        def.damping = i / 12;
+        def.turn_per_step = rate * def.dt;
+        dem_sim *sim = grains_start(&def);
+        double slipped = NAN;
+        for (long step = 0; step < lround(1.6 / def.turn_per_step) && isnan(slipped); step += every) {
+            CHECK_OK(dem_run(sim, every));
+            const dem_contact now = only_contact(sim);
+            const double held = def.damping ? now.shear_force : k_s * now.shear_spring;
+            double g[2];
+            dem_gravity(sim, g);
+            if (fabs(held) >= mu * now.normal_force * (1.0 - 1e-12)) slipped = atan2(g[0], -g[1]);
+        }
+        dem_free(sim);
+        /* the sway of the start is rate/w, the spring follows within 1/w, the normal spring likewise; a
+         * dashpot outside the limit carries gamma_s/w^2 times the rate */
+        const double w = sqrt(k_s / M);
+        case_near(&slow_problem, "angle", atan(mu), slipped,
+                  rate * (2.0 / w + 80.0 / (w * w) + every * def.dt), "mu=%g k_s=%g damping=%s", mu, k_s,
+                  def.damping ? "inside" : "outside");
+    }
+}
+
+/* Loaded suddenly and undamped, the spring swings to twice what gravity pulls, and slips above atan(mu/2):
+ * then it is shorter than the way. */
+static bool slips_at_once(double angle, double mu, double k_s, double dt)
+{
+    const dem_material c = {1e6, 0.0, k_s, 0.0, mu};
+    dem_grain grain;
+    dem_definition def = incline(angle, &c, 0.0, &grain);
+    def.dt = dt;
+    dem_sim *sim = grains_start(&def);
+    const dem_state s = run(sim, 1.2 * M_PI * sqrt(M / k_s), dt);
+    const double spring = fabs(only_contact(sim).shear_spring);
+    dem_free(sim);
+    return fabs(s.x - spring) > 1e-12 * M * G / k_s;
+}
+
+static void sudden_loading(void)
+{
+    for (int i = 0; i < 4 * 3; i += case_stride(3)) {
+        const double mu = MU[i % 4], k_s = K_S[i / 4], dt = 5e-3 * sqrt(M / k_s);
+        double sticks_at = 0.8 * atan(0.5 * mu), slips_at = 1.2 * atan(0.5 * mu);
+        for (int k = 0; k < 24; k++) {
+            const double angle = 0.5 * (sticks_at + slips_at);
+            *(slips_at_once(angle, mu, k_s, dt) ? &slips_at : &sticks_at) = angle;
+        }
+        case_near(&sudden_problem, "angle", atan(0.5 * mu), 0.5 * (sticks_at + slips_at),
+                  pow(5e-3, 2.0) * 0.5 * mu + slips_at - sticks_at, "mu=%g k_s=%g dt=%g", mu, k_s, dt);
+    }
+}
+
+/* Above atan(mu) it slides: with the dashpot outside the limit it comes to a terminal speed, with the dashpot
+ * under the limit it speeds up evenly. */
+static void slides(void)
+{
+    static const double parts[] = {1.05, 1.3}, gammas[] = {20.0, 80.0, 400.0};
+    for (int i = 0; i < 4 * 2 * 3; i += case_stride(5)) {
+        const double mu = MU[i % 4], angle = parts[i / 4 % 2] * atan(mu), gamma_s = gammas[i / 8];
+        const double pull = G * (sin(angle) - mu * cos(angle));
+        const dem_material c = {1e6, 500.0, 1e4, gamma_s, mu};
+        dem_grain grain;
+        dem_definition def = incline(angle, &c, 0.0, &grain);
+        dem_sim *sim = grains_start(&def);
+        case_near(&terminal_problem, "speed", pull / gamma_s, run(sim, 32.0 / gamma_s, def.dt).vx,
+                  1e-12 * G / gamma_s, "mu=%g angle=%g gamma_s=%g", mu, angle, gamma_s);
+        dem_free(sim);
+        def.damping = DEM_DAMPING_INSIDE;
+        sim = grains_start(&def);
+        const double early = run(sim, 0.2, def.dt).vx, late = run(sim, 0.2, def.dt).vx;
+        case_near(&speeding_problem, "acceleration", pull, (late - early) / 0.2, 4000 * 1e-16 * late / 0.2,
+                  "mu=%g angle=%g gamma_s=%g", mu, angle, gamma_s);
+        dem_free(sim);
+    }
+}
+
+/* A grain kicked along the floor, undamped: its spring comes to the limit at x_1 = mu m g/k_s, then mu g
+ * slows it down. The truncated spring then throws it back from there by its own length; the total one, which
+ * is a conservative force of the place, brings it back to the start at full speed. */
+static void check_kick(int slip, double mu, double k_s, double v)
+{
+    const dem_material c = {1e6, 500.0, k_s, 0.0, mu};
+    const double w = sqrt(k_s / M), dt = 2e-3 / w, limit = mu * G / w; /* slips if faster */
+    const double x1 = limit / w, v1 = sqrt(v * v - limit * limit), way = x1 + v1 * v1 / (2.0 * mu * G);
+    dem_grain grain;
+    dem_definition def = incline(0.0, &c, v, &grain);
+    def.slip = slip;
+    def.dt = dt;
+    dem_sim *sim = grains_start(&def);
+    dem_state s = {.vx = v}, last = s;
+    const double t1 = asin(limit / v) / w, turn = t1 + v1 / (mu * G);
+    double furthest = 0.0;
+    while (dem_time(sim) < 3.0 * turn && (slip == DEM_TOTAL ? s.vx >= 0.0 || s.x > 0.0 : s.vx > 0.0)) {
+        last = s;
+        s = run(sim, dt, dt);
+        furthest = fmax(furthest, s.x);
+    }
+    /* the force is off by at most k_s v dt in the step in which it slips: v by (w dt)^2 v/2 */
+    const double kink = pow(w * dt, 2.0);
+    const char *format = "%s mu=%g k_s=%g v=%g dt=%g";
+    const char *reading = slip == DEM_TOTAL ? "total" : "truncated";
+    case_near(&stopping_problem, "distance", way, furthest, kink * (v * v / (mu * G) + x1) + mu * G * dt * dt,
+              format, reading, mu, k_s, v, dt);
+    if (slip == DEM_TOTAL) {
+        case_near(&return_problem, "speed", -v, s.vx, 2.0 * kink * v, format, reading, mu, k_s, v, dt);
+        case_near(&return_problem, "time", 2.0 * turn, dem_time(sim) - dt * s.x / (s.x - last.x),
+                  2.0 * kink * 2.0 * v / (mu * G) + kink / w, format, reading, mu, k_s, v, dt);
+    } else {
+        /* stuck, the spring swings about the place a length x_1 before the turning point, for ever; seen
+         * half a swing later */
+        double nearest = furthest;
+        for (double t = 0.0; t < 1.2 * M_PI / w; t += dt) nearest = fmin(nearest, run(sim, dt, dt).x);
+        case_near(&return_problem, "swing", 2.0 * x1, furthest - nearest, 2.0 * kink * x1 + kink * x1, format,
+                  reading, mu, k_s, v, dt);
+    }
+    dem_free(sim);
+}
+
+static void kicked(void)
+{
+    static const double speeds[] = {1.5, 4.0, 20.0}; /* in units of the speed that slips */
+    for (int i = 0; i < 2 * 4 * 3 * 3; i += case_stride(5)) {
+        const double mu = MU[i / 2 % 4], k_s = K_S[i / 8 % 3];
+        check_kick(i % 2, mu, k_s, speeds[i / 24] * mu * G / sqrt(k_s / M));
+    }
+}
+
+static void cases(void)
+{
+    case_problem *const problems[] = {&stick_problem,    &slow_problem,     &sudden_problem,
+                                      &terminal_problem, &speeding_problem, &stopping_problem,
+                                      &return_problem};
+    case_write("incline", problems, sizeof problems / sizeof *problems);
+}
+
+void suite_incline(void)
+{
+    static const check_case list[] = {{"sticks", sticks},
+                                      {"slips, loaded slowly", slow_loading},
+                                      {"slips, loaded suddenly", sudden_loading},
+                                      {"slides", slides},
+                                      {"kicked: stops, comes back", kicked},
+                                      {"cases", cases},
+                                      {NULL, NULL}};
+    check_register("validation: friction on an incline", list);
+}

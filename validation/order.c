@@ -1,0 +1,523 @@
+/* Observed order of every integrator on every law. A grain flies against a wall, with a speed along it where
+ * the law has a tangential part, and the rebound is compared with an answer that does not come from the
+ * simulator. For each step size the touch falls into many phases of a step: a single one may hide errors, and
+ * steps that divide the contact time exactly do. Errors are root mean squares over the phases; the order is
+ * the slope of their logarithm by least squares.
+ *
+ * What the theory says of a force that is not smooth at a touch within a step: a jump (a damped law) is an
+ * error of first order, a kink (the linear law, a shear spring) one of second, the 3/2 of Hertz one of order
+ * 5/2, each with a factor that depends on the phase. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/table.h"
+#include "dem/dem.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+/* A new integrator is a line here. */
+static const struct {
+    const char *name;
+    int integrator;
+} integrators[] = {{"verlet", DEM_VERLET}, {"gear5", DEM_GEAR5}};
+enum { N_INTEGRATORS = sizeof integrators / sizeof *integrators };
+
+/* What is fitted: error of the velocity and of the place after the rebound, and the ledger's `integration`.
+ */
+enum { VELOCITY, PLACE, INTEGRATION, N_ERRORS };
+
+/* A law, and the orders to be seen: with Verlet's scheme and, where it differs, with Gear's and with a touch
+ * that is located. */
+typedef struct {
+    const char *name;
+    int normal;
+    double gamma_n;
+    bool tension;
+    double k_s, gamma_s, mu;
+    double verlet[N_ERRORS];
+} law;
+
+static const double R = 0.1, M = 0.00419, V_N = 30.0, V_S = 20.0;
+
+/* First order also without damping: a spring that is loaded when the contact ends, a jump; and one that grows
+ * by whole steps from the first on, if no slip makes it forget that. The scheme's own gain of energy does not
+ * see either error of what damps: it is that of a kink. */
+static const law laws[] = {
+    {"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
+    {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+    {"hertz_clipped", DEM_HERTZ, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+    {"hertz_sticks", DEM_HERTZ, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+    {"hertz_slips", DEM_HERTZ, 0.0, true, 1e4, 0.0, 0.2, {2.0, 2.0, 2.5}},
+    {"linear_elastic", DEM_LINEAR, 0.0, true, 0.0, 0.0, 0.0, {2.0, 2.0, 2.0}},
+    {"linear_pulls", DEM_LINEAR, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+    {"linear_clipped", DEM_LINEAR, 1500.0, false, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
+    {"linear_sticks", DEM_LINEAR, 0.0, true, 1e4, 0.0, INFINITY, {1.0, 1.0, 1.0}},
+    {"linear_slips", DEM_LINEAR, 0.0, true, 1e4, 0.0, 0.2, {1.0, 1.0, 2.0}},
+    {"paper", DEM_HERTZ, 500.0, true, 1e4, 5.0, 0.2, {1.0, 1.0, 2.0}},
+};
+enum { N_LAWS = sizeof laws / sizeof *laws };
+
+static double stiffness(const law *p)
+{
+    return p->normal == DEM_HERTZ ? 1e6 : 8e4;
+}
+
+static double v_along(const law *p)
+{
+    return p->k_s > 0.0 ? V_S : 0.0;
+}
+
+/* ---- the answer: classical Runge-Kutta, from the touch on ---- */
+
+/* Overlap and its rate, place and speed along the wall, length of the spring. */
+enum { OVERLAP, CLOSING, ALONG, SPEED, SPRING, N_STATE };
+
+static double normal_force(const law *p, const double y[])
+{
+    const double depth = fmax(y[OVERLAP], 0.0);
+    const double f =
+        stiffness(p) * (p->normal == DEM_HERTZ ? pow(depth, 1.5) : depth) + p->gamma_n * M * y[CLOSING];
+    return p->tension ? f : fmax(f, 0.0);
+}
+
+static double limit(const law *p, const double y[])
+{
+    return p->mu > 0.0 ? p->mu * fmax(normal_force(p, y), 0.0) : 0.0;
+}
+
+static void rates(const law *p, const double y[], double dydt[])
+{
+    const double cap = limit(p, y), pull = p->k_s * y[SPRING];
+    dydt[OVERLAP] = y[CLOSING];
+    dydt[CLOSING] = -normal_force(p, y) / M;
+    dydt[ALONG] = dydt[SPRING] = y[SPEED];
+    dydt[SPEED] = -fmax(-cap, fmin(pull, cap)) / M - p->gamma_s * y[SPEED];
+}
+
+/* A step, and the slider: the spring is no longer than Coulomb's limit lets it be. */
+static void rk4(const law *p, double h, double y[])
+{
+    double k[4][N_STATE], z[N_STATE];
+    for (int stage = 0; stage < 4; stage++) {
+        const double part = stage == 0 ? 0.0 : stage == 3 ? h : 0.5 * h;
+        for (int a = 0; a < N_STATE; a++) z[a] = y[a] + (stage ? part * k[stage - 1][a] : 0.0);
+        rates(p, z, k[stage]);
+    }
+    for (int a = 0; a < N_STATE; a++) y[a] += h / 6.0 * (k[0][a] + 2.0 * k[1][a] + 2.0 * k[2][a] + k[3][a]);
+    if (p->k_s > 0.0) {
+        const double most = limit(p, y) / p->k_s;
+        y[SPRING] = fmax(-most, fmin(y[SPRING], most));
+    }
+}
+
+/* State at the end of the contact, in the middle of no step, and its time. */
+typedef struct {
+    double time, v_n, v_s, along;
+} rebound;
+
+static rebound solve(const law *p, double h)
+{
+    double y[N_STATE] = {0.0, V_N, 0.0, v_along(p), 0.0}, last[N_STATE], t = 0.0;
+    do {
+        memcpy(last, y, sizeof y);
+        rk4(p, h, y);
+        t += h;
+    } while (y[OVERLAP] > 0.0);
+    double part = h;
+    for (int k = 0; k < 6; k++) { /* Newton's method for the time of parting, from the step before it */
+        part -= y[OVERLAP] / y[CLOSING];
+        memcpy(y, last, sizeof y);
+        rk4(p, part, y);
+    }
+    return (rebound){t - h + part, -y[CLOSING], y[SPEED], y[ALONG]};
+}
+
+/* ---- the simulator ---- */
+
+static dem_definition flight(const law *p, int integrator, double dt, double phase, dem_grain *grain)
+{
+    *grain = (dem_grain){0.0, R + (3.0 + phase) * V_N * dt, R, M, v_along(p), -V_N};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.dt = dt;
+    def.integrator = integrator;
+    def.normal = p->normal;
+    def.tension = p->tension;
+    def.tangential = p->k_s > 0.0 ? DEM_SPRING : DEM_NONE;
+    def.material = (dem_material){
+        .k_n = stiffness(p), .gamma_n = p->gamma_n, .k_s = p->k_s, .gamma_s = p->gamma_s, .mu = p->mu};
+    def.grains = grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    return def;
+}
+
+/* The velocity's over V_N, the place's over V_N times the time of contact, the energy's over that before. */
+typedef struct {
+    double of[N_ERRORS];
+} errors;
+
+/* Of a state at the time `after` the parting; the flight is free, so that places are compared at one time. */
+static errors compare(const law *p, const rebound *exact, double x, double y, double v_x, double v_y,
+                      double after, double integration)
+{
+    const double then = 0.2 * exact->time, back = after - then;
+    return (errors){
+        {hypot(v_y - exact->v_n, v_x - exact->v_s) / V_N,
+         hypot(y - back * v_y - then * exact->v_n, x - back * v_x - exact->along - then * exact->v_s) /
+             (V_N * exact->time),
+         integration / (0.5 * M * (V_N * V_N + v_along(p) * v_along(p)))}};
+}
+
+static errors simulate(const law *p, int integrator, const rebound *exact, double n, double phase)
+{
+    dem_grain grain;
+    const double dt = exact->time / n;
+    dem_definition def = flight(p, integrator, dt, phase, &grain);
+    def.ledger = true;
+    dem_sim *sim = grains_start(&def);
+    /* Gear's derivatives die out over some steps after the contact */
+    CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));
+    const dem_state s = grains_state_of_one(sim);
+    dem_ledger l = {0};
+    dem_ledger_read(sim, &l);
+    const double after = dem_time(sim) - (3.0 + phase) * dt - exact->time;
+    dem_free(sim);
+    return compare(p, exact, s.x - v_along(p) * (3.0 + phase) * dt, s.y - R, s.vx, s.vy, after,
+                   l.integration);
+}
+
+/* Root mean squares over phases of the touch; a little more or less than n steps a contact make those of the
+ * parting independent of them. */
+typedef errors method(const law *p, int variant, const rebound *exact, double n, double phase);
+
+static errors rms(method *run, const law *p, int variant, const rebound *exact, double n, int phases)
+{
+    const double golden = 0.6180339887498949;
+    errors sum = {0};
+    for (int k = 0; k < phases; k++) {
+        const errors e = run(p, variant, exact, n + fmod(golden * k, 1.0) - 0.5, (k + 0.381) / phases);
+        for (int q = 0; q < N_ERRORS; q++) sum.of[q] += e.of[q] * e.of[q] / phases;
+    }
+    for (int q = 0; q < N_ERRORS; q++) sum.of[q] = sqrt(sum.of[q]);
+    return sum;
+}
+
+/* ---- a touch that is located within its step ---- */
+
+/* The simulator's leapfrog for this one problem, and what could be done about first order: what damps acts in
+ * the first and last step for as long as they touch, and the spring grows from the touch on; and the damping
+ * takes the velocity of the full step. */
+enum { AS_IS, LOCATED, LOCATED_FULL_STEP };
+
+static errors leapfrog(const law *p, int variant, const rebound *exact, double n, double phase)
+{
+    const double dt = exact->time / n, start = (3.0 + phase) * dt;
+    double x = -v_along(p) * start, y = V_N * start, v_x = v_along(p), v_y = -V_N, spring = 0.0, f_s = 0.0;
+    const long steps = lround(1.2 * n) + 40;
+    bool touching = false;
+    for (long step = 0; step < steps; step++) {
+        double f_n = 0.0;
+        if (y < 0.0) {
+            const bool first = variant != AS_IS && !touching;
+            const double part = first ? fmin(y / (v_y * dt), 1.0) : 1.0; /* of the last step */
+            const double weight = first ? 0.5 + part : 1.0;
+            const double elastic = stiffness(p) * (p->normal == DEM_HERTZ ? pow(-y, 1.5) : -y);
+            double total = elastic - p->gamma_n * M * v_y;
+            if (variant == LOCATED_FULL_STEP) total /= 1.0 + 0.5 * p->gamma_n * dt;
+            if (!p->tension) total = fmax(total, 0.0);
+            const double most = p->k_s > 0.0 ? p->mu * fmax(total, 0.0) / p->k_s : 0.0;
+            f_n = elastic + weight * (total - elastic);
+            spring = fmax(-most, fmin(spring + v_x * dt * part, most));
+            double sum = -p->k_s * spring - p->gamma_s * M * v_x;
+            if (variant == LOCATED_FULL_STEP) sum /= 1.0 + 0.5 * p->gamma_s * dt;
+            f_s = -p->k_s * spring + weight * (sum + p->k_s * spring);
+            touching = true;
+        } else if (touching) { /* the last kick was too long, or too short */
+            const double lacks = variant == AS_IS ? 0.0 : 0.5 - fmin(y / (v_y * dt), 1.0);
+            f_n = p->tension ? -lacks * p->gamma_n * M * v_y : 0.0;
+            f_s *= lacks;
+            touching = false;
+        } else {
+            f_s = spring = 0.0;
+        }
+        v_y += dt * f_n / M;
+        v_x += dt * f_s / M;
+        y += dt * v_y;
+        x += dt * v_x;
+    }
+    return compare(p, exact, x, y, v_x, v_y, (double)steps * dt - start - exact->time, 0.0);
+}
+
+/* ---- the fits ---- */
+
+typedef struct {
+    double slope, se;
+} fit;
+
+/* Least squares of log error against log(1/n). */
+static fit fit_order(int sizes, const double n[], const double error[])
+{
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, rest = 0.0;
+    for (int k = 0; k < sizes; k++) x -= log(n[k]) / sizes, y += log(error[k]) / sizes;
+    for (int k = 0; k < sizes; k++) {
+        const double dx = -log(n[k]) - x;
+        xx += dx * dx;
+        xy += dx * (log(error[k]) - y);
+    }
+    for (int k = 0; k < sizes; k++) {
+        const double r = log(error[k]) - y - xy / xx * (-log(n[k]) - x);
+        rest += r * r;
+    }
+    return (fit){xy / xx, sqrt(rest / (sizes - 2) / xx)};
+}
+
+/* ---- the suite ---- */
+
+/* How a rebound is computed. */
+typedef struct {
+    const char *name;
+    method *run;
+    int variant;
+} scheme;
+
+static const scheme located = {"located", leapfrog, LOCATED},
+                    located_full_step = {"located_full_step", leapfrog, LOCATED_FULL_STEP};
+
+enum { MAX_SIZES = 16 };
+
+/* Does the simulator take this time step? */
+static bool allowed(const law *p, const scheme *s, double dt)
+{
+    dem_grain grain;
+    const dem_definition def = flight(p, s->run == simulate ? s->variant : DEM_VERLET, dt, 1.0, &grain);
+    return dt <= dem_time_step_limit(&def, NULL);
+}
+
+/* Errors over the step sizes: rows of `table`, and the fits from 40 steps a contact on, and what the paper's
+ * time step makes, in a row of `summary`. */
+static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit fits[N_ERRORS])
+{
+    const rebound exact = solve(p, 1e-8);
+    const int phases = check_full() ? 64 : 24;
+    const double most = check_full() ? 2500.0 : 700.0, default_dt = 5e-5;
+    double n[MAX_SIZES], error[N_ERRORS][MAX_SIZES];
+    int sizes = 0;
+    char name[64];
+    snprintf(name, sizeof name, "%s/%s", p->name, s->name);
+    for (double steps = 40.0 / pow(1.5, 3.0); steps < most; steps *= 1.5) {
+        /* a little less than so many steps come with it */
+        if (!allowed(p, s, exact.time / (steps - 0.5))) continue;
+        const errors e = rms(s->run, p, s->variant, &exact, steps, phases);
+        if (table)
+            rp_table_row_word(
+                table, 5,
+                (double[]){steps, exact.time / steps, e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]}, name);
+        if (steps < 39.0) continue; /* not yet small steps */
+        n[sizes] = steps;
+        for (int q = 0; q < N_ERRORS; q++) error[q][sizes] = e.of[q];
+        sizes++;
+    }
+    for (int q = 0; q < N_ERRORS; q++) fits[q] = fit_order(sizes, n, error[q]);
+    if (!summary) return;
+    errors e = {{NAN, NAN, NAN}};
+    if (allowed(p, s, 1.05 * default_dt))
+        e = rms(s->run, p, s->variant, &exact, exact.time / default_dt, phases);
+    rp_table_row_word(summary, 10,
+                      (double[]){fits[VELOCITY].slope, fits[VELOCITY].se, fits[PLACE].slope, fits[PLACE].se,
+                                 fits[INTEGRATION].slope, fits[INTEGRATION].se, exact.time / default_dt,
+                                 e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]},
+                      name);
+}
+
+/* Half of what orders differ by. */
+static const double SAME_ORDER = 0.25;
+
+static void check_orders(const law *p, const char *name, const fit fits[], const double expected[], int n)
+{
+    for (int q = 0; q < n; q++) {
+        if (!(fabs(fits[q].slope - expected[q]) <= SAME_ORDER)) fprintf(stderr, "%s, %s:\n", p->name, name);
+        CHECK_NEAR(fits[q].slope, expected[q], SAME_ORDER);
+    }
+}
+
+static void orders(void)
+{
+    static const char *const columns[][2] = {{"steps", ""},       {"dt", "s"},         {"velocity_error", ""},
+                                             {"place_error", ""}, {"integration", ""}, {"case", ""}};
+    static const char *const fit_columns[][2] = {
+        {"velocity_order", ""},    {"velocity_order_se", ""},    {"place_order", ""}, {"place_order_se", ""},
+        {"integration_order", ""}, {"integration_order_se", ""}, {"steps", ""},       {"velocity_error", ""},
+        {"place_error", ""},       {"integration", ""},          {"case", ""}};
+    FILE *table = check_table("order"), *summary = check_table("order_fits");
+    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
+    if (summary) rp_table_columns(summary, sizeof fit_columns / sizeof *fit_columns, fit_columns);
+    for (const law *p = laws; p < laws + N_LAWS; p++) {
+        fit fits[N_ERRORS];
+        for (int i = 0; i < N_INTEGRATORS; i++) {
+            const scheme s = {integrators[i].name, simulate, integrators[i].integrator};
+            double expected[N_ERRORS];
+            memcpy(expected, p->verlet, sizeof expected);
+            /* of higher order while the force is smooth, so that the touch is what is left */
+            if (s.variant == DEM_GEAR5) expected[PLACE] = p->verlet[VELOCITY];
+            study(p, &s, table, summary, fits);
+            check_orders(p, s.name, fits, expected, N_ERRORS);
+        }
+        study(p, &located, table, summary, fits);
+        study(p, &located_full_step, table, summary, fits);
+        check_orders(p, located_full_step.name, fits, (double[]){fmax(p->verlet[VELOCITY], 2.0), 2.0},
+                     INTEGRATION);
+    }
+    check_table_close(table, "order");
+    check_table_close(summary, "order_fits");
+}
+
+/* A grain that sways on a linear floor and never leaves it: no touch, so that the order is the scheme's own.
+ * It starts where it turns, since Gear's third derivative starts at 0. Root mean square over the third
+ * period, of place and velocity together, over the first amplitude. */
+static double sway(double gamma_n, int integrator, double n)
+{
+    const double k = 8e4, g = 1e5, half = 0.5 * gamma_n, w = sqrt(k / M - half * half), deep = M * g / k;
+    const double reach = 0.5 * deep;
+    dem_grain grain = {0.0, R - deep + reach, R, M, 0.0, 0.0};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -g;
+    def.dt = 2.0 * M_PI / w / n;
+    def.integrator = integrator;
+    def.normal = DEM_LINEAR;
+    def.tangential = DEM_NONE;
+    def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, lround(2.0 * n)));
+    const long steps = lround(n);
+    double sum = 0.0;
+    for (long step = 0; step < steps; step++) {
+        CHECK_OK(dem_run(sim, 1));
+        const dem_state s = grains_state_of_one(sim);
+        const double t = dem_time(sim), fall = reach * exp(-half * t);
+        const double y = fall * (cos(w * t) + half / w * sin(w * t));
+        const double v = -fall * (w + half * half / w) * sin(w * t);
+        sum += pow(s.y - R + deep - y, 2.0) + pow((s.vy - v) / w, 2.0);
+    }
+    dem_free(sim);
+    return sqrt(sum / (double)steps) / reach;
+}
+
+/* Verlet's scheme is of second order, and of first with damping, for which it takes the velocity of half a
+ * step before. Gear's is better than fourth, until a third derivative that starts at 0 is wrong: then second.
+ */
+static void smooth(void)
+{
+    static const char *const columns[][2] = {{"order", ""}, {"order_se", ""}, {"case", ""}};
+    FILE *table = check_table("order_smooth");
+    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
+    for (int damped = 0; damped < 2; damped++)
+        for (int i = 0; i < N_INTEGRATORS; i++) {
+            double n[MAX_SIZES], error[MAX_SIZES];
+            char name[64];
+            int sizes = 0;
+            for (double steps = 100.0; steps < 900.0; steps *= 1.5, sizes++) {
+                n[sizes] = steps;
+                error[sizes] = sway(damped ? 500.0 : 0.0, integrators[i].integrator, steps);
+            }
+            const fit f = fit_order(sizes, n, error);
+            const bool gear = integrators[i].integrator == DEM_GEAR5;
+            if (gear && !damped) {
+                CU_ASSERT(f.slope > 4.0 - SAME_ORDER);
+            } else {
+                CHECK_NEAR(f.slope, damped && !gear ? 1.0 : 2.0, SAME_ORDER);
+            }
+            snprintf(name, sizeof name, "%s/%s", damped ? "damped" : "undamped", integrators[i].name);
+            if (table) rp_table_row_word(table, 2, (double[]){f.slope, f.se}, name);
+        }
+    check_table_close(table, "order_smooth");
+}
+
+/* The answers: half the step changes nothing, and there are others, by an adaptive method and in closed form.
+ */
+static void answers(void)
+{
+    for (const law *p = laws; p < laws + N_LAWS; p++) {
+        const rebound a = solve(p, 1e-8), b = solve(p, 2e-8);
+        dem_collision_result c;
+        CHECK_NEAR(a.v_n / b.v_n, 1.0, 1e-9);
+        CHECK_NEAR(a.v_s, b.v_s, 1e-9 * V_N);
+        CHECK_NEAR(a.along, b.along, 1e-9 * V_N * a.time);
+        CHECK_OK(dem_collision(p->normal, p->tension, stiffness(p), p->gamma_n, M, V_N, &c));
+        CHECK_NEAR(a.v_n / V_N, c.restitution, 1e-9);
+        if (p->tension) CHECK_NEAR(a.time / c.time, 1.0, 1e-9);
+        if (isinf(p->mu)) { /* a spring that nothing cuts */
+            const double w = sqrt(p->k_s / M);
+            CHECK_NEAR(a.v_s / V_S, cos(w * a.time), 1e-9);
+            CHECK_NEAR(a.along / V_S, sin(w * a.time) / w, 1e-9 * a.time);
+        }
+    }
+}
+
+/* The leapfrog that the located touch is tried on is the simulator's. */
+static void same_leapfrog(void)
+{
+    for (const law *p = laws; p < laws + N_LAWS; p++) {
+        const rebound exact = solve(p, 1e-8);
+        const errors a = simulate(p, DEM_VERLET, &exact, 41.3, 0.3),
+                     b = leapfrog(p, AS_IS, &exact, 41.3, 0.3);
+        CHECK_NEAR(a.of[VELOCITY], b.of[VELOCITY], 1e-12);
+        CHECK_NEAR(a.of[PLACE], b.of[PLACE], 1e-12);
+    }
+}
+
+/* Where the energy of avalanches goes, and how the scheme's part falls with the time step: piles of 40
+ * grains, filled and opened. Its error is the standard error of the piles. */
+static void avalanches(void)
+{
+    static const char *const columns[][2] = {
+        {"dt", "s"},      {"normal_damping", ""}, {"shear_damping", ""},  {"sliding", ""},
+        {"at_walls", ""}, {"integration", ""},    {"integration_se", ""}, {"residual", ""}};
+    const int piles = check_full() ? 16 : check_fast() ? 1 : 2, sizes = check_full() ? 3 : 2;
+    double integration[3];
+    FILE *table = check_table("order_ledger");
+    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
+    for (int k = 0; k < sizes; k++) {
+        double row[8] = {5e-5 / (1 << k)}, square = 0.0;
+        for (int pile = 0; pile < piles; pile++) {
+            dem_grain *grains;
+            dem_definition def = grains_box(40, 1.2, pile, &grains);
+            def.dt = row[0];
+            def.ledger = true;
+            def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
+            dem_sim *sim = grains_start(&def);
+            CHECK_OK(dem_run(sim, 12000L << k));
+            dem_ledger l;
+            CU_ASSERT_FATAL(dem_ledger_read(sim, &l));
+            const double lost = l.normal_damping + l.shear_damping + l.sliding;
+            const double share[] = {l.normal_damping, l.shear_damping, l.sliding, l.at_walls, l.integration};
+            for (int c = 0; c < 5; c++) row[c + 1] += share[c] / lost / piles;
+            square += l.integration / lost * l.integration / lost / piles;
+            row[7] = fmax(row[7], fabs(l.residual) / l.turnover);
+            CHECK_NEAR(l.residual, 0.0, 1e-10 * l.turnover);
+            dem_free(sim);
+            free(grains);
+        }
+        integration[k] = row[5];
+        row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));
+        if (table) rp_table_row(table, 8, row);
+    }
+    check_table_close(table, "order_ledger");
+    for (int k = 1; k < sizes; k++) CHECK_NEAR(log2(integration[k - 1] / integration[k]), 2.0, SAME_ORDER);
+}
+
+void suite_order(void)
+{
+    static const check_case cases[] = {{"the answers", answers},
+                                       {"the leapfrog of the trials", same_leapfrog},
+                                       {"observed order", orders},
+                                       {"order without a touch", smooth},
+                                       {"the scheme's part in avalanches", avalanches},
+                                       {NULL, NULL}};
+    check_register("validation: order", cases);
+}
