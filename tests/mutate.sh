@@ -5,7 +5,7 @@
 #   sh tests/mutate.sh BUILD NUMBER JOBS    from the top of the tree; writes BUILD/tables/mutate.tsv, a row a
 #                                           mutant, and mutate_summary.tsv, a row a file
 #
-# Status 1: less than 95 % are caught, or one survives for which validation/mutants.txt has no reason.
+# Some mutants change no result: validation/mutants.txt has them, and why. Status 1: one of the others survives.
 set -eu
 export LC_ALL=C
 limit_cpu=15 # seconds, three times what the suites of a file may take
@@ -15,7 +15,7 @@ suites_of() {
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle ;;
     src/dem/equilibrium.c | src/dem/stiffness.c) echo property equilibrium ;;
-    *) echo soft rotation impact motion hard property golden scene dem ;;
+    *) echo soft property rotation incline statics published motion hard golden scene dem ;;
     esac
 }
 
@@ -88,7 +88,7 @@ header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
     printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
     for i in $(seq 1 "$to"); do cat "$work/result_$i"; done | awk -F '\t' -v OFS='\t' '
         function trim(text) { gsub(/^ +| +$/, "", text); return text }
-        FILENAME == "validation/mutants.txt" { if (NF == 4) reason[$1 FS $2 FS $3] = $4; next }
+        FILENAME == "validation/mutants.txt" { if (!/^#/) reason[$1 FS $2 FS $3] = $4; next }
         FNR % 2 { file = $1; kind = $2; line = $3; old = trim($4); new = trim($5); next }
         $1 == "broken" { next }
         {
@@ -107,12 +107,12 @@ awk -F '\t' -v OFS='\t' -v header="$header" '
         print "# file\tmutants\tkilled\tequivalent\tsurvived\tkilled_percent"
         for (order[++n] = "all"; ++i <= n;) {
             f = order[i]; k = count[f, "killed"]; e = count[f, "equivalent"]; s = count[f, "survived"]
-            print f, k + e + s, k + 0, e + 0, s + 0, 100 * k / (k + e + s)
+            print f, k + e + s, k + 0, e + 0, s + 0, k + s ? 100 * k / (k + s) : 100
         }
     }' "$build/tables/mutate.tsv" >"$build/tables/mutate_summary.tsv"
 
 awk -F '\t' '$6 == "survived" { print "survived: " $1 ":" $2 ": " $5 }
     FILENAME ~ /summary/ && $1 == "all" {
-        print "mutate: " $3 " of " $2 " caught, " $4 " equivalent, " $5 " survived"
-        exit !($6 >= 95 && $5 == 0)
+        print "mutate: " $3 " of " $2 " killed, " $4 " change no result, " $5 " survived"
+        exit $5 > 0
     }' "$build/tables/mutate.tsv" "$build/tables/mutate_summary.tsv"

@@ -572,6 +572,9 @@ static void profile_errors(void)
     v[4].y = -0.1;
     CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "vertex 4 at (4, -0.1)");
     v[4].y = 0;
+    v[4].x = 3.5;
+    CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "before vertex 4");
+    v[4].x = 4;
     v[0].x = -INFINITY;
     CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "vertex 0 at (-inf, 0)");
     CHECK_FAILS(an_tent(0, 0.5, 0.3, v), RP_BAD_INPUT, "alpha_1 = 0");

@@ -6,6 +6,7 @@
 #include "dem/dem.h"
 #include "dem/impact.h"
 #include "dem/law_normal.h"
+#include "dem/law_shear.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -477,6 +478,17 @@ static void arc_over_a_disk(void)
     }
 }
 
+/* (27), (29) and (32) at forces and masses other than 1. */
+static void law_of_slip(void)
+{
+    const double gamma = 5.0, mu = 0.3, m = 0.7, f = 2.5, edge = mu * f / (gamma * m);
+    for (int side = -1; side <= 1; side += 2) {
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 0.9 * side * edge, f), -0.9 * side * mu * f, 1e-15);
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 3.0 * side * edge, f), -side * mu * f, 1e-15);
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, side, -f), 0.0, 0.0); /* what pulls has no friction */
+    }
+}
+
 /* A box that turns: its ground, below the axis, runs to the left. A disk that goes with it is at rest, one
  * that comes against it is not. */
 static void rests_on_a_ground_that_moves(void)
@@ -492,6 +504,21 @@ static void rests_on_a_ground_that_moves(void)
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 3));
         CU_ASSERT_EQUAL(only_contact(sim).well, against ? DEM_WELL_NONE : DEM_WELL_HOLDS);
+        dem_free(sim);
+    }
+}
+
+/* A disk that turns on the spot is at rest if its spin's energy, twice omega^2/8, fits into the well. */
+static void rests_while_it_turns(void)
+{
+    const double most = sqrt(8.0 * MU_STATIC * A);
+    for (int fast = 0; fast < 2; fast++) {
+        dem_grain g = resting();
+        g.omega = most * (fast ? 1.01 : 0.99);
+        dem_definition def = on_ground(&g, 1);
+        def.rotation = true;
+        dem_sim *sim = grains_start(&def);
+        CU_ASSERT_EQUAL(only_contact(sim).well, fast ? DEM_WELL_NONE : DEM_WELL_HOLDS);
         dem_free(sim);
     }
 }
@@ -701,7 +728,9 @@ void suite_soft(void)
                                        {"a hit while sliding", hits_while_it_slides},
                                        {"rounds of collisions", rounds_end},
                                        {"an arc over a disk", arc_over_a_disk},
+                                       {"law of slip", law_of_slip},
                                        {"touching is no contact", touching_is_no_contact},
+                                       {"rest while it turns", rests_while_it_turns},
                                        {"rest on a ground that moves", rests_on_a_ground_that_moves},
                                        {"a touch at the end of a step", touches_at_the_end},
                                        {"no collision is missed", no_collision_is_missed},
