@@ -88,14 +88,19 @@ header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
     printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
     for i in $(seq 1 "$to"); do cat "$work/result_$i"; done | awk -F '\t' -v OFS='\t' '
         function trim(text) { gsub(/^ +| +$/, "", text); return text }
-        FILENAME == "validation/mutants.txt" { if (!/^#/) reason[$1 FS $2 FS $3] = $4; next }
+        function nth(file, line, old,   text, i, n) {
+            for (i = 0; i < line && (getline text < file) > 0; i++) n += trim(text) == old
+            close(file)
+            return n
+        }
+        FILENAME == "validation/mutants.txt" { known[$1, $2, $3, $4] = !/^#/; next }
         FNR % 2 { file = $1; kind = $2; line = $3; old = trim($4); new = trim($5); next }
         $1 == "broken" { next }
         {
             outcome = by = $1
             sub(/ .*/, "", outcome)
             if (!sub(/^killed /, "", by)) by = "-"
-            if (outcome == "survived" && (file FS old FS new) in reason) outcome = "equivalent"
+            if (outcome == "survived" && known[file, nth(file, line, old), old, new]) outcome = "equivalent"
             print file, line, kind, old, new, outcome, by, $2
         }' validation/mutants.txt -
 } >"$build/tables/mutate.tsv"
