@@ -102,8 +102,8 @@ lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is ex
 check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
 	@REPOSE=$(B)/repose $(B)/check
 
-validate: $(B)/check ## the validation at full size, with its tables in build/tables
-	@$(B)/check --full -o $(T)
+validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 # Number of mutants.
 MUTANTS := 220
@@ -122,7 +122,7 @@ REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
 # of ensembles that only `make studies` makes
-STUDY_FIGURES := lh_forensics
+STUDY_FIGURES := lh_forensics li_size
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
@@ -187,6 +187,8 @@ TREND_lh_gear := --x integrator --by dt --pair
 TREND_lh_rotation := --x rotation --by mu,mu_roll --pair
 TREND_lh_wall := --x mu_wall --by W --pair
 TREND_lh_grain := --x mu --by W --pair
+TREND_val_dt := --x dt --scale log --pair --margin 0.3
+TREND_val_integrator := --x integrator --pair --margin 0.3
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
 	@cat $^ >$@
 $(T)/lh5_trend.tsv: $(T)/lh5_runs.tsv
@@ -206,6 +208,9 @@ $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
+# Static piles of growing size: the limits of N and H.
+$(T)/li_size_limit_%.tsv: $(T)/li_size_runs.tsv
+	@$(REPOSE) angle size $< --x base --y $* --by well --from 45 >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
@@ -237,11 +242,16 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+STUDY_li_size_large := 1
+STUDY_li_disorder := 200
+# Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
+STUDY_val_dt := 2000
+STUDY_val_integrator := 1400
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
@@ -284,20 +294,29 @@ $(T)/tent_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) tent --outer-deg $(word 1,$(call tent_words,$*)) --inner-deg $(word 2,$(call tent_words,$*)) \
 	  --x1 0.$(word 3,$(call tent_words,$*)) --points 401 >$@
+$(T)/tent_map_%.tsv: $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) tent --map --x1 0.$* >$@
 $(T)/triangle_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) lattice --layers $* >$@
-# Soft disks: base, angle and eps are in the name; in a folder of that name the contacts and disks.
+# Soft disks: base, angle and eps, or 0 for the limit, are in the name; in a folder of that name the contacts and disks.
 pile_words = $(subst _, ,$(1))
 define make_pile
 @mkdir -p $(T)
 @$(REPOSE) pile --base $(word 1,$(call pile_words,$*)) --alpha-deg $(word 2,$(call pile_words,$*)) \
-  --eps $(word 3,$(call pile_words,$*)) $(1)
+  $(if $(filter 0,$(word 3,$(call pile_words,$*))),--linear,--eps $(word 3,$(call pile_words,$*))) $(1)
 endef
 $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
 $(T)/pile_minimum_%.tsv: $(CODE)
 	$(call make_pile,--branch minimum >$@)
+# base, tent and eps, and the half-width of the wells where they are not springs
+pile_tent = --base $(word 1,$(1)) --outer-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x1 0.$(word 4,$(1))
+$(T)/pile_tent_%.tsv: $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) pile $(call pile_tent,$(call pile_words,$*)) --eps $(word 5,$(call pile_words,$*)) \
+	  $(addprefix --well ,$(word 6,$(call pile_words,$*))) >$@
 # One row a pile: the first with its header.
 define one_table
 @awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
@@ -319,7 +338,7 @@ $(T)/validation_%.tsv: $(T)/.validation_$$(firstword $$(subst _, ,$$*)) ;
 $(T)/.validation_%: $(call objects,validation) $(CODE) $(B)/check
 	@mkdir -p $(T)
 	@echo "check   --full $*"
-	@$(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
 	@touch $@
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
@@ -331,7 +350,7 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13
 # what only `make studies` and `make mutate` make is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"
@@ -339,7 +358,7 @@ report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository
 	@mkdir -p figures/shown
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 	@cp $< paper-repro.md
-.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv
+.PRECIOUS: $(T)/%.tsv $(T)/%_runs.tsv $(T)/%_trend.tsv $(T)/.validation_%
 
 clean: ## remove everything made
 	rm -rf $(B)

@@ -92,6 +92,10 @@ rp_status an_profile_height(const an_profile *profile, double x, double *y);
 /* Forces at x, in chi g B with B = v[n-1].x - v[0].x. Relative error about 1e-16/(60 degrees - slope). */
 rp_status an_profile_force(const an_profile *profile, double x, an_force *force);
 
+/* The largest N, in chi g B, and the first place of it in the unit of the vertices. N is straight between the
+ * places whose rays end on a vertex, so it is at one of these. */
+rp_status an_profile_largest(const an_profile *profile, double *x, double *N);
+
 /* The tent of Fig. 18 as an outline with B = 1: slope alpha_1 from each edge to x_1, alpha_2 from there to
  * the middle. Angles in (0, pi/3), x_1 in (0, 1/2). */
 rp_status an_tent(double alpha_1, double alpha_2, double x_1, an_point v[5]);

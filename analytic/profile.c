@@ -84,6 +84,25 @@ rp_status an_profile_force(const an_profile *profile, double x, an_force *force)
     return RP_OK;
 }
 
+rp_status an_profile_largest(const an_profile *profile, double *x, double *N)
+{
+    const double left = profile->v[0].x, right = profile->v[profile->n - 1].x;
+    double place = left, most = 0;
+    for (size_t i = 0; i < profile->n; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            const double at = fmin(fmax(profile->v[i].x + side * LEAN * profile->v[i].y, left), right);
+            an_force force;
+            rp_status status = an_profile_force(profile, at, &force);
+            if (status) return status;
+            if (!(force.N > most)) continue;
+            most = force.N;
+            place = at;
+        }
+    *x = place;
+    *N = most;
+    return RP_OK;
+}
+
 static rp_status check_angle(const char *name, double angle)
 {
     if (angle > 0 && angle < M_PI / 3) return RP_OK;

@@ -1,14 +1,22 @@
-# Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes; continuum (54)-(59), and the
-# force that diagonal contacts alone carry in a pile of disks with 45 in its base.
+# Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks in equilibrium
+# at eps = 1e-4 (spring wells of K_s), what diagonal contacts alone would carry in the same piles, and the continuum
+# (54)-(59); all over the largest value of the soft disks.
+width = 17.0
+height = 13.0
+load 'figures/style.gp'
+# t('continuum_30.tsv') t('continuum_45.tsv') t('continuum_50.tsv') t('continuum_55.tsv') t('pile_45_30_1e-4.tsv') t('pile_45_45_1e-4.tsv') t('pile_45_50_1e-4.tsv') t('pile_45_55_1e-4.tsv')
+set multiplot layout 2, 2
 set xlabel '{/:Italic x / B}'
-set ylabel '{/:Italic N} / ({/:Italic χgB})'
+set ylabel '{/:Italic N} / max {/:Italic N}'
 set xrange [0:1]
-set yrange [0:0.66]
-set key top right maxrows 4 font ',8'
-# t('continuum_30.tsv') t('continuum_45.tsv') t('continuum_50.tsv') t('continuum_55.tsv') t('lattice_30.tsv') t('lattice_45.tsv') t('lattice_50.tsv') t('lattice_55.tsv')
-angles = '30 45 50 55'
-colours = '2 3 4 7'
-plot for [k = 1:4] t('continuum_'.word(angles, k).'.tsv') using (column('x/B')):(column('N/(chi*g*B)')) \
-       with lines lc int(word(colours, k)) lw 1.5 title 'α = '.word(angles, k).'°, continuum', \
-     for [k = 1:4] t('lattice_'.word(angles, k).'.tsv') using (column('x/B')):(column('N/(chi*g*B)')) \
-       with points pt 2*k + 2 ps 0.55 lc int(word(colours, k)) title 'diagonal contacts alone'
+set yrange [0:1.19]
+do for [angle in '30 45 50 55'] {
+    soft = 'pile_45_'.angle.'_1e-4.tsv'
+    stats t(soft) using (abs(column('N/(chi*g*B)'))) nooutput name 'S'
+    set title 'α = '.angle.'°, '.note(soft, 'n_disks').' disks'
+    if (angle eq '30') { set key bottom center font ',9' } else { unset key }
+    plot t('continuum_'.angle.'.tsv') using (column('x/B')):(column('N/(chi*g*B)')/S_max) with lines lw 1.5 lc 1 title 'continuum', \
+         t(soft) using (column('x/B')):(column('N/(chi*g*B)')/S_max) with points pt 6 ps 0.6 lc 7 title 'soft disks', \
+         t(soft) using (column('x/B')):(column('N_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 1 ps 0.6 lc 3 title 'diagonal contacts alone'
+}
+unset multiplot

@@ -1,10 +1,23 @@
-# Liffman, Chan & Hughes 1992, figure 19: forces on the base of the tent 30/45 degrees, X_1 = 0.38 B.
+# Liffman, Chan & Hughes 1992, figure 19: forces on the base of the tent of 30 and 45 degrees, X_1 = 0.38 B: continuum, and
+# disks with 90 in the base: diagonal contacts alone, soft disks with stiff and with soft wells.
+width = 18.0
+height = 8.0
+load 'figures/style.gp'
+# t('tent_30_45_38.tsv') t('tent_45_30_38.tsv') t('pile_tent_90_30_45_38_1e-5_1.tsv') t('pile_tent_90_30_45_38_1e-5_3000.tsv')
+stiff = 'pile_tent_90_30_45_38_1e-5_1.tsv'
+soft = 'pile_tent_90_30_45_38_1e-5_3000.tsv'
+set multiplot layout 1, 2
 set xlabel '{/:Italic x / B}'
-set ylabel 'force / ({/:Italic χgB})'
 set xrange [0:1]
-set yrange [-0.15:0.6]
-set key top right
-plot t('tent_30_45_38.tsv') using (column('x/B')):(column('N/(chi*g*B)')) with lines lw 1.5 lc 2 title '{/:Italic N}, α_1 = 30°, α_2 = 45°, {/:Italic X}_1 = 0.38 {/:Italic B}', \
-     '' using (column('x/B')):(column('H/(chi*g*B)')) with lines lw 1.5 dt 2 lc 2 title '{/:Italic H}', \
-     t('tent_45_30_38.tsv') using (column('x/B')):(column('N/(chi*g*B)')) with lines lc 3 title '{/:Italic N}, α_1 = 45°, α_2 = 30°: no dip', \
-     '' using (column('x/B')):(column('H/(chi*g*B)')) with lines dt 2 lc 3 title '{/:Italic H}'
+do for [q in 'N H'] {
+    col = q.'/(chi*g*B)'
+    set ylabel '{/:Italic '.q.'} / ({/:Italic χgB})'
+    if (q eq 'N') { set title '(a)'; set yrange [0:0.42]; set key bottom center font ',8' }
+    if (q eq 'H') { set title '(b)'; set yrange [-0.1:0.1]; unset key }
+    plot t('tent_30_45_38.tsv') using (column('x/B')):(column(col)) with lines lw 1.5 lc 1 title 'continuum', \
+         t('tent_45_30_38.tsv') using (column('x/B')):(q eq 'N' ? column(col) : NaN) with lines dt 2 lc rgb '#888888' title 'continuum, 45° below 30°: no dip', \
+         t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/real(note(stiff, 'B'))) with points pt 1 ps 0.6 lc 3 title 'diagonal contacts alone', \
+         t(stiff) using (column('x/B')):(column(col)) with points pt 6 ps 0.5 lc 7 title 'soft disks, wells of εσ', \
+         t(soft) using (column('x/B')):(column(col)) with points pt 8 ps 0.5 lc 4 title 'soft disks, wells of 3000 εσ'
+}
+unset multiplot

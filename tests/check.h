@@ -21,6 +21,7 @@
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
+    X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_stress)                                                                                          \
@@ -30,14 +31,20 @@
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
+    X(suite_piles)                                                                                           \
     X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
+    X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
     X(suite_published)                                                                                       \
-    X(suite_order)
+    X(suite_order)                                                                                           \
+    X(suite_stability)                                                                                       \
+    X(suite_extreme)                                                                                         \
+    X(suite_chaos)                                                                                           \
+    X(suite_implicit)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

@@ -12,7 +12,7 @@ for entry; do
     analytic) allowed='core/|analytic/' ;;
     dem) allowed='core/|dem/' ;;
     angle) allowed='core/|angle/' ;;
-    sweep) allowed='core/|dem/|angle/|sweeps/' ;;
+    sweep) allowed='core/|analytic/|dem/|angle/|sweeps/' ;;
     esac
     if grep -nE '^ *#include "' "$folder"/*.[ch] | grep -vE "#include \"($allowed)"; then
         echo "lint: $module includes what it must not"

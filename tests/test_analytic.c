@@ -540,6 +540,43 @@ static void tent_dip(void)
     CHECK_NEAR(tent_at(45, 30, 0.5), flattened, ROUND);
 }
 
+/* The largest N is where a scan finds it, or above: for tents of all kinds, and for outlines in any unit. */
+static void largest_force(void)
+{
+    static const double tents[][3] = {
+        {30, 45, 0.38}, {45, 30, 0.38}, {10, 55, 0.45}, {55, 20, 0.1}, {40, 40, 0.2}};
+    for (size_t t = 0; t < 5; t++) {
+        const double unit = 7.3, left = -2.1;
+        an_point v[5];
+        an_profile tent;
+        an_force f;
+        double x, N, scanned = 0;
+        CHECK_OK(an_tent(RAD(tents[t][0]), RAD(tents[t][1]), tents[t][2], v));
+        for (int i = 0; i < 5; i++) v[i] = (an_point){left + unit * v[i].x, unit * v[i].y};
+        CHECK_OK(an_profile_set(&tent, v, 5));
+        CHECK_OK(an_profile_largest(&tent, &x, &N));
+        for (int i = 0; i <= 3000; i++) {
+            CHECK_OK(an_profile_force(&tent, left + unit * i / 3000.0, &f));
+            scanned = fmax(scanned, f.N);
+        }
+        CU_ASSERT(scanned <= N + ROUND && scanned > N - 2.0 / 3000);
+        CHECK_OK(an_profile_force(&tent, x, &f));
+        CHECK_NEAR(f.N, N, ROUND);
+        CU_ASSERT(x <= left + unit / 2 + ROUND); /* the first of two */
+    }
+}
+
+/* Before (49): a weight W on two rays of pi/6 to the vertical puts W/(2 cos(pi/6)) = W/sqrt 3 on each, as the
+ * lattice does to the disks below a single one; the printed pi/3 would put all of W on each. */
+static void misprint_theta(void)
+{
+    an_force f;
+    CHECK_OK(an_lattice_triangle(2, M_PI / 6, 2, &f));
+    CHECK_NEAR(hypot(f.N - 1, f.H), 1 / sqrt(3), ROUND);
+    CHECK_NEAR(1 / (2 * cos(M_PI / 6)), 1 / sqrt(3), ROUND);
+    CHECK_NEAR(1 / (2 * cos(M_PI / 3)), 1, ROUND);
+}
+
 static void profile_errors(void)
 {
     an_profile p;
@@ -607,6 +644,8 @@ void suite_analytic(void)
         {"continuum errors", continuum_errors},
         {"tent with equal angles", tent_is_triangle},
         {"tent: the dip", tent_dip},
+        {"largest normal force", largest_force},
+        {"theta before (49) as printed", misprint_theta},
         {"profile: chords end on the outline", profile_chords_end_on_outline},
         {"profile: weight", profile_weight},
         {"profile: mirror and scale", profile_mirror_and_scale},

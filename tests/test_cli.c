@@ -25,7 +25,7 @@ static const double deg = M_PI / 180.0;
 
 /* The folder of one test; what the last run wrote, also there as files `out` and `err`. */
 static char folder[64], program[PATH_MAX];
-static char out[1 << 18], err[1 << 14];
+static char out[1 << 20], err[1 << 14];
 
 static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
 {
@@ -184,9 +184,9 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
 static const char *const without_default[] = {
-    "--help ",       "--set ",       "--box ",     "--reduce ",    "--base ",    "--pair ",
-    "--successive ", "-o ",          "--runs ",    "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ", "--summary ", "--threshold ", "--ledger ",  NULL};
+    "--help ",    "--set ",       "--box ",     "--reduce ",  "--base ",  "--pair ",   "--successive ",
+    "-o ",        "--runs ",      "--missing ", "--outline ", "--disks ", "--linear ", "--set-again ",
+    "--summary ", "--threshold ", "--map ",     "--ledger ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -316,6 +316,8 @@ static void test_wrong_usage(void)
         {64, "option -o needs a value", "sweep plan s.cfg -o"},
         {64, "--alpha-deg is required", "continuum"},
         {64, "--x1 is required", "tent --outer-deg 30 --inner-deg 45"},
+        {64, "or --map", "tent --outer-deg 30 --x1 0.3"},
+        {64, "or --map", "tent --outer-deg 30 --inner-deg 45 --x1 0.3 --map"},
         {64, "repose sweep: -o is required", "sweep plan s.cfg"},
         {64, "--points or --at", "continuum --alpha-deg 30 --points 5 --at 0.1"},
         {64, "--layers, or --base", "lattice --layers 5 --base 5 --alpha-deg 30"},
@@ -534,6 +536,21 @@ static void test_static_models(void)
     }
     rp_table_free(&t);
     rp_table_free(&tent);
+
+    /* the dip of Fig. 19 in the map of all tents; a steeper foot has none */
+    GOOD("tent --map --x1 0.38");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 59 * 59);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        const double outer = cell(&t, i, "outer_deg"), inner = cell(&t, i, "inner_deg");
+        const double dip = cell(&t, i, "dip");
+        CU_ASSERT(dip > -1e-12 && dip < 1.0 && (inner > outer || dip < 1e-12));
+        if (outer == 30 && inner == 45) {
+            CHECK_NEAR(dip, 0.08, 0.005);
+            CHECK_NEAR(cell(&t, i, "N_middle/(chi*g*B)"), 0.25, FORM_TOLERANCE);
+        }
+    }
+    rp_table_free(&t);
     leave();
 }
 

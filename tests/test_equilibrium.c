@@ -8,9 +8,11 @@
 
 #include "analytic/analytic.h"
 #include "core/table.h"
+#include "dem/bonds.h"
 #include "dem/dem.h"
 #include "dem/equilibrium.h"
 #include "dem/stiffness.h"
+#include "sweeps/heap.h"
 #include "tests/check.h"
 
 static const double DEG = M_PI / 180;
@@ -322,16 +324,16 @@ static double plain_forces(const heap *h, const double *u, double eps, double k_
     for (size_t i = 0; i < h->n; i++) {
         const dem_pile_disk *p = &h->disks[i];
         const bool base = p->y < 0.6;
-        const double sunk = fmax(0.5 - (p->y + eps * u[2 * i + 1]), 0) / eps;
+        const double sunk = fmax(p->r - (p->y + eps * u[2 * i + 1]), 0) / eps;
         force[2 * i] = base ? -k_x * u[2 * i] : 0;
-        force[2 * i + 1] = sunk - 1;
-        energy += sunk * sunk / 2 + u[2 * i + 1] + (base ? k_x * u[2 * i] * u[2 * i] / 2 : 0);
+        force[2 * i + 1] = sunk - p->weight;
+        energy += sunk * sunk / 2 + p->weight * u[2 * i + 1] + (base ? k_x * u[2 * i] * u[2 * i] / 2 : 0);
     }
     for (size_t i = 0; i < h->n; i++)
         for (size_t j = 0; j < i; j++) {
             const double x = h->disks[i].x - h->disks[j].x + eps * (u[2 * i] - u[2 * j]);
             const double y = h->disks[i].y - h->disks[j].y + eps * (u[2 * i + 1] - u[2 * j + 1]);
-            const double r = hypot(x, y), f = (1 - r) / eps;
+            const double r = hypot(x, y), f = (h->disks[i].r + h->disks[j].r - r) / eps;
             if (!(f > 0)) continue;
             force[2 * i] += f * x / r;
             force[2 * i + 1] += f * y / r;
@@ -379,18 +381,32 @@ static size_t plain_negative_modes(const heap *h, double eps, double k_x)
     return negative;
 }
 
+/* Diameters above the base spread evenly over 1 -+ sizes/2, in no order. */
+static void unequal(heap *h, double sizes)
+{
+    for (size_t i = 0; i < h->n; i++) {
+        dem_pile_disk *p = &h->disks[i];
+        if (p->y < 0.6) continue;
+        p->r += 0.5 * sizes * (fmod(0.618033988749895 * (double)i, 1) - 0.5);
+        p->weight = 4 * p->r * p->r;
+    }
+}
+
 static void test_plain_forces_and_modes(void)
 {
     static const struct {
         long k;
         double alpha, eps;
         int branch;
-    } cases[] = {{10, 60, 6e-3, DEM_BRANCH_PRIMARY},
-                 {10, 60, 6e-3, DEM_BRANCH_MINIMUM},
-                 {14, 40, 1e-3, DEM_BRANCH_PRIMARY}};
-    double energy[3];
-    for (size_t c = 0; c < 3; c++) {
+        double sizes;
+    } cases[] = {{10, 60, 6e-3, DEM_BRANCH_PRIMARY, 0},
+                 {10, 60, 6e-3, DEM_BRANCH_MINIMUM, 0},
+                 {14, 40, 1e-3, DEM_BRANCH_PRIMARY, 0},
+                 {14, 40, 1e-3, DEM_BRANCH_MINIMUM, 0.05}};
+    double energy[4];
+    for (size_t c = 0; c < 4; c++) {
         heap h = make_disks(cases[c].k, cases[c].alpha, 0);
+        unequal(&h, cases[c].sizes);
         dem_pile_definition def = soft(cases[c].eps);
         def.k_x = 0.7;
         def.branch = cases[c].branch;
@@ -623,7 +639,7 @@ static void test_stiffness_update(void)
         dem_pivots pivots;
         CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
         dem_stiffness_clear(m, 0.125);
-        dem_stiffness_add_site(m, 3, -2, 0); /* one negative mode */
+        dem_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
         for (size_t k = 0; k < 5; k++)       /* bond 2 is wanted, bond 4 is not */
             if (way == 0 ? k != 4 : k != 2)
                 dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
@@ -650,6 +666,44 @@ static void test_stiffness_update(void)
         CHECK_NEAR(x[1][i], x[0][i], 1e-12);
         CHECK_NEAR(product[i], load[i], 1e-12);
     }
+}
+
+/* The pile of half the size: of k = 7 at 60 degrees that of k = 4, half way between whose disks all others
+ * are; of disks on no lattice there is none. */
+static void test_half_pile(void)
+{
+    heap h = make_disks(7, 60, 0);
+    dem_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
+    dem_pile_disk *half = NULL;
+    size_t n_bonds, n_half;
+    CHECK_OK(dem_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
+    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT_FATAL(n_half == 10);
+    for (size_t i = 0; i < h.n; i++) {
+        CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
+        const dem_pile_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
+        CHECK_NEAR(p->x + q->x, h.disks[i].x, 1e-14);
+        CHECK_NEAR(p->y + q->y - 1, h.disks[i].y - 0.5, 1e-14);
+        const double apart = hypot(p->x - q->x, p->y - q->y);
+        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : 1, 1e-14);
+    }
+    free(half);
+    h.disks[9].x += 0.12;
+    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT(n_half == 0 && half == NULL);
+    h.disks[9].x -= 0.12;
+    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
+    CU_ASSERT(n_half == 0 && half == NULL);
+    /* without the last disk of the base, the one beside it has a parent less */
+    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CU_ASSERT(n_half == 9);
+    size_t orphans = 0;
+    for (size_t i = 0; i < h.n - 1; i++) orphans += parents[i].a >= n_half || parents[i].b >= n_half;
+    CU_ASSERT(orphans == 2);
+    free(half);
+    free(bonds);
+    free(parents);
+    free_heap(&h);
 }
 
 /* ---- the program ---- */
@@ -745,6 +799,49 @@ static void check_outlines(void)
     rp_table_free(&t);
 }
 
+/* The mean over an ensemble is that of its piles, the first of which is the one without --piles. */
+static void check_ensemble(void)
+{
+    enum { K = 12, PILES = 3 };
+    double N[PILES][K], H[PILES][K];
+    for (unsigned long p = 0; p < PILES; p++) {
+        sweep_heap h = {0};
+        dem_pile *pile = NULL;
+        dem_pile_result r;
+        dem_pile_definition def = dem_pile_definition_default();
+        CHECK_OK(sweep_heap_slope(&h, K, 0, 30 * DEG));
+        CHECK_OK(sweep_heap_disorder(&h, 1e-4, 5, p));
+        def.n = h.n;
+        def.disks = h.disks;
+        CHECK_OK(dem_pile_create(&def, &pile));
+        CHECK_OK(dem_pile_solve(pile, &r));
+        dem_pile_base(pile, NULL, N[p], H[p]);
+        dem_pile_free(pile);
+        sweep_heap_free(&h);
+    }
+    CU_ASSERT(run("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5") == 0);
+    rp_table one = table_of("out");
+    CU_ASSERT(one.n_rows == K);
+    for (size_t i = 0; i < K; i++) CU_ASSERT(cell(&one, i, "N/mg") == N[0][i]);
+    rp_table_free(&one);
+    CU_ASSERT(run("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5 --piles 3") == 0);
+    rp_table t = table_of("out");
+    CU_ASSERT(t.n_rows == K);
+    for (size_t i = 0; i < K; i++) {
+        const double mean = (N[0][i] + N[1][i] + N[2][i]) / 3;
+        double squares = 0;
+        for (size_t p = 0; p < PILES; p++) squares += (N[p][i] - mean) * (N[p][i] - mean);
+        CHECK_NEAR(cell(&t, i, "N/mg"), mean, ROUNDING);
+        CHECK_NEAR(cell(&t, i, "H/mg"), (H[0][i] + H[1][i] + H[2][i]) / 3, ROUNDING);
+        CHECK_NEAR(cell(&t, i, "N_se/mg"), sqrt(squares / 6), ROUNDING);
+        const double B = cell(&t, i, "N/mg") / cell(&t, i, "N/(chi*g*B)");
+        CHECK_NEAR(cell(&t, i, "H/mg"), B * cell(&t, i, "H/(chi*g*B)"), ROUNDING);
+        CHECK_NEAR(1 / (cell(&t, 1, "x/B") - cell(&t, 0, "x/B")), B, ROUNDING);
+        CHECK_NEAR(cell(&t, i, "x/B") + cell(&t, K - 1 - i, "x/B"), 1, ROUNDING);
+    }
+    rp_table_free(&t);
+}
+
 static void test_program(void)
 {
     static const struct {
@@ -759,11 +856,18 @@ static void test_program(void)
                  {65, "--alpha-deg 60 --gap 0.1"},
                  {65, "--disks nothing"},
                  {65, "--disks hanging"},
+                 {64, "--disks three --disorder 0.01"},
+                 {64, "--alpha-deg 30 --piles 3"},
+                 {64, "--alpha-deg 30 --disorder 1e-3 --piles 3 --summary"},
+                 {65, "--alpha-deg 30 --disorder 1e-3 --linear"},
+                 {65, "--alpha-deg 30 --disorder 0.2"},
+                 {1, "--alpha-deg 30 --well 1 --mu 0.1 --disorder 1e-3 --piles 2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1"}};
     strcpy(folder, "/tmp/repose_pile_XXXXXX");
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
     check_outputs();
     check_outlines();
+    check_ensemble();
     write_file("hanging", "# x\ty\n0\t0.5\n3\t4\n");
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
         CU_ASSERT(run(cases[c].words) == cases[c].status);
@@ -789,6 +893,7 @@ void suite_equilibrium(void)
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
+                                       {"the pile of half the size", test_half_pile},
                                        {"the program", test_program},
                                        {NULL, NULL}};
     check_register("equilibrium", cases);

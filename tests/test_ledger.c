@@ -275,7 +275,7 @@ static void sticking(void)
         const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
         dem_definition def = kicked(&grain, 3.0, &floor);
         def.integrator = integrator;
-        def.dt = 1e-4;
+        def.dt = 9e-5;
         const dem_ledger l = run_closed("sticks", &def, 3000, 10);
         CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
         CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));

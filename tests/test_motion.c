@@ -589,7 +589,7 @@ static void fixed_stay(void)
         def.walls[DEM_BOX_RIGHT].open_at_step = 4000;
         def.integrator = integrators[k % 2];
         def.rotation = k == 2;
-        def.dt = 4e-5;
+        def.dt = 3.5e-5;
         def.grains = grains;
         def.n_grains = N + FIXED;
         def.x_max = 3.4;

@@ -82,7 +82,11 @@ static void written_and_read(void)
         "hard = { restitution = 0.3; mu = \"infinite\"; };\n"
         "particles = ( { x = 0.0; y = 0.13; r = 0.1; vx = 9.0; }, { x = 0.3; y = 0.21; r = 0.1; } );\n",
         "steps = 600; particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; },\n"
-        "                           { x = 0.02; y = 0.21; r = 0.1; } );\n"};
+        "                           { x = 0.02; y = 0.21; r = 0.1; } );\n",
+        "integrator = \"implicit\"; dt = 2e-4; steps = 300; normal = { law = \"linear\"; k_n = 1.0e5; };\n"
+        "implicit = { solver = \"sor\"; relaxation = 0.85; tolerance = 3.0e-14; max_iterations = 777; };\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+        "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 0.4; y = 0.3; r = 0.1; vy = -9.0; } );\n"};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         dem_scene s, back;
         dem_sim *a = NULL, *b = NULL;
@@ -95,7 +99,11 @@ static void written_and_read(void)
         fclose(out);
         CHECK_OK(read_text(text, NULL, &back));
         CU_ASSERT_EQUAL(s.steps, back.steps);
-        CU_ASSERT(s.def.integrator == back.def.integrator && back.def.integrator == (k == 3));
+        CU_ASSERT_EQUAL(s.def.integrator, back.def.integrator);
+        CU_ASSERT_EQUAL(back.def.integrator, k == 3 ? DEM_GEAR5 : k == 6 ? DEM_IMPLICIT : DEM_VERLET);
+        CU_ASSERT(k != 6 ||
+                  (back.def.implicit.solver == DEM_SOLVER_SOR && back.def.implicit.relaxation == 0.85 &&
+                   back.def.implicit.tolerance == 3e-14 && back.def.implicit.max_iterations == 777));
         CU_ASSERT(s.def.box_turn_per_step == back.def.box_turn_per_step);
         CHECK_NEAR(back.def.box_turn_per_step, k == 3 ? 0.001 * M_PI / 180.0 : 0.0, 1e-20);
         CHECK_OK(dem_scene_start(&s, &a));
@@ -133,7 +141,11 @@ static void refused(void)
         {"hard = { restitution = 1.1; };", ":2: restitution = 1.1: out of range, allowed: [0, 1]"},
         {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
         {"gravity = 981.0;", ":2: gravity: two numbers"},
-        {"integrator = \"euler\";", "integrator = \"euler\": unknown word, allowed: verlet | gear5"},
+        {"integrator = \"euler\";",
+         "integrator = \"euler\": unknown word, allowed: verlet | gear5 | implicit"},
+        {"implicit = { relaxation = 0.9; };", ":2: implicit: needs integrator = \"implicit\""},
+        {"integrator = \"implicit\"; implicit = { relaxation = 2.0; };",
+         ":2: relaxation = 2: out of range, allowed: (0, 2)"},
         {"normal = 3;", ":2: normal: a group { ... } expected"},
         {"normal = { law = \"cubic\"; };", "hertz | linear"},
         {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},

@@ -288,6 +288,52 @@ static void misprints(void)
     CU_ASSERT(dem_law_normal(DEM_LINEAR, false, k_s, k_d, 1.0, overlap, parting) == 0.0);
 }
 
+/* (29) and (32) as printed: friction of one sense only, whatever the slip, and the lesser of two numbers
+ * rather than of two magnitudes. A disk at rest is pushed, and the cap does not hold; ours is (27) cut to
+ * (29) and against the slip. */
+static void misprints_of_slip(void)
+{
+    const double k_slip = 3.0, mu_roll = 0.2, F_n = 5.0, cap = mu_roll * F_n;
+    for (int k = -4; k <= 4; k++) {
+        const double v = 0.31 * k, printed = fmin(-k_slip * v, -cap);
+        CHECK_NEAR(dem_law_slip_roll(k_slip, mu_roll, 1.0, v, F_n), -fmax(fmin(k_slip * v, cap), -cap),
+                   1e-15);
+        if (k <= 0) CU_ASSERT(printed * v >= 0.0 && printed < 0.0); /* along the slip, or without any */
+        if (k == 4) CU_ASSERT(fabs(printed) > 3.0 * cap);
+    }
+}
+
+/* (22) as printed asks for the speed that F gives in a step; but a disk that leaves the ground at v is back
+ * on it after 2 v/g only, and not after v/g. */
+static void misprint_of_flight(void)
+{
+    const double v = 0.7, g = 9.3, flight = 2.0 * v / g;
+    for (int k = 1; k < 10; k++) {
+        const double dt = 0.2 * k * v / g + 1e-9, height = v * dt - 0.5 * g * dt * dt;
+        const bool printed = dt > v / g;
+        CU_ASSERT((height < 0.0) == (dt > flight));
+        if (printed && dt < flight) CU_ASSERT(height > 0.0); /* soft, and not in contact */
+    }
+}
+
+/* Lee & Herrmann's (2b) with the numbers in its minimum rather than magnitudes, and without F_n >= 0: for a
+ * displacement to the left the spring is not limited, and where the contact pulls it drives the slip. */
+static void misprints_of_spring(void)
+{
+    const double k_s = 10.0, mu = 0.2;
+    for (int side = -1; side <= 1; side += 2)
+        for (int pulls = 0; pulls < 2; pulls++) {
+            const double F_n = pulls ? -2.0 : 2.0, ds = 0.3 * side, cap = mu * fmax(F_n, 0.0);
+            double spring = ds;
+            const double printed = -side * fmin(k_s * ds, mu * F_n),
+                         ours = dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k_s, 0.0, mu, 1.0, 0.0, F_n,
+                                              0.0, &spring);
+            CHECK_NEAR(ours, -side * cap, 1e-15);
+            if (side > 0) CU_ASSERT(pulls ? printed > 0.0 : printed == ours); /* along ds: propulsive */
+            if (side < 0) CHECK_NEAR(printed, k_s * ds, 1e-15); /* to the left too, without limit */
+        }
+}
+
 /* Two unequal disks that meet off centre, softly: momentum and angular momentum are kept, energy falls. */
 static void soft_pair(void)
 {
@@ -721,6 +767,9 @@ void suite_soft(void)
                                        {"sliding to rolling", slides_then_rolls},
                                        {"resistance to rolling", rolling_resistance},
                                        {"equations as printed", misprints},
+                                       {"(29), (32) as printed", misprints_of_slip},
+                                       {"(22) as printed", misprint_of_flight},
+                                       {"(2b) as printed", misprints_of_spring},
                                        {"a soft pair", soft_pair},
                                        {"bounces until the contact is soft", switches_to_soft},
                                        {"collisions in flight", collide_in_flight},

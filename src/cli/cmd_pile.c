@@ -2,14 +2,17 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "analytic/analytic.h"
+#include "angle/angle.h"
 #include "cli/cli.h"
-#include "dem/equilibrium.h"
+#include "core/clock.h"
+#include "sweeps/heap.h"
 
 typedef struct {
-    long base, load_steps;
-    double alpha_deg, outer_deg, inner_deg, x_1, gap;
+    long base, load_steps, seed, piles;
+    double alpha_deg, outer_deg, inner_deg, x_1, gap, disorder;
     double eps, k_x, well, mu, set_load;
     bool linear, set_again, summary, threshold;
     int branch;
@@ -32,6 +35,11 @@ static const rp_param schema[] = {
      "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)"},
     {"gap", "sigma", RP_REAL, offsetof(options, gap), "0", "[0, 0.73]",
      "between the disks of a row; those of the diagonals touch"},
+    {"disorder", "", RP_REAL, offsetof(options, disorder), "0", "[0, 0.1]",
+     "S: radii of the disks above the base (1 + S z)/2 on the same places, z normal, cut at +-3"},
+    {"seed", "", RP_INT, offsetof(options, seed), "1", "[0, 2147483647]", "of the z"},
+    {"piles", "", RP_INT, offsetof(options, piles), "1", "[1, 1000000]",
+     "with --disorder: mean over so many piles and its standard error"},
     {"eps", "", RP_REAL, offsetof(options, eps), "1e-4", "(0, 0.1]", "m g/(K_s sigma)"},
     {"linear", "", RP_BOOL, offsetof(options, linear), "false", "", "the limit eps -> 0"},
     {"k-x", "K_s", RP_REAL, offsetof(options, k_x), "auto", "(0, 1e9] | auto",
@@ -49,7 +57,7 @@ static const rp_param schema[] = {
     {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
-     "one row for the pile, not one a base disk"},
+     "one row for the pile, not one a base disk; with the processor time and peak memory of the program"},
     {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
      "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
     {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
@@ -60,7 +68,8 @@ static const cli_command command = {
     .name = "pile",
     .synopsis =
         "[--base K] [--alpha-deg A | --outer-deg A --inner-deg A --x1 X | --outline FILE | --disks FILE]\n"
-        "       [--eps E | --linear] [--k-x K | --well A [--mu MU]] [--branch primary|minimum] [-o DIR]",
+        "       [--eps E | --linear] [--k-x K | --well A [--mu MU]] [--branch primary|minimum]\n"
+        "       [--disorder S [--seed N] [--piles N]] [-o DIR]",
     .about =
         "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
         "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left; N is the normal force of "
@@ -74,50 +83,12 @@ static const cli_command command = {
     .options = schema,
 };
 
-/* A pile to solve, and what else is known of it. */
-typedef struct {
-    size_t n, k; /* disks; in the base */
-    dem_pile_disk *disks;
-    an_force *exact; /* [k] by diagonals alone; NULL for a list of disks */
-    double B;        /* sigma, base of the same outline and the same weight; NAN for a list of disks */
-} heap;
-
-static void heap_free(heap *h)
-{
-    free(h->disks);
-    free(h->exact);
-}
-
 static rp_status no_memory(void)
 {
     return rp_fail(RP_NO_MEMORY, "pile: out of memory");
 }
 
 /* ---- Outlines ---- */
-
-/* Rows of the lattice that stay below an outline over its base, from the centre of the first base disk to
- * that of the last: the rule of an_lattice_cut for any polygon. */
-static rp_status cut_profile(const an_profile *profile, long k, double theta, long up[])
-{
-    const double TIE = 1e-9, left = profile->v[0].x, width = profile->v[profile->n - 1].x - left;
-    const double unit = k > 1 ? width / (double)(k - 1) : width, height = unit / (2 * tan(theta));
-    for (long s = 0; s < k; s++)
-        for (up[s] = 1; s + up[s] < k; up[s]++) {
-            double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
-            rp_status status = an_profile_height(profile, x, &top);
-            if (status) return status;
-            if (!((double)up[s] * height <= top + TIE * unit)) break;
-        }
-    return RP_OK;
-}
-
-static double area(const an_profile *p)
-{
-    double sum = 0;
-    for (size_t i = 1; i < p->n; i++) sum += (p->v[i].x - p->v[i - 1].x) * (p->v[i].y + p->v[i - 1].y) / 2;
-    const double width = p->v[p->n - 1].x - p->v[0].x;
-    return sum / (width * width);
-}
 
 static rp_status read_outline(const char *path, an_point **v, size_t *n)
 {
@@ -137,59 +108,25 @@ static rp_status read_outline(const char *path, an_point **v, size_t *n)
     return status;
 }
 
-/* Disks of a stepped outline, and their exact forces. */
-static rp_status fill_outline(heap *h, const long up[], double theta)
+static rp_status make_outline(const options *o, sweep_heap *h)
 {
-    h->n = 0;
-    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
-    h->disks = malloc(h->n * sizeof *h->disks);
-    h->exact = malloc(h->k * sizeof *h->exact);
-    if (!h->disks || !h->exact) return no_memory();
-    size_t n = 0;
-    for (size_t s = 0; s < h->k; s++)
-        for (long j = 0; j < up[s]; j++)
-            h->disks[n++] = (dem_pile_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
-                                            0.5 + (double)j * cos(theta), 0.5, 1};
-    return an_lattice_counts((long)h->k, up, theta, h->exact);
-}
-
-static rp_status make_polygon(const an_point *v, size_t n, long k, double theta, long up[], heap *h)
-{
-    an_profile profile;
-    rp_status status = an_profile_set(&profile, v, n);
-    if (!status) status = cut_profile(&profile, k, theta, up);
-    if (!status) status = fill_outline(h, up, theta);
-    if (!status) h->B = sqrt((double)h->n * sin(2 * theta) / area(&profile));
-    return status;
-}
-
-static rp_status make_outline(const options *o, heap *h)
-{
-    const double theta = asin((1 + o->gap) / 2), deg = M_PI / 180;
-    long *up = malloc((size_t)o->base * sizeof *up);
-    if (!up) return no_memory();
-    h->k = (size_t)o->base;
+    const double deg = M_PI / 180;
     an_point tent[5], *v = NULL;
     size_t n = 0;
     rp_status status = RP_OK;
     if (*o->outline) {
         status = read_outline(o->outline, &v, &n);
-        if (!status) status = make_polygon(v, n, o->base, theta, up, h);
+        if (!status) status = sweep_heap_polygon(h, o->base, o->gap, v, n);
     } else if (o->outer_deg > 0) {
         status = an_tent(o->outer_deg * deg, o->inner_deg * deg, o->x_1, tent);
-        if (!status) status = make_polygon(tent, 5, o->base, theta, up, h);
-    } else {
-        const double alpha = o->alpha_deg > 0 ? o->alpha_deg * deg : M_PI / 2 - theta;
-        status = an_lattice_cut(o->base, theta, alpha, up);
-        if (!status) status = fill_outline(h, up, theta);
-        h->B = an_lattice_base((double)h->n, theta, alpha);
-    }
+        if (!status) status = sweep_heap_polygon(h, o->base, o->gap, tent, 5);
+    } else
+        status = sweep_heap_slope(h, o->base, o->gap, o->alpha_deg > 0 ? o->alpha_deg * deg : 0);
     free(v);
-    free(up);
     return status;
 }
 
-static rp_status read_disks(const char *path, heap *h)
+static rp_status read_disks(const char *path, sweep_heap *h)
 {
     static const char *const names[] = {"x", "y"};
     rp_table table;
@@ -214,24 +151,7 @@ static rp_status read_disks(const char *path, heap *h)
 
 /* ---- Output ---- */
 
-/* How far N and H are from what diagonals alone carry: of N relative, rms and largest; of H the ratio of the
- * largest. */
-static void compare(const heap *h, const double *N, const double *H, double error[3])
-{
-    double sum = 0, most = 0, H_most = 0, exact_most = 0;
-    for (size_t i = 0; i < h->k; i++) {
-        const double e = N[i] / h->exact[i].N - 1;
-        sum += e * e;
-        most = fmax(most, fabs(e));
-        H_most = fmax(H_most, fabs(H[i]));
-        exact_most = fmax(exact_most, fabs(h->exact[i].H));
-    }
-    error[0] = sqrt(sum / (double)h->k);
-    error[1] = most;
-    error[2] = H_most / exact_most;
-}
-
-static void write_header(FILE *out, const options *o, const heap *h, const dem_pile_result *r)
+static void write_header(FILE *out, const options *o, const sweep_heap *h, const dem_pile_result *r)
 {
     cli_table(out, schema, o);
     rp_table_note(out, "n_disks", "%zu", h->n);
@@ -246,7 +166,7 @@ static void write_header(FILE *out, const options *o, const heap *h, const dem_p
     rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
 }
 
-static void write_base(const heap *h, const size_t *disk, const double *N, const double *H, size_t k)
+static void write_base(const sweep_heap *h, const size_t *disk, const double *N, const double *H, size_t k)
 {
     static const char *const columns[][2] = {{"i", ""},    {"x", "sigma"},         {"N/mg", ""},
                                              {"H/mg", ""}, {"N_diagonals/mg", ""}, {"H_diagonals/mg", ""},
@@ -262,7 +182,8 @@ static void write_base(const heap *h, const size_t *disk, const double *N, const
     }
 }
 
-static void write_summary(const options *o, const heap *h, const dem_pile_result *r, const double error[3])
+static void write_summary(const options *o, const sweep_heap *h, const dem_pile_result *r,
+                          const sweep_heap_error *e)
 {
     static const char *const columns[][2] = {{"eps", ""},
                                              {"base", ""},
@@ -277,17 +198,19 @@ static void write_summary(const options *o, const heap *h, const dem_pile_result
                                              {"horizontal", ""},
                                              {"broken", ""},
                                              {"jumps", ""},
+                                             {"seconds", "s"},
+                                             {"memory", "MB"},
                                              {"status", ""}};
-    rp_table_columns(stdout, 14, columns);
-    rp_table_row_word(stdout, 13,
-                      (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, error[0], error[1],
-                                 error[2], (double)r->negative_modes, r->smallest_pivot, r->residual,
+    rp_table_columns(stdout, 16, columns);
+    rp_table_row_word(stdout, 15,
+                      (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, e->N_rms, e->N_max,
+                                 e->H_ratio, (double)r->negative_modes, r->smallest_pivot, r->residual,
                                  (double)r->contacts, (double)r->horizontal, (double)r->broken,
-                                 (double)r->jumps},
+                                 (double)r->jumps, rp_cpu_clock(), rp_peak_memory()},
                       dem_pile_fault_text(r->fault));
 }
 
-static rp_status write_contacts(const options *o, const heap *h, const dem_pile *pile,
+static rp_status write_contacts(const options *o, const sweep_heap *h, const dem_pile *pile,
                                 const dem_pile_result *r)
 {
     static const char *const columns[][2] = {
@@ -314,7 +237,8 @@ static rp_status write_contacts(const options *o, const heap *h, const dem_pile 
     return status;
 }
 
-static rp_status write_disks(const options *o, const heap *h, const dem_pile *pile, const dem_pile_result *r)
+static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pile *pile,
+                             const dem_pile_result *r)
 {
     static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
                                              {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
@@ -341,21 +265,25 @@ static rp_status write_disks(const options *o, const heap *h, const dem_pile *pi
 }
 
 /* The tables of a pile, and as much of them as is known when there is no equilibrium. */
-static rp_status write(const options *o, heap *h, const dem_pile *pile, const dem_pile_result *r)
+static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *pile, const dem_pile_result *r)
 {
     const size_t k = r->wells;
     size_t *disk = malloc((k + 1) * sizeof *disk);
-    double *N = malloc((2 * k + 1) * sizeof *N), *H = N ? N + k : NULL, error[3] = {NAN, NAN, NAN};
+    double *N = malloc((2 * k + 1) * sizeof *N), *H = N ? N + k : NULL;
+    sweep_heap_error e = {NAN, NAN, NAN, NAN};
     rp_status status = disk && N ? RP_OK : no_memory();
     if (!status) {
         dem_pile_base(pile, disk, N, H);
-        if (h->exact && !r->fault) compare(h, N, H, error);
+        if (h->exact && !r->fault) e = sweep_heap_compare(h, N, H);
+        double most = 0;
+        for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
         write_header(stdout, o, h, r);
-        rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", error[0],
-                      error[1]);
-        rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", error[2]);
+        rp_table_note(stdout, "sinks", "%.3g sigma at most", o->linear ? 0 : o->eps * most);
+        rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", e.N_rms,
+                      e.N_max);
+        rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", e.H_ratio);
         if (o->summary)
-            write_summary(o, h, r, error);
+            write_summary(o, h, r, &e);
         else if (!r->fault)
             write_base(h, disk, N, H, k);
     }
@@ -381,12 +309,16 @@ static rp_status check_usage(const options *o)
     if (o->threshold && (o->linear || o->branch || o->summary || *o->directory || *o->disks))
         return rp_fail(RP_USAGE,
                        "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
+    if (o->disorder > 0 && *o->disks)
+        return rp_fail(RP_USAGE, "--disks has radii of its own: no --disorder; see repose pile --help");
+    if (o->piles > 1 && (!(o->disorder > 0) || o->threshold || o->summary || *o->directory))
+        return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
     if (o->mu > 0 && !(o->well > 0))
         return rp_fail(RP_USAGE, "--mu goes with --well; see repose pile --help");
     return RP_OK;
 }
 
-static dem_pile_definition define(const options *o, const heap *h)
+static dem_pile_definition define(const options *o, const sweep_heap *h)
 {
     dem_pile_definition def = dem_pile_definition_default();
     def.n = h->n;
@@ -407,7 +339,7 @@ static dem_pile_definition define(const options *o, const heap *h)
 
 /* ---- Threshold of stability ---- */
 
-static rp_status is_stable(const options *o, const heap *h, double eps, bool *stable)
+static rp_status is_stable(const options *o, const sweep_heap *h, double eps, bool *stable)
 {
     dem_pile *pile = NULL;
     dem_pile_result result;
@@ -421,7 +353,7 @@ static rp_status is_stable(const options *o, const heap *h, double eps, bool *st
 }
 
 /* eps_c by halving an interval that is first widened until it holds the threshold. */
-static rp_status find_threshold(const options *o, const heap *h)
+static rp_status find_threshold(const options *o, const sweep_heap *h)
 {
     static const char *const columns[][2] = {
         {"base", ""}, {"n_disks", ""}, {"eps_c", ""}, {"eps_c*base^3", ""}};
@@ -442,21 +374,116 @@ static rp_status find_threshold(const options *o, const heap *h)
     return RP_OK;
 }
 
-static rp_status solve(const options *o, heap *h)
+/* One line on a terminal, drawn over and over, once it takes long. */
+static void draw(size_t n, const dem_pile_result *r, void *context)
+{
+    const double LONG = 1;
+    const double elapsed = rp_clock() - *(double *)context;
+    if (elapsed < LONG) return;
+    fprintf(stderr, "\r%zu disks: step %zu, %zu factorisations, residual %.2g m g  %.0f s   ", n, r->steps,
+            r->factored, r->residual, elapsed);
+    fflush(stderr);
+}
+
+static rp_status solve(const options *o, sweep_heap *h)
 {
     dem_pile *pile = NULL;
     dem_pile_result result;
-    const dem_pile_definition def = define(o, h);
+    double start = rp_clock();
+    dem_pile_definition def = define(o, h);
+    def.watch = isatty(STDERR_FILENO) ? draw : NULL;
+    def.context = &start;
     rp_status status = dem_pile_create(&def, &pile);
     if (status) return status;
     status = dem_pile_solve(pile, &result);
+    if (def.watch) fputs("\r\033[K", stderr);
     if (!status || status == RP_NO_RESULT) {
         char why[1024];
         snprintf(why, sizeof why, "%s", rp_message());
-        rp_status written = write(o, h, pile, &result);
+        rp_status written = write_tables(o, h, pile, &result);
         status = status ? rp_fail(status, "%s", why) : written;
     }
     dem_pile_free(pile);
+    return status;
+}
+
+/* ---- An ensemble of unequal disks ---- */
+
+/* N and H of pile number `run` at its base disks i, to N[i * piles + column], and the same of H. */
+static rp_status solve_one(const options *o, sweep_heap *h, unsigned long run, size_t column, double *N,
+                           double *H)
+{
+    dem_pile *pile = NULL;
+    dem_pile_result result;
+    double *base = malloc(2 * h->k * sizeof *base);
+    rp_status status = base ? sweep_heap_disorder(h, o->disorder, (unsigned long)o->seed, run) : no_memory();
+    const dem_pile_definition def = define(o, h);
+    if (!status) status = dem_pile_create(&def, &pile);
+    if (!status) status = dem_pile_solve(pile, &result);
+    if (!status) dem_pile_base(pile, NULL, base, base + h->k);
+    for (size_t i = 0; !status && i < h->k; i++) {
+        N[i * (size_t)o->piles + column] = base[i];
+        H[i * (size_t)o->piles + column] = base[h->k + i];
+    }
+    dem_pile_free(pile);
+    free(base);
+    return status;
+}
+
+static rp_status write_means(const options *o, const sweep_heap *h, size_t solved, const double *N,
+                             const double *H)
+{
+    static const char *const columns[][2] = {
+        {"i", ""},
+        {"x/B", ""},
+        {"N/mg", ""},
+        {"N_se/mg", ""},
+        {"H/mg", ""},
+        {"H_se/mg", ""},
+        {"N_diagonals/mg", ""},
+        {"H_diagonals/mg", ""},
+        {"N/(chi*g*B)", ""},
+        {"N_se/(chi*g*B)", ""},
+        {"H/(chi*g*B)", ""},
+        {"H_se/(chi*g*B)", ""},
+    };
+    const size_t piles = (size_t)o->piles;
+    cli_table(stdout, schema, o);
+    rp_table_note(stdout, "n_disks", "%zu", h->n);
+    rp_table_note(stdout, "B", "%.17g sigma", h->B);
+    rp_table_note(stdout, "solved", "%zu of %zu piles", solved, piles);
+    rp_table_columns(stdout, 12, columns);
+    rp_status status = RP_OK;
+    for (size_t i = 0; !status && i < h->k; i++) {
+        ang_stats n, f;
+        status = ang_mean(solved, N + i * piles, &n);
+        if (!status) status = ang_mean(solved, H + i * piles, &f);
+        const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->gap) / h->B;
+        if (!status)
+            rp_table_row(stdout, 12,
+                         (double[]){(double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N,
+                                    h->exact[i].H, n.mean / h->B, n.se / h->B, f.mean / h->B, f.se / h->B});
+    }
+    return status;
+}
+
+/* Means over the piles that have an equilibrium; the others are told on the way. */
+static rp_status solve_ensemble(const options *o, sweep_heap *h)
+{
+    const size_t room = h->k * (size_t)o->piles;
+    double *N = malloc(2 * room * sizeof *N);
+    size_t solved = 0;
+    rp_status status = N ? RP_OK : no_memory();
+    for (long run = 0; !status && run < o->piles; run++) {
+        status = solve_one(o, h, (unsigned long)run, solved, N, N + room);
+        if (!status) solved++;
+        if (status != RP_NO_RESULT) continue;
+        fprintf(stderr, "pile %ld: %s\n", run, rp_message());
+        status = RP_OK;
+    }
+    if (!status && !solved) status = rp_fail(RP_NO_RESULT, "none of %ld piles has an equilibrium", o->piles);
+    if (!status) status = write_means(o, h, solved, N, N + room);
+    free(N);
     return status;
 }
 
@@ -470,9 +497,14 @@ rp_status cmd_pile(int argc, char **argv)
     if (status || done) return status;
     status = check_usage(&o);
     if (status) return status;
-    heap h = {0};
+    sweep_heap h = {0};
     status = *o.disks ? read_disks(o.disks, &h) : make_outline(&o, &h);
-    if (!status) status = o.threshold ? find_threshold(&o, &h) : solve(&o, &h);
-    heap_free(&h);
+    if (!status && o.piles > 1)
+        status = solve_ensemble(&o, &h);
+    else if (!status) {
+        if (o.disorder > 0) status = sweep_heap_disorder(&h, o.disorder, (unsigned long)o.seed, 0);
+        if (!status) status = o.threshold ? find_threshold(&o, &h) : solve(&o, &h);
+    }
+    sweep_heap_free(&h);
     return status;
 }

@@ -7,31 +7,96 @@
 
 typedef struct {
     double outer_deg, inner_deg, x_1;
+    bool map;
     cli_positions where;
 } options;
 
 static const rp_param schema[] = {
-    {"outer-deg", "degrees", RP_REAL, offsetof(options, outer_deg), NULL, "(0, 60)",
+    {"outer-deg", "degrees", RP_REAL, offsetof(options, outer_deg), "auto", "(0, 60) | auto",
      "alpha_1, slope from the edge to X_1"},
-    {"inner-deg", "degrees", RP_REAL, offsetof(options, inner_deg), NULL, "(0, 60)",
+    {"inner-deg", "degrees", RP_REAL, offsetof(options, inner_deg), "auto", "(0, 60) | auto",
      "alpha_2, slope from X_1 to the middle"},
     {"x1", "B", RP_REAL, offsetof(options, x_1), NULL, "(0, 0.5)", "X_1, where the slope changes"},
+    {"map", "", RP_BOOL, offsetof(options, map), "false", "",
+     "instead: how deep the dip of N is, for all pairs of whole degrees"},
     CLI_POSITIONS(options, where),
     {0},
 };
 
 static const cli_command command = {
     .name = "tent",
-    .synopsis = "--outer-deg ANGLE --inner-deg ANGLE --x1 X [--points N | --at X,X,...]",
-    .about = "Forces of a symmetric pile with two slopes on its base, and its outline: the tents of\n"
-             "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the\n"
-             "normal force of the ground; H is the horizontal force of the pile on the ground, positive to\n"
-             "the right; both in chi g B, with chi the mass per length of a diagonal.",
+    .synopsis = "--x1 X (--outer-deg ANGLE --inner-deg ANGLE [--points N | --at X,X,...] | --map)",
+    .about =
+        "Forces of a symmetric pile with two slopes on its base, and its outline: the tents of\n"
+        "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the\n"
+        "normal force of the ground; H is the horizontal force of the pile on the ground, positive to\n"
+        "the right; both in chi g B, with chi the mass per length of a diagonal. The dip is the part of\n"
+        "the largest N by which N in the middle is below it.",
     .example = "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
     .options = schema,
 };
 
 static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}, {"y/B", ""}};
+
+typedef struct {
+    double x_most, most, middle; /* place of the largest N; it; N in the middle */
+} dip;
+
+static rp_status find_dip(const an_profile *tent, dip *d)
+{
+    an_force f;
+    rp_status status = an_profile_largest(tent, &d->x_most, &d->most);
+    if (!status) status = an_profile_force(tent, 0.5, &f);
+    if (!status) d->middle = f.N;
+    return status;
+}
+
+static rp_status write_map(const options *o)
+{
+    static const char *const names[][2] = {{"outer_deg", "degree"},    {"inner_deg", "degree"},
+                                           {"x_most/B", ""},           {"N_most/(chi*g*B)", ""},
+                                           {"N_middle/(chi*g*B)", ""}, {"dip", ""}};
+    rp_status status = RP_OK;
+    cli_table(stdout, schema, o);
+    rp_table_columns(stdout, 6, names);
+    for (int outer = 1; outer < 60 && !status; outer++)
+        for (int inner = 1; inner < 60 && !status; inner++) {
+            an_point v[5];
+            an_profile tent;
+            dip d;
+            status = an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x_1, v);
+            if (!status) status = an_profile_set(&tent, v, 5);
+            if (!status) status = find_dip(&tent, &d);
+            if (!status)
+                rp_table_row(stdout, 6,
+                             (double[]){outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most});
+        }
+    return status;
+}
+
+static rp_status write_places(const options *o, const an_profile *tent)
+{
+    double *x = NULL;
+    size_t n = 0;
+    dip d;
+    rp_status status = cli_positions_read(&o->where, &x, &n);
+    if (!status) status = find_dip(tent, &d);
+    if (!status) {
+        cli_table(stdout, schema, o);
+        rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
+                      d.most, d.x_most, d.middle);
+        rp_table_columns(stdout, 4, columns);
+    }
+    for (size_t i = 0; i < n && !status; i++) {
+        an_force f = {0};
+        double y = 0;
+        status = an_profile_force(tent, x[i], &f);
+        if (!status) status = an_profile_height(tent, x[i], &y);
+        rp_table_row(stdout, 4, (double[]){x[i], f.N, f.H, y});
+    }
+    free(x);
+    return status;
+}
 
 rp_status cmd_tent(int argc, char **argv)
 {
@@ -41,23 +106,12 @@ rp_status cmd_tent(int argc, char **argv)
     bool done;
     an_point v[5];
     an_profile tent;
-    double *x = NULL;
-    size_t n = 0;
     rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
     if (status || done) return status;
+    if ((o.outer_deg > 0) + (o.inner_deg > 0) != (o.map ? 0 : 2))
+        return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
+    if (o.map) return write_map(&o);
     status = an_tent(o.outer_deg * M_PI / 180, o.inner_deg * M_PI / 180, o.x_1, v);
     if (!status) status = an_profile_set(&tent, v, 5);
-    if (!status) status = cli_positions_read(&o.where, &x, &n);
-    if (status) return status;
-    cli_table(stdout, schema, &o);
-    rp_table_columns(stdout, 4, columns);
-    for (size_t i = 0; i < n && !status; i++) {
-        an_force f = {0};
-        double y = 0;
-        status = an_profile_force(&tent, x[i], &f);
-        if (!status) status = an_profile_height(&tent, x[i], &y);
-        rp_table_row(stdout, 4, (double[]){x[i], f.N, f.H, y});
-    }
-    free(x);
-    return status;
+    return status ? status : write_places(&o, &tent);
 }

@@ -4,6 +4,7 @@
 #include <gsl/gsl_version.h>
 #include <libconfig.h>
 #include <sqlite3.h>
+#include <suitesparse/cholmod.h>
 #include <xxhash.h>
 
 #ifndef RP_COMMIT
@@ -29,6 +30,6 @@ const char *rp_build_libraries(void)
 {
     return "GSL " GSL_VERSION ", libconfig " TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(
         LIBCONFIG_VER_MINOR) ", SQLite " SQLITE_VERSION
-                             ", xxHash " TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(
-                                 XXH_VERSION_RELEASE) ", Random123 philox4x32-10";
+                             ", CHOLMOD " TEXT(CHOLMOD_MAIN_VERSION) "." TEXT(CHOLMOD_SUB_VERSION) "." TEXT(CHOLMOD_SUBSUB_VERSION) ", xxHash " TEXT(
+                                 XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE) ", Random123 philox4x32-10";
 }

@@ -114,3 +114,114 @@ size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pai
         if (!(lean[2 * i] + lean[2 * i + 1] > 1e-9)) return i;
     return n;
 }
+
+/* ---- The pile of half the size ---- */
+
+/* Place on a lattice: number `along` of row `row`, in columns that lean to the right. */
+typedef struct {
+    long along, row;
+} lattice_place;
+
+typedef struct {
+    double right[2], up[2]; /* from a place to the next of its row, of its column */
+    long first[2], size[2]; /* of the grid around all places, with a margin: along, row */
+    lattice_place *places;
+    uint32_t *half; /* [size[0] size[1]] the disk there in the pile of half the size, counted from 1 */
+} lattice;
+
+/* Steps from a bond that leans to the right and one that leans to the left; false if there is none. */
+static bool lattice_steps(const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds, lattice *l)
+{
+    const double LEANS = 0.25; /* of a bond's length: less is level, or upright */
+    double left[2] = {0, 0};
+    for (size_t k = 0; k < n_bonds && !(l->up[0] > 0 && left[0] < 0); k++) {
+        const dem_pile_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
+        const double sign = q->y > p->y ? 1 : -1, dx = sign * (q->x - p->x), dy = sign * (q->y - p->y);
+        if (!(dy > LEANS * fabs(dx) && fabs(dx) > LEANS * dy)) continue;
+        double *side = dx > 0 ? l->up : left;
+        side[0] = dx;
+        side[1] = dy;
+    }
+    for (int c = 0; c < 2; c++) l->right[c] = l->up[c] - left[c];
+    return l->up[0] > 0 && left[0] < 0;
+}
+
+/* The disks' places, counted from a lowest one; false if one is off the lattice, or the grid mostly empty. */
+static bool lattice_places(size_t n, const dem_pile_disk *disks, lattice *l)
+{
+    const double OFF = 0.1; /* of a step */
+    const double det = l->right[0] * l->up[1] - l->right[1] * l->up[0];
+    const dem_pile_disk *origin = disks;
+    long last[2] = {0, 0};
+    for (size_t i = 0; i < n; i++)
+        if (disks[i].y < origin->y) origin = &disks[i];
+    for (size_t i = 0; i < n; i++) {
+        const double dx = disks[i].x - origin->x, dy = disks[i].y - origin->y;
+        const double at[2] = {(dx * l->up[1] - dy * l->up[0]) / det,
+                              (dy * l->right[0] - dx * l->right[1]) / det};
+        for (int c = 0; c < 2; c++) {
+            if (!(fabs(at[c] - rint(at[c])) < OFF)) return false;
+            const long whole = lrint(at[c]);
+            *(c ? &l->places[i].row : &l->places[i].along) = whole;
+            if (whole < l->first[c]) l->first[c] = whole;
+            if (whole > last[c]) last[c] = whole;
+        }
+    }
+    for (int c = 0; c < 2; c++) {
+        l->first[c]--;
+        l->size[c] = last[c] - l->first[c] + 2;
+    }
+    return (double)l->size[0] * (double)l->size[1] < 16 * (double)n + 64;
+}
+
+static uint32_t *half_at(const lattice *l, long along, long row)
+{
+    return &l->half[(along - l->first[0]) + l->size[0] * (row - l->first[1])];
+}
+
+static size_t take_half(size_t n, const dem_pile_disk *disks, const lattice *l, dem_pile_disk *half)
+{
+    size_t n_half = 0;
+    for (size_t i = 0; i < n; i++) {
+        const lattice_place at = l->places[i];
+        if (at.along % 2 || at.row % 2) continue;
+        half[n_half] = disks[i];
+        half[n_half].x = disks[i].x / 2;
+        half[n_half].y = disks[i].r + (disks[i].y - disks[i].r) / 2;
+        *half_at(l, at.along, at.row) = (uint32_t)++n_half;
+    }
+    return n_half;
+}
+
+static void find_parents(size_t n, const lattice *l, dem_pair *parents)
+{
+    for (size_t i = 0; i < n; i++) {
+        const lattice_place at = l->places[i];
+        const long x = at.along % 2 != 0, y = at.row % 2 == 0 ? 0 : x ? -1 : 1;
+        parents[i].a = *half_at(l, at.along - x, at.row - y) - 1; /* 0, none, becomes the largest number */
+        parents[i].b = *half_at(l, at.along + x, at.row + y) - 1;
+    }
+}
+
+rp_status dem_bonds_halve(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
+                          dem_pile_disk **half, size_t *n_half, dem_pair *parents)
+{
+    lattice l = {0};
+    *n_half = 0;
+    *half = NULL;
+    if (!lattice_steps(disks, bonds, n_bonds, &l)) return RP_OK;
+    l.places = malloc(n * sizeof *l.places);
+    bool good = l.places != NULL;
+    if (good && lattice_places(n, disks, &l)) {
+        l.half = calloc((size_t)(l.size[0] * l.size[1]), sizeof *l.half);
+        *half = malloc(n * sizeof **half);
+        good = l.half && *half;
+        if (good) {
+            *n_half = take_half(n, disks, &l, *half);
+            find_parents(n, &l, parents);
+        }
+    }
+    free(l.places);
+    free(l.half);
+    return good ? RP_OK : rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+}

@@ -15,4 +15,11 @@ rp_status dem_bonds_find(size_t n, const dem_pile_disk *disks, double reach, dem
 size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
                              double reach, double *lean);
 
+/* The pile of half the size that has the same shape: of a pile on a triangular lattice, every second disk of
+ * every second row, in a new array of *n_half. parents[i] are the two of them between which disk i lies, both
+ * the same if it is one of them; n_half and above where one is missing. n_half = 0: the disks are on no such
+ * lattice. Errors: RP_NO_MEMORY. */
+rp_status dem_bonds_halve(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
+                          dem_pile_disk **half, size_t *n_half, dem_pair *parents);
+
 #endif

@@ -21,7 +21,7 @@ enum { DEM_NONE, DEM_SPRING, DEM_SLIP_ROLL };
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
-enum { DEM_VERLET, DEM_GEAR5 }; /* time integration */
+enum { DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT }; /* time integration */
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 enum { DEM_SPHERE, DEM_DISK };
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
@@ -84,6 +84,18 @@ typedef struct {
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
 } dem_hard;
 
+/* How the implicit integrator solves a step for the ways of the grains: by Newton's method with a sparse
+ * factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own Newton
+ * step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more than
+ * `tolerance` of its radius. */
+enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR };
+typedef struct {
+    int solver;
+    double relaxation; /* (0, 2); of DEM_SOLVER_SOR */
+    double tolerance;  /* [1e-15, 1e-3] */
+    long max_iterations;
+} dem_implicit_solver;
+
 typedef struct {
     double gravity[2];
     double dt;
@@ -93,8 +105,10 @@ typedef struct {
     bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     int shape;     /* gives the moments of inertia */
     dem_material material;
-    dem_ground ground;    /* not with the tangential law DEM_SPRING */
-    dem_hard hard;        /* needs DEM_VERLET and no tension */
+    dem_ground ground;            /* not with the tangential law DEM_SPRING */
+    dem_hard hard;                /* needs DEM_VERLET and no tension */
+    dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines as walls, that do not turn; no rotation;
+                                     not the tangential law DEM_SPRING */
     double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
@@ -122,7 +136,8 @@ typedef struct dem_sim dem_sim;
     X(DEM_FAULT_LEAKED, "leaked")                                                                            \
     X(DEM_FAULT_NON_FINITE, "non_finite")                                                                    \
     X(DEM_FAULT_OVERLAP, "overlap")                                                                          \
-    X(DEM_FAULT_TOO_FAST, "too_fast")
+    X(DEM_FAULT_TOO_FAST, "too_fast")                                                                        \
+    X(DEM_FAULT_NOT_SOLVED, "not_solved")
 typedef enum {
 #define X(name, text) name,
     DEM_FAULT_LIST(X)
@@ -130,13 +145,16 @@ typedef enum {
 } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
-/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): a packing's
- * limit with a margin. omega^2 = k_eff/m_eff of the stiffest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz
- * at the overlap that an impact from the start's height and speed makes. A single pair becomes unstable at
- * about twice that. Where grains rotate, a tangential force has 1/(1 + m r^2/I) of the mass to move. With
- * Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a column of the
- * start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact that sets it.
- * INFINITY without contacts to come. dem_create also looks at overlaps of the start. */
+/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of where a
+ * packing's fastest mode becomes unstable. omega^2 = k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n
+ * sqrt(overlap) for Hertz at the overlap that an impact from the start's height and speed makes, and the
+ * largest of k_eff + k_s/3 (or the other way round), 3/4 (k_eff + k_s) and, where grains rotate,
+ * (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger than others, but not heavier, has more
+ * neighbours than six, and omega^2 and gamma grow with them. A single pair becomes unstable at about twice
+ * the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a
+ * column of the start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact
+ * that sets it. INFINITY without contacts to come, and for the implicit integrator. dem_create also looks at overlaps of the start, with Gear for
+ * 0.85/hypot(18.4 gamma, 3 omega). Measured in validation/stability.c. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -155,9 +173,10 @@ void dem_free(dem_sim *sim);
  * changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
-/* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind),
- * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains). After an error the simulation can only be
- * read and freed. */
+/* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind; of
+ * the implicit integrator too a step that is not solved, or in which a grain moves by more than skin/2),
+ * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains or the implicit integrator). After an error
+ * the simulation can only be read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
@@ -194,6 +213,7 @@ typedef struct {
     size_t pairs, contacts, wall_slots; /* now */
     long rebuilds, collisions;          /* since the start; hard ones */
     double grain_steps;                 /* sum over steps of the grains present */
+    double iterations;                  /* of the implicit integrator: factorisations, or sweeps */
 } dem_counts;
 void dem_count_work(const dem_sim *sim, dem_counts *counts);
 

@@ -24,30 +24,34 @@ static const double SPREAD = 0.5;         /* sigma: neighbours moved that far ap
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
 static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
+static const double LONGER = 8;         /* the next trial of a step that was too short */
 static const double APART = 3;          /* residual over that of the load step's start: going astray */
-static const double UPDATE_MAX = 0.03;  /* of the disks: contacts that may change without factorising anew */
+static const double UPDATE_MAX = 8;     /* of sqrt(n): contacts that may change without factorising anew */
 static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
 static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
 static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
-static const double SOFTEN_MIN = 1e-3;  /* least softening of a singular or negative stiffness */
+static const double SOFTEN_MIN = 1e-6;  /* least softening of a singular or negative stiffness */
 static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
 /* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
  * downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
-    STEPS_LINEAR = 100,
+    STEPS_LINEAR = 1000,
     STEPS_FOLLOW = 15,
     TRIALS = 40,
     STEPS_DESCEND = 2000,
     WELL_ROUNDS = 100,
     SMALLEST_STEP = 10,
     KICKS = 20,
+    HALVED = 1000, /* disks: more, and a smaller pile is solved first */
     INVERSE_STEPS = 30
 };
 
 typedef struct {
     double d[2], length, rest;
-    bool horizontal, active; /* active: in the factorised stiffness */
+    double hard;     /* stiffness in the factorised matrix, but for the turning term */
+    bool horizontal, /* within 15 degrees */
+        expected;    /* to carry a force, before any is known */
 } bond;
 
 typedef struct {
@@ -182,7 +186,7 @@ static rp_status find_network(dem_pile *pile)
                        "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it",
                        hanging + 1, pile->disks[hanging].x, pile->disks[hanging].y);
     pile->bonds = calloc(pile->n_bonds + 1, sizeof *pile->bonds);
-    pile->n_changes = (size_t)(UPDATE_MAX * (double)pile->n) + 1;
+    pile->n_changes = (size_t)(UPDATE_MAX * sqrt((double)pile->n));
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
     pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
     if (!pile->bonds || !pile->changed || !pile->direction)
@@ -288,7 +292,7 @@ static double gradient(dem_pile *pile, const double *w, double *g)
     return worst;
 }
 
-/* Stiffness at w; at the very start no contact carries anything yet, and all but the horizontal ones count,
+/* Stiffness at w; at the very start no contact carries anything yet, and those count that are expected to,
  * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
  * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
  * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
@@ -299,18 +303,17 @@ static void assemble(dem_pile *pile, bool start, double soften, double shift)
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r, f = bond_push(pile, k, w, n, &r);
         bond *b = &pile->bonds[k];
-        b->active = f > 0 || (start && !b->horizontal);
-        const double hard = b->active ? 1 : soften;
-        if (!(hard > 0)) continue;
+        b->hard = f > 0 || (start && b->expected) ? 1 : soften;
+        if (!(b->hard > 0)) continue;
         const double turn = (1 - soften) * pile->eps * fmax(f, 0) / r;
-        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], hard * n[0] * n[0] - turn * n[1] * n[1],
-                               n[0] * n[1] * (hard + turn), hard * n[1] * n[1] - turn * n[0] * n[0]);
+        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], b->hard * n[0] * n[0] - turn * n[1] * n[1],
+                               n[0] * n[1] * (b->hard + turn), b->hard * n[1] * n[1] - turn * n[0] * n[0]);
     }
     for (size_t i = 0; i < pile->n; i++)
-        if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 1);
+        if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 0, 1);
     for (size_t i = 0; i < pile->n_wells; i++) {
         const well *h = &pile->wells[i];
-        dem_stiffness_add_site(pile->matrix, h->disk, h->k,
+        dem_stiffness_add_site(pile->matrix, h->disk, h->k, 0,
                                ground_push(pile, h->disk, w) > 0 ? 0
                                : start                           ? 1
                                                                  : soften);
@@ -321,7 +324,7 @@ static bool same_contacts(const dem_pile *pile)
 {
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r;
-        if ((bond_push(pile, k, pile->w, n, &r) > 0) != pile->bonds[k].active) return false;
+        if (pile->bonds[k].hard != (bond_push(pile, k, pile->w, n, &r) > 0)) return false;
     }
     return true;
 }
@@ -351,30 +354,42 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive)
     return RP_OK;
 }
 
+/* Stiffness of a bond that pushes, or not, once it is brought to that. One that opens keeps SOFTEN_MIN of it
+ * until the contacts have settled, lest disks come free that are about to meet others. */
+static double next_stiffness(const bond *b, bool pushes, bool settled)
+{
+    return pushes ? 1 : b->hard == 1 ? SOFTEN_MIN : settled ? 0 : b->hard;
+}
+
 /* Bring the factorised stiffness of the linearised problem to the contacts at w by the few bonds that
  * changed. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
 static bool update(dem_pile *pile, rp_status *status)
 {
     if (!pile->factored || pile->eps > 0 || pile->soften > 0) return false;
+    bool settled = true;
+    for (size_t k = 0; k < pile->n_bonds && settled; k++) {
+        double n[2], r;
+        settled = (bond_push(pile, k, pile->w, n, &r) > 0) == (pile->bonds[k].hard == 1);
+    }
     size_t all = 0;
     for (int add = 1; add >= 0; add--) { /* first the new ones, so that it does not get singular on the way */
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
-            double direction[2], r;
-            const bool now = bond_push(pile, k, pile->w, direction, &r) > 0;
-            if (now == pile->bonds[k].active || now != add) continue;
+            bond *b = &pile->bonds[k];
+            double along[2], r;
+            const double next = next_stiffness(b, bond_push(pile, k, pile->w, along, &r) > 0, settled);
+            if (add ? !(next > b->hard) : !(next < b->hard)) continue;
             if (n == pile->n_changes) return false;
+            const double part = sqrt(fabs(next - b->hard));
             pile->changed[n] = pile->pairs[k];
-            memcpy(pile->direction[n++], direction, sizeof direction);
+            pile->direction[n][0] = part * along[0];
+            pile->direction[n++][1] = part * along[1];
+            b->hard = next;
         }
         all += n;
         *status = dem_stiffness_update(pile->matrix, add, n, pile->changed,
                                        (const double(*)[2])pile->direction, &pile->pivots);
         if (*status || pile->pivots.negative || !(pile->pivots.smallest > SINGULAR)) return false;
-    }
-    for (size_t k = 0; k < pile->n_bonds; k++) {
-        double direction[2], r;
-        pile->bonds[k].active = bond_push(pile, k, pile->w, direction, &r) > 0;
     }
     return all > 0; /* else it was something else that changed */
 }
@@ -419,8 +434,9 @@ static double slope_along(const dem_pile *pile)
 }
 
 /* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
- * the way, to where the slope has fallen below half. Where the energy curves downwards the slope is positive
- * at first; its sign does not matter. Returns the residual there. */
+ * the way, to where the slope has fallen below half. Where the stiffness was softened p is short: it is
+ * lengthened until the slope has fallen. Where the energy curves downwards the slope is positive at first;
+ * its sign does not matter. Returns the residual there. */
 static double advance(dem_pile *pile, bool whole)
 {
     const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
@@ -432,7 +448,8 @@ static double advance(dem_pile *pile, bool whole)
         for (size_t c = 0; c < 2 * pile->n; c++) pile->trial[c] = pile->w[c] + t * pile->p[c];
         residual = gradient(pile, pile->trial, pile->g);
         const double s = slope_along(pile) / slope;
-        if (whole || !(s < -CURVED || (s > CURVED && above < INFINITY))) break;
+        const bool bracketed = isfinite(above), lengthen = pile->soften > 0 && LONGER * t * reach < STEP_MAX;
+        if (whole || !(s < -CURVED || (s > CURVED && (bracketed || lengthen)))) break;
         if (s < 0) {
             above = t;
             s_above = s;
@@ -441,7 +458,7 @@ static double advance(dem_pile *pile, bool whole)
             s_below = s;
         }
         const double part = s_below / (s_below - s_above);
-        t = below + (above - below) * fmin(fmax(part, 0.1), 0.9);
+        t = isfinite(above) ? below + (above - below) * fmin(fmax(part, 0.1), 0.9) : LONGER * t;
     }
     pile->moved += t * stretch;
     double *reached = pile->trial;
@@ -467,6 +484,7 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
         r->fault = hopeless(pile, mode, step, first);
         if (r->fault) return RP_NO_RESULT;
+        if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
         rp_status status = RP_OK;
         if (!serves && !update(pile, &status) && !status) status = factorise(pile, start, mode != FOLLOW);
@@ -570,8 +588,59 @@ static rp_status raise_eps(dem_pile *pile, double to)
     return RP_OK;
 }
 
-/* The state at `eps`, its wells at their x_0 with the half-width a. */
-static rp_status find_state(dem_pile *pile, double eps, double a)
+static rp_status solve_linear(dem_pile *pile, double a);
+
+/* The pile of half the size, made and solved; NULL where there is none or it has no solution. */
+static rp_status solve_half(const dem_pile *pile, double a, dem_pair *parents, dem_pile **solved)
+{
+    dem_pile_definition def = pile->def;
+    dem_pile_disk *disks = NULL;
+    dem_pile *half = NULL;
+    rp_status status =
+        dem_bonds_halve(pile->n, pile->disks, pile->pairs, pile->n_bonds, &disks, &def.n, parents);
+    def.disks = disks;
+    def.k_x *= 2; /* half the force, a quarter of the displacement */
+    if (!status && def.n > 0) status = dem_pile_create(&def, &half);
+    if (half) status = solve_linear(half, a / 4);
+    free(disks);
+    if (status) {
+        dem_pile_free(half);
+        half = NULL;
+    }
+    *solved = half;
+    return status == RP_NO_MEMORY ? status : RP_OK;
+}
+
+/* Which contacts are expected to carry a force: all but the horizontal ones, or if all neighbours touch those
+ * that do, at the same place, in the linearised pile of half the size and the same shape. Only the way to the
+ * solution depends on it. */
+static rp_status expect_contacts(dem_pile *pile, double a)
+{
+    bool touching = pile->n >= HALVED;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        pile->bonds[k].expected = !pile->bonds[k].horizontal;
+        touching &= !(fabs(pile->bonds[k].rest) > 0);
+    }
+    if (!touching) return RP_OK;
+    dem_pile *half = NULL;
+    dem_pair *parents = malloc(pile->n * sizeof *parents);
+    if (!parents) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    rp_status status = solve_half(pile, a, parents, &half);
+    for (size_t i = 0; half && i < 2 * pile->n; i++) {
+        const size_t p = parents[i / 2].a, q = parents[i / 2].b;
+        pile->w[i] = p < half->n && q < half->n ? half->w[2 * p + i % 2] + half->w[2 * q + i % 2] : NAN;
+    }
+    for (size_t k = 0; half && k < pile->n_bonds; k++) {
+        double n[2], r, f = bond_push(pile, k, pile->w, n, &r);
+        if (!isnan(f)) pile->bonds[k].expected = f > 0;
+    }
+    dem_pile_free(half);
+    free(parents);
+    return status;
+}
+
+/* The linearised state, its wells at their x_0 with the half-width a. */
+static rp_status solve_linear(dem_pile *pile, double a)
 {
     const dem_pile_definition *def = &pile->def;
     const double even = def->mu / a * (double)pile->n / (double)pile->n_wells; /* until N is known */
@@ -579,12 +648,19 @@ static rp_status find_state(dem_pile *pile, double eps, double a)
         pile->wells[i].broken = pile->wells[i].lost = false;
         pile->wells[i].k = def->well == DEM_WELL_SPRING ? def->k_x : even;
     }
-    memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
     pile->factored = false;
     pile->soften = pile->eps = 0;
     pile->a = a;
     pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
-    rp_status status = converge(pile, true, LINEAR);
+    rp_status status = expect_contacts(pile, a);
+    memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
+    return status ? status : converge(pile, true, LINEAR);
+}
+
+/* The state at `eps`. */
+static rp_status find_state(dem_pile *pile, double eps, double a)
+{
+    rp_status status = solve_linear(pile, a);
     if (status || eps > 0) return status ? status : raise_eps(pile, eps);
     status = settle(pile, LINEAR);
     pile->result.load = !status;

@@ -33,6 +33,7 @@ enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
  * that. */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
+struct dem_pile_result;
 typedef struct {
     size_t n;
     const dem_pile_disk *disks; /* borrowed until dem_pile_create returns */
@@ -44,6 +45,9 @@ typedef struct {
     double set_load; /* x_0 is the disk's place under this part of the load; 0: its place at the start */
     int branch;
     long load_steps; /* in which the load is raised; halved where a step fails */
+    /* Called before each step with what is known then, also of smaller piles that are solved on the way. */
+    void (*watch)(size_t n, const struct dem_pile_result *so_far, void *context);
+    void *context;
 } dem_pile_definition;
 
 /* eps = 1e-4, spring wells of k_x = 1 set at the start, primary branch in one step; no disks. (mu = 1,
@@ -65,7 +69,7 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
 
 /* What is known of a pile, solved or not. Horizontal contacts are those between disks less than 15 degrees
  * from level at the start. */
-typedef struct {
+typedef struct dem_pile_result {
     dem_pile_fault fault;
     double load;            /* part of eps, and so of the weight, up to which it was followed */
     size_t jumps;           /* times that the primary branch ended before */

@@ -104,6 +104,7 @@ void dem_integrate_correct(dem_sim *sim)
 void dem_integrate_start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
+    if (sim->implicit) return;
     for (size_t i = from; i < sim->n; i++)
         if (sim->gear)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
@@ -118,6 +119,7 @@ void dem_integrate_start(dem_sim *sim, size_t from)
 void dem_integrate_gravity(dem_sim *sim, dem_vec change)
 {
     const double dt = sim->def.dt;
+    if (sim->implicit) return;
     for (size_t i = 0; i < sim->n; i++)
         if (sim->gear)
             sim->gear[i].q[0] += 0.5 * dt * dt * change;

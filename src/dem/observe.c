@@ -20,7 +20,7 @@ static dem_vec acceleration(const dem_sim *sim, size_t i)
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
-    if (sim->gear || is_fixed(sim, i)) return sim->grain[i].v;
+    if (sim->gear || sim->implicit || is_fixed(sim, i)) return sim->grain[i].v;
     return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
 }
 
@@ -288,5 +288,5 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi)
 void dem_count_work(const dem_sim *sim, dem_counts *counts)
 {
     *counts = (dem_counts){sim->n_pairs,  sim->n_touching, sim->n_wall_slots,
-                           sim->rebuilds, sim->collisions, sim->grain_steps};
+                           sim->rebuilds, sim->collisions, sim->grain_steps, sim->iterations};
 }

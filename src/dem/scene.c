@@ -48,8 +48,8 @@ static const rp_param top_schema[] = {
      "gives mass (from the density) and moment of inertia"},
     {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
      "of the grains (disk: g/cm^2)"},
-    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet | gear5",
-     "velocity Verlet, or Gear's predictor-corrector of fifth order"},
+    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet | gear5 | implicit",
+     "velocity Verlet, Gear's predictor-corrector of fifth order, or energy-conserving at any dt"},
     {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
     {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
     {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
@@ -118,6 +118,16 @@ static const rp_param hard_schema[] = {
     {"mu", "", RP_REAL, AT(dem_hard, mu), "0.0", "[0, inf) | infinite", "their coefficient of friction"},
     {0}};
 
+static const rp_param implicit_schema[] = {
+    {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", "direct | sor",
+     "how a step is solved: Newton's method by sparse factorisation, or sweeps grain by grain"},
+    {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
+    {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
+     "largest step that a grain's own equation still asks for, over its radius"},
+    {"max_iterations", "", RP_INT, AT(dem_implicit_solver, max_iterations), "1000", "[1, 1000000]",
+     "factorisations or sweeps, after which a step counts as not solved"},
+    {0}};
+
 static const rp_param wall_schema[] = {
     {"k_n", "dyn/cm^1.5", RP_REAL, AT(wall_values, material.k_n), "auto", "[0, inf) | auto",
      "auto: twice the grains'"},
@@ -174,6 +184,7 @@ const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
                                              {"walls", wall_schema},
                                              {"ground", ground_schema},
                                              {"hard", hard_schema},
+                                             {"implicit", implicit_schema},
                                              {"particles", particle_schema},
                                              {"fill", fill_schema},
                                              {NULL, NULL}};
@@ -295,6 +306,16 @@ static rp_status read_hard(const config_setting_t *root, dem_definition *def)
     rp_params_defaults(hard_schema, &def->hard);
     def->hard.on = group != NULL;
     return group ? rp_config_group(group, hard_schema, &def->hard, NULL) : RP_OK;
+}
+
+static rp_status read_implicit(const config_setting_t *root, dem_definition *def)
+{
+    const config_setting_t *group = config_setting_get_member(root, "implicit");
+    if (!group) return RP_OK;
+    if (def->integrator != DEM_IMPLICIT)
+        return rp_config_fail(group, "implicit: needs integrator = \"implicit\"");
+    rp_params_defaults(implicit_schema, &def->implicit);
+    return rp_config_group(group, implicit_schema, &def->implicit, NULL);
 }
 
 static rp_status read_particles(const config_setting_t *list, const scene_values *top, dem_scene *scene)
@@ -438,8 +459,8 @@ static rp_status change(config_t *config, const char *text)
 
 static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
 {
-    static const char *const others[] = {"gravity",   "normal", "tangential", "rolling", "walls",
-                                         "particles", "fill",   "ground",     "hard",    NULL};
+    static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
+                                         "fill",    "ground", "hard",       "implicit", NULL};
     rp_status status = rp_config_read(path, config);
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
@@ -468,6 +489,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     if (!status) status = read_walls(root, def);
     if (!status) status = read_ground(root, def);
     if (!status) status = read_hard(root, def);
+    if (!status) status = read_implicit(root, def);
     if (!status) status = read_grains(path, root, &top, scene);
     return status;
 }
@@ -588,6 +610,7 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     const ground_values ground = {def->ground.wall, def->ground};
     if (def->ground.wall) write_group(out, "ground", ground_schema, &ground);
     if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
+    if (def->integrator == DEM_IMPLICIT) write_group(out, "implicit", implicit_schema, &def->implicit);
     if (scene->has_fill)
         write_group(out, "fill", fill_schema, &scene->fill);
     else

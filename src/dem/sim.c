@@ -24,6 +24,7 @@ dem_definition dem_definition_default(void)
                      .mu = 0.2,
                      .k_roll = 1e4,
                      .gamma_roll = 5.0},
+        .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
@@ -70,60 +71,90 @@ static double impact_overlap(const dem_definition *def, const dem_material *c, d
                                     : v * sqrt(m_eff / c->k_n);
 }
 
-/* Largest time step of a contact of mass m_eff at this overlap. In a packing the stiffness and damping of a
- * grain's contacts add up to some three times a pair's, and Verlet with velocities of the half step needs
- * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.85 are allowed: without damping about 1/omega.
- * The shear force moves masses and spins, 1 + m r^2/I times as easily as masses alone; rolling resistance
- * turns the same spins, at R_eff <= r. */
-static double contact_step_limit(const dem_definition *def, const dem_material *c, double m_eff,
-                                 double overlap)
+/* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
+ * what a pair's are. Of normal forces alone a triangular packing's modes have 3 k_n/m_eff at most; with shear
+ * springs 3 k_n + k_s, or the other way round, at the edges of its cell of wave numbers, and
+ * 9/4 (k_n + k_s) in the corners. Where grains rotate, J = m r^2/I, they do so the fastest when all turn
+ * alike, 6 J k_s; rolling resistance then rests, but 3 J k_roll at R_eff <= r/2 bound what it adds. */
+static double packing_sum(double normal, double shear, double roll, double turns)
 {
-    double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
-    double k_tangential = 0.0, gamma_tangential = 0.0;
-    if (def->tangential != DEM_NONE) {
-        const bool spring = def->tangential == DEM_SPRING;
-        const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
-        const double rolls = c->mu_roll > 0.0 ? turns : 0.0;
-        k_tangential = (spring ? (1.0 + turns) * c->k_s : 0.0) + rolls * c->k_roll;
-        gamma_tangential = (1.0 + turns) * c->gamma_s + rolls * c->gamma_roll;
-    }
-    double k = fmax(k_normal, k_tangential), gamma = fmax(c->gamma_n, gamma_tangential);
-    double rate = 3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * k / m_eff);
+    const double edge = fmax(normal, shear) + fmin(normal, shear) / 3.0, corner = 0.75 * (normal + shear);
+    return fmax(fmax(edge, corner), turns * (2.0 * shear + roll));
+}
+
+/* Of two grains, or of a grain and what does not move. */
+typedef struct {
+    double m_eff, crowd;
+} meeting;
+
+/* Neighbours that a grain has room for, over six: a large one among small ones has more. */
+static double crowd_of(double r, double r_min)
+{
+    return fmax(1.0, M_PI / 6.0 / asin(r_min / (r + r_min)));
+}
+
+/* Each of the two takes part in as many contacts as it has room for; m_b may be INFINITY. */
+static meeting meet(double m_a, double crowd_a, double m_b, double crowd_b)
+{
+    const double inverse = 1.0 / m_a + 1.0 / m_b;
+    return (meeting){1.0 / inverse, (crowd_a / m_a + crowd_b / m_b) / inverse};
+}
+
+static void contact_rates(const dem_definition *def, const dem_material *c, meeting of, double overlap,
+                          double *gamma, double *omega_squared)
+{
+    const double k_n = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
+    const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
+    const bool shear = def->tangential != DEM_NONE, spring = def->tangential == DEM_SPRING,
+               rolls = shear && c->mu_roll > 0.0;
+    *gamma = of.crowd * packing_sum(c->gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
+    *omega_squared =
+        of.crowd / of.m_eff * packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns);
+}
+
+/* Largest time step of a contact at this overlap. Verlet with velocities of the half step needs
+ * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.85 are allowed: without damping about 1/omega. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap)
+{
+    double gamma, square;
+    contact_rates(def, c, of, overlap, &gamma, &square);
+    double rate = 3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * square);
     return rate > 0.0 ? 0.85 * 4.0 / rate : INFINITY;
 }
 
-/* The same for the Gear scheme, for a contact at rest under this overlap. Where damping rules, a scheme of
- * one force evaluation a step is as stable as its predictor, gamma dt < 90/551 (Adams-Bashforth), with the
- * damping of three contacts on a grain. Without damping a mode loses energy below omega dt = 0.33 and gains
- * above it, 0.5 % a period at 0.5, which any damping outweighs. Measured in boxes of 110 to 440 grains with
- * k_n of 1e5 to 1e7, gamma_n of 50 to 1000, also linear: between 1.0 and 1.2 times this limit they begin to
- * rattle for ever. */
-static double gear_step_limit(const dem_definition *def, const dem_material *c, double m_eff, double overlap)
+/* The same for the Gear scheme. Where damping rules, a scheme of one force evaluation a step is as stable as
+ * its predictor, gamma dt < 90/551 (Adams-Bashforth), with the damping of three contacts on a grain. Without
+ * damping a mode loses energy below omega dt = 0.33 and gains above it, 0.5 % a period at 0.5, which damping
+ * outweighs. A packing's modes are free of growth below 1/hypot(18.4 gamma, 3 omega) or a little less. */
+static double gear_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap,
+                              double springs)
 {
-    double k_normal = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
-    double k = fmax(k_normal, def->tangential == DEM_SPRING ? c->k_s : 0.0);
-    double gamma = fmax(c->gamma_n, def->tangential != DEM_NONE ? c->gamma_s : 0.0);
-    double rate = hypot(3.0 * gamma * 551.0 / 90.0, 2.0 * sqrt(k / m_eff));
+    double gamma, square;
+    contact_rates(def, c, of, overlap, &gamma, &square);
+    double rate = hypot(3.0 * gamma * 551.0 / 90.0, springs * sqrt(square));
     return rate > 0.0 ? 1.0 / rate : INFINITY;
 }
 
-static double overlap_step_limit(const dem_definition *def, const dem_material *c, double m_eff,
-                                 double overlap)
+static double overlap_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap)
 {
-    double limit = contact_step_limit(def, c, m_eff, overlap);
-    return def->integrator == DEM_GEAR5 ? fmin(limit, gear_step_limit(def, c, m_eff, overlap)) : limit;
+    if (def->integrator == DEM_IMPLICIT) return INFINITY;
+    double limit = contact_step_limit(def, c, of, overlap);
+    return def->integrator == DEM_GEAR5 ? fmin(limit, 0.85 * gear_step_limit(def, c, of, overlap, 3.0))
+                                        : limit;
 }
 
 /* Largest time step for impacts at speed v, and with the Gear scheme for what rests under a column as high as
- * v is fallen from, of grains of radius r. */
-static double speed_step_limit(const dem_definition *def, const dem_material *c, double m_eff, double r,
+ * v is fallen from, of grains of radius r. Two of the lightest grains bear less than a column: in boxes of
+ * 110 to 440 grains with k_n of 1e5 to 1e7, gamma_n of 50 to 1000, also linear, they begin to rattle for ever
+ * between 1.0 and 1.2 times this limit. */
+static double speed_step_limit(const dem_definition *def, const dem_material *c, meeting of, double r,
                                double v)
 {
-    double limit = contact_step_limit(def, c, m_eff, impact_overlap(def, c, m_eff, v));
+    double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v));
     if (def->integrator == DEM_VERLET || !(c->k_n > 0.0)) return limit;
-    double weight = m_eff * v * v / (4.0 * r);
+    double weight = of.m_eff * v * v / (4.0 * r);
     double overlap = def->normal == DEM_HERTZ ? pow(weight / c->k_n, 2.0 / 3.0) : weight / c->k_n;
-    return fmin(limit, gear_step_limit(def, c, m_eff, overlap));
+    return fmin(limit, gear_step_limit(def, c, of, overlap, 2.0));
 }
 
 /* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
@@ -158,31 +189,53 @@ static double impact_speed(const dem_definition *def)
     return 2.0 * speed + (high > low ? sqrt(2.0 * (high - low)) : 0.0);
 }
 
+/* The two grains of all that move that are quickest in a crowd; `second` is NULL where only one moves. */
+static void lightest_two(const dem_definition *def, double r_min, const dem_grain **first,
+                         const dem_grain **second)
+{
+    double least = INFINITY, next = INFINITY;
+    *first = *second = NULL;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        const double m = p->m / crowd_of(p->r, r_min);
+        if (p->fixed || m >= next) continue;
+        const bool lightest = m < least;
+        next = lightest ? least : m;
+        *second = lightest ? *first : p;
+        if (lightest) least = m, *first = p;
+    }
+}
+
 double dem_time_step_limit(const dem_definition *def, const char **what)
 {
-    double m_min = INFINITY, m_second = INFINITY, r_min = INFINITY, limit = INFINITY;
-    for (size_t i = 0; i < def->n_grains; i++) {
-        if (def->grains[i].fixed) continue;
-        m_second = fmin(m_second, fmax(m_min, def->grains[i].m));
-        m_min = fmin(m_min, def->grains[i].m);
-        r_min = fmin(r_min, def->grains[i].r);
+    double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
+    const dem_grain *first, *second;
+    if (def->integrator == DEM_IMPLICIT) {
+        if (what) *what = "nothing: the integrator is implicit";
+        return INFINITY;
     }
-    const double v = impact_speed(def);
+    for (size_t i = 0; i < def->n_grains; i++) {
+        r_min = fmin(r_min, def->grains[i].r);
+        if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
+    }
+    lightest_two(def, r_min, &first, &second);
+    const double v = impact_speed(def), crowd = first ? crowd_of(first->r, r_min) : 0.0;
     const char *which = "no contact";
-    if (def->n_grains > 1 && isfinite(m_min)) {
+    if (def->n_grains > 1 && first) {
         /* one that can move: the others are fixed */
-        double m_eff = isinf(m_second) ? m_min : m_min * m_second / (m_min + m_second);
-        limit = speed_step_limit(def, &def->material, m_eff, r_min, v);
+        const meeting two = second ? meet(first->m, crowd, second->m, crowd_of(second->r, r_min))
+                                   : meet(first->m, crowd, INFINITY, 0.0);
+        limit = speed_step_limit(def, &def->material, two, r_moves, v);
         which = "two of the lightest grains";
     }
-    for (size_t w = 0; w < def->n_walls && isfinite(m_min); w++) {
+    for (size_t w = 0; w < def->n_walls && first; w++) {
         const dem_material *c = &def->walls[w].material;
-        double t = speed_step_limit(def, c, m_min, r_min, v);
+        double t = speed_step_limit(def, c, meet(first->m, crowd, INFINITY, 0.0), r_moves, v);
         if (t < limit) {
             limit = t;
             which = "the lightest grain at a wall";
         }
-        t = (int)w + 1 == def->ground.wall ? well_step_limit(def, m_min, r_min, v) : INFINITY;
+        t = (int)w + 1 == def->ground.wall ? well_step_limit(def, first->m, r_moves, v) : INFINITY;
         if (t < limit) {
             limit = t;
             which = "the lightest grain in a well of the ground";
@@ -331,6 +384,7 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
+    if (!status) status = dem_implicit_check(def);
     if (status) return status;
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
@@ -459,7 +513,15 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
         !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
-    return RP_OK;
+    return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
+}
+
+static meeting meeting_of(const dem_sim *sim, size_t i, size_t j)
+{
+    const bool held = sim->inverse_mass[i] == 0.0;
+    const size_t a = held ? j : i, b = held ? i : j;
+    return meet(sim->mass[a], crowd_of(sim->radius[a], sim->r_min),
+                sim->inverse_mass[b] > 0.0 ? sim->mass[b] : INFINITY, crowd_of(sim->radius[b], sim->r_min));
 }
 
 /* Contacts that the start has already may be stiffer than any impact to come. */
@@ -467,9 +529,9 @@ static rp_status check_start_overlaps(const dem_sim *sim)
 {
     double limit = INFINITY;
     for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t];
-        dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
-        limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.material, sim->pair_mass[k],
+        const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
+        dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.material, meeting_of(sim, i, j),
                                                sim->pair_radii[k] - sqrt(dem_dot(d, d))));
     }
     for (size_t k = 0; k < sim->n_wall_slots; k++) {
@@ -478,7 +540,7 @@ static rp_status check_start_overlaps(const dem_sim *sim)
         dem_wall_slot slot = sim->wall_slot[k];
         if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
             limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
-                                                   sim->mass[slot.grain], overlap));
+                                                   meet(sim->mass[slot.grain], 1.0, INFINITY, 0.0), overlap));
     }
     return sim->def.dt <= limit
                ? RP_OK
@@ -588,7 +650,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     *c = *sim;
     c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->fixed = NULL, c->spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
@@ -683,6 +745,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
+    dem_implicit_free(sim);
     dem_ledger_free(sim);
     free(sim->gear), free(sim->fixed);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
@@ -696,11 +759,17 @@ rp_status dem_run(dem_sim *sim, long steps)
     const double h = sim->def.dt;
     rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
+    if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
     for (; steps > 0; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        bool stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        bool stale = false;
+        if (sim->implicit) {
+            if ((status = dem_implicit_step(sim, &stale)) != RP_OK) return status;
+        } else {
+            stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
+        }
         sim->step++;
         if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
         sim->kernel(sim, h);

@@ -9,7 +9,7 @@
 typedef double dem_vec __attribute__((vector_size(16)));
 
 /* What the pair loop reads of a grain, in one 32-byte piece. Verlet's velocity is that of half a step before
- * the positions: v(n - 1/2); observers add half a step's acceleration. Gear's is that of the positions. */
+ * the positions: v(n - 1/2); observers add half a step's acceleration. Others' is that of the positions. */
 typedef struct {
     dem_vec x, v;
 } dem_record;
@@ -85,7 +85,8 @@ struct dem_sim {
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
-    dem_gear *gear;                       /* NULL for Verlet */
+    dem_gear *gear;                       /* NULL for other integrators */
+    struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
@@ -107,7 +108,7 @@ struct dem_sim {
     struct dem_book *book;       /* of the energy ledger; NULL without */
     long rebuilds;
     long collisions;
-    double grain_steps;
+    double grain_steps, iterations;
 };
 
 static inline double dem_dot(dem_vec a, dem_vec b)
@@ -155,6 +156,14 @@ void dem_integrate_correct(dem_sim *sim);
 
 /* Gravity changes between steps by this. */
 void dem_integrate_gravity(dem_sim *sim, dem_vec change);
+
+/* The implicit integrator: what it refuses; its work space, for sim->room grains; a step from sim->step to
+ * the next, that clears the forces as dem_integrate does, with the same meaning of `stale`; implicit.c.
+ * Errors: RP_BAD_INPUT; RP_NO_MEMORY; RP_BROKEN (not solved; a grain moves too far), RP_NO_MEMORY. */
+rp_status dem_implicit_check(const dem_definition *def);
+rp_status dem_implicit_alloc(dem_sim *sim);
+void dem_implicit_free(dem_sim *sim);
+rp_status dem_implicit_step(dem_sim *sim, bool *stale);
 
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);

@@ -17,9 +17,12 @@ struct dem_stiffness {
     int *place;    /* [2 n] of the unknowns in L */
     cholmod_common common;
     cholmod_sparse *A;
-    cholmod_factor *L;
+    cholmod_factor *S, *L;        /* the analysis of large piles, by supernodes; the factor */
     cholmod_dense *b, *x, *y, *e; /* right side, solution, CHOLMOD's workspace */
 };
+
+/* Disks from which on nested dissection and supernodes pay. */
+enum { LARGE = 20000 };
 
 static rp_status no_memory(size_t n)
 {
@@ -35,7 +38,8 @@ static bool order_disks(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds,
     int *p = G->p, *rows = G->i;
     for (size_t a = 0; a <= m->n; a++) p[a] = (int)m->first[a];
     for (size_t k = 0; k < n_bonds; k++) rows[k] = (int)bonds[k].b;
-    bool good = cholmod_amd(G, NULL, 0, order, &m->common);
+    const bool good = m->n < LARGE ? cholmod_amd(G, NULL, 0, order, &m->common)
+                                   : cholmod_metis(G, NULL, 0, true, order, &m->common);
     cholmod_free_sparse(&G, &m->common);
     return good;
 }
@@ -57,8 +61,9 @@ static bool analyse(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds, int
 {
     cholmod_common *c = &m->common;
     c->print = 0;
-    c->supernodal = CHOLMOD_SIMPLICIAL;
-    c->final_ll = false;
+    c->supernodal = m->n < LARGE ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+    c->final_asis = c->final_super = c->final_ll = false; /* whichever way: L D L' by columns */
+    c->quick_return_if_not_posdef = true;
     c->nmethods = 1;
     c->method[0].ordering = CHOLMOD_GIVEN;
     m->A =
@@ -71,9 +76,10 @@ static bool analyse(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds, int
         order[2 * a + 1] = 2 * order[a] + 1;
         order[2 * a] = 2 * order[a];
     }
-    m->L = cholmod_analyze_p(m->A, order, NULL, 0, c);
-    if (!m->L) return false;
-    for (size_t j = 0; j < 2 * m->n; j++) m->place[((const int *)m->L->Perm)[j]] = (int)j;
+    cholmod_factor *found = cholmod_analyze_p(m->A, order, NULL, 0, c);
+    if (!found) return false;
+    for (size_t j = 0; j < 2 * m->n; j++) m->place[((const int *)found->Perm)[j]] = (int)j;
+    *(found->is_super ? &m->S : &m->L) = found;
     return true;
 }
 
@@ -105,6 +111,7 @@ void dem_stiffness_free(dem_stiffness *m)
 {
     if (!m) return;
     cholmod_free_sparse(&m->A, &m->common);
+    cholmod_free_factor(&m->S, &m->common);
     cholmod_free_factor(&m->L, &m->common);
     cholmod_free_dense(&m->b, &m->common);
     cholmod_free_dense(&m->x, &m->common);
@@ -120,7 +127,7 @@ void dem_stiffness_clear(dem_stiffness *m, double shift)
 {
     double *v = m->A->x;
     memset(v, 0, m->A->nzmax * sizeof *v);
-    for (size_t a = 0; a < m->n; a++) dem_stiffness_add_site(m, a, shift, shift);
+    for (size_t a = 0; a < m->n; a++) dem_stiffness_add_site(m, a, shift, 0, shift);
 }
 
 /* Columns 2a and 2a + 1 of the values. */
@@ -132,10 +139,11 @@ static double *columns_of(dem_stiffness *m, size_t a, double **second)
     return v + p[2 * a];
 }
 
-void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double yy)
+void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double xy, double yy)
 {
     double *y, *x = columns_of(m, a, &y);
     x[0] += xx;
+    x[1] += xy;
     y[0] += yy;
 }
 
@@ -173,9 +181,22 @@ static void read_pivots(const dem_stiffness *m, dem_pivots *pivots)
     if (m->L->minor < m->L->n) *pivots = (dem_pivots){pivots->negative, 0, (size_t)order[m->L->minor] / 2};
 }
 
+/* By supernodes as L L', and that turned into L D L'; false if the matrix is not positive, or out of memory.
+ */
+static bool factorise_by_supernodes(dem_stiffness *m)
+{
+    cholmod_common *c = &m->common;
+    cholmod_free_factor(&m->L, c);
+    m->L = cholmod_copy_factor(m->S, c);
+    if (m->L && cholmod_factorize(m->A, m->L, c) && m->L->minor == m->L->n) return true;
+    if (m->L) cholmod_change_factor(CHOLMOD_PATTERN, false, false, true, true, m->L, c);
+    return false;
+}
+
 rp_status dem_stiffness_factorise(dem_stiffness *m, dem_pivots *pivots)
 {
-    if (!cholmod_factorize(m->A, m->L, &m->common) && m->common.status != CHOLMOD_NOT_POSDEF)
+    if (!(m->S && factorise_by_supernodes(m)) && !(m->L && cholmod_factorize(m->A, m->L, &m->common)) &&
+        m->common.status != CHOLMOD_NOT_POSDEF)
         return no_memory(m->n);
     read_pivots(m, pivots);
     return RP_OK;

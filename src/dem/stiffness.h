@@ -1,6 +1,8 @@
 /* Stiffness matrix of disks on a network of possible contacts: symmetric, a 2x2 block for each disk and each
  * bond. Factorised as L D L' by CHOLMOD without pivoting, so that an indefinite matrix is allowed and the
- * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. */
+ * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. Of large piles a
+ * positive matrix is factorised with BLAS, whose bits differ from one BLAS to another, and with OpenMP, so
+ * that a process that did so can't be forked to do it again. */
 #ifndef DEM_STIFFNESS_H
 #define DEM_STIFFNESS_H
 
@@ -24,7 +26,7 @@ void dem_stiffness_free(dem_stiffness *m);
 /* Set to shift times the identity, then add springs that hold disk a to the ground, or join the ends of bond
  * number k, with stiffness [xx xy; xy yy]. */
 void dem_stiffness_clear(dem_stiffness *m, double shift);
-void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double yy);
+void dem_stiffness_add_site(dem_stiffness *m, size_t a, double xx, double xy, double yy);
 void dem_stiffness_add_bond(dem_stiffness *m, size_t k, dem_pair ends, double xx, double xy, double yy);
 
 /* Pivots D of the last factorisation. */

@@ -1,0 +1,31 @@
+# Largest stable time step against damping: measured, theory, and the limit above which a scene is refused.
+width = 18.0
+height = 9.0
+load 'figures/style.gp'
+# the rows of a system: equal masses, no shear springs
+of(system, scheme) = sprintf("< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 == \"%s\" && $2 == \"hertz\" && $3 == \"%s\" && $4 == 1e6 && $6 == 1 && $7 == 1 && $8 == 0' ", system, scheme).T.'validation_stability.tsv'.' | sort -g -k13,13'
+stats t('validation_stability.tsv') using (column('margin')) nooutput name 'M'
+systems = 'pair wall loaded packing'
+titles = '"two grains between fixed ones" "grain between two walls" "grain on a wall under a load" "37 grains of a packing in a fixed ring"'
+at(x) = x > 0 ? x : 0.012
+set logscale xy
+set xrange [0.01:12]
+set yrange [3e-3:4]
+set xlabel '{/:Italic γ}_n/{/:Italic ω}'
+set xtics ('0' 0.012, '0.03' 0.03, '0.1' 0.1, '0.3' 0.3, '1' 1, '3' 3, '10' 10)
+set multiplot layout 1, 2 margins 0.105, 0.985, 0.14, 0.9 spacing 0.03
+do for [scheme in 'verlet gear5'] {
+    set title scheme eq 'verlet' ? 'velocity Verlet' : 'Gear, fifth order' font ',9'
+    if (scheme eq 'verlet') {
+        set ylabel '{/:Italic ω} d{/:Italic t}, {/:Italic ω}^2 = {/:Italic k}/{/:Italic m}_{eff} of a contact'
+        set key bottom left Left reverse font ',7.5' samplen 2 spacing 1.15
+        set label 1 sprintf('measured/limit in all %d cases: %.2f to %.2f', M_records, M_min, M_max) at graph 0.98, 0.96 right font ',7.5'
+    } else {
+        unset ylabel; unset label 1; set format y ''; unset key
+    }
+    plot for [i=1:4] of(word(systems, i), scheme) using (at(column('gamma_over_omega'))):(column('omega_dt_measured')) with points pt (int(word('7 5 9 13', i))) ps 0.8 lc (int(word('2 3 4 6', i))) title word(titles, i), \
+         for [i=1:4] of(word(systems, i), scheme) using (at(column('gamma_over_omega'))):(column('omega_dt_theory')) with lines lc (int(word('2 3 4 6', i))) notitle, \
+         NaN with lines lc 1 title 'lines: theory of the scheme', \
+         of('packing', scheme) using (at(column('gamma_over_omega'))):(column('omega_dt_limit')) with lines lw 1.5 dt 2 lc 1 title 'refused above (overlap known)'
+}
+unset multiplot

@@ -1,0 +1,557 @@
+/* The energy-conserving implicit integrator of Liffman, Chan & Hughes 1992, eq (24), for grains that do not
+ * rotate. A step takes the places x and velocities v of all grains from k to k + 1 by
+ *
+ *   x(k+1) - x(k) = dt (v(k) + v(k+1))/2,   m (v(k+1) - v(k)) = dt F,
+ *
+ * where the force of a contact is the quotient of potentials, -(V(r(k+1)) - V(r(k)))/(r(k+1) - r(k)), along
+ * (R(k) + R(k+1))/(r(k) + r(k+1)): its work is then the change of V, at any dt. The closed form in (24) is
+ * that of a contact which lasts through the step; here the potential ends where the contact does. All else
+ * acts at the middle of the step: gravity; the dashpot, on the change of the overlap, so that what it takes
+ * is never negative and begins and ends with the contact; viscous slip under the limit of the step's normal
+ * force; wells of the ground, (30), by the quotient of their potential too, which ends at their half-width. A
+ * well is as deep as the normal force at the step's beginning has it: it conserves energy while that is
+ * constant.
+ *
+ * The unknowns are the ways u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
+ * derivative of F is not quite symmetric, as the force is along the middle direction and turns with the last
+ * one; Newton's method takes its symmetric part, which is as good as exact while directions turn little in a
+ * step, and leaves out that the limit of slip changes with the normal force.
+ *
+ * A step may lead a grain beyond what the neighbour list allows; it is then done again with a new list, and
+ * refused if one step alone goes beyond half the skin. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "dem/law_normal.h"
+#include "dem/sim.h"
+#include "dem/stiffness.h"
+
+/* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
+typedef struct {
+    dem_vec force;
+    double xx, xy, yy;
+} contact;
+
+typedef struct {
+    dem_pair ends; /* a < b */
+    uint32_t pair;
+} bond;
+
+struct dem_implicit {
+    dem_vec *u, *force, *residual;
+    double *stiffness;   /* of the contacts of each grain: trace */
+    double *step, *next; /* Newton's, 2 n */
+    size_t n_contacts;   /* pairs of the neighbour list, then its wall slots */
+    contact *contact;
+    long list; /* number of the neighbour list that all below is of; -1: none */
+    bond *bond;
+    dem_stiffness *matrix;
+    size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
+};
+
+static const size_t NOBODY = SIZE_MAX;
+
+rp_status dem_implicit_check(const dem_definition *def)
+{
+    const dem_implicit_solver *s = &def->implicit;
+    if (def->integrator != DEM_IMPLICIT) return RP_OK;
+    if (def->rotation)
+        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
+    if (def->tangential == DEM_SPRING)
+        return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
+    if (def->ledger) return rp_fail(RP_BAD_INPUT, "the integrator implicit has no energy ledger");
+    if (def->box_turn_per_step != 0.0)
+        return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
+    for (size_t w = 0; w < def->n_walls; w++)
+        if (isfinite(def->walls[w].extent[0]) || isfinite(def->walls[w].extent[1]))
+            return rp_fail(RP_BAD_INPUT,
+                           "wall %zu: extent = [%g, %g]: the integrator implicit needs whole lines", w + 1,
+                           def->walls[w].extent[0], def->walls[w].extent[1]);
+    if (s->solver == DEM_SOLVER_SOR && !(s->relaxation > 0.0 && s->relaxation < 2.0))
+        return rp_fail(RP_BAD_INPUT, "implicit: relaxation = %g: out of range, allowed: (0, 2)",
+                       s->relaxation);
+    if (!(s->tolerance >= 1e-15 && s->tolerance <= 1e-3))
+        return rp_fail(RP_BAD_INPUT, "implicit: tolerance = %g: out of range, allowed: [1e-15, 1e-3]",
+                       s->tolerance);
+    if (s->max_iterations < 1)
+        return rp_fail(RP_BAD_INPUT, "implicit: max_iterations = %ld: out of range, allowed: [1, inf)",
+                       s->max_iterations);
+    return RP_OK;
+}
+
+static rp_status no_memory(const dem_sim *sim)
+{
+    return rp_fail(RP_NO_MEMORY, "implicit integrator for %zu particles: out of memory", sim->n);
+}
+
+rp_status dem_implicit_alloc(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit = calloc(1, sizeof *m);
+    if (!m) return no_memory(sim);
+    m->list = -1;
+    m->u = malloc(sim->room * sizeof *m->u);
+    m->force = malloc(sim->room * sizeof *m->force);
+    m->residual = malloc(sim->room * sizeof *m->residual);
+    m->stiffness = malloc(sim->room * sizeof *m->stiffness);
+    m->step = malloc(2 * sim->room * sizeof *m->step);
+    m->next = malloc(2 * sim->room * sizeof *m->next);
+    m->first = malloc((sim->room + 1) * sizeof *m->first);
+    return m->u && m->force && m->residual && m->stiffness && m->step && m->next && m->first ? RP_OK
+                                                                                             : no_memory(sim);
+}
+
+void dem_implicit_free(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    if (!m) return;
+    dem_stiffness_free(m->matrix);
+    free(m->u), free(m->force), free(m->residual), free(m->stiffness), free(m->step), free(m->next),
+        free(m->first);
+    free(m->contact), free(m->bond), free(m->of), free(m);
+    sim->implicit = NULL;
+}
+
+static bool is_fixed(const dem_sim *sim, size_t i)
+{
+    return sim->inverse_mass[i] == 0.0;
+}
+
+/* ---- Forces of a step ---------------------------------------------------------------------------------- */
+
+/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second. Nowhere
+ * a difference of numbers that are nearly the same. */
+static void quotient(int law, double k, double before, double after, double *force, double *slope)
+{
+    if (before > 0.0 && after > 0.0) {
+        if (law == DEM_LINEAR) {
+            *force = 0.5 * k * (before + after);
+            *slope = 0.5 * k;
+            return;
+        }
+        /* (s^5 - t^5)/(s^2 - t^2) */
+        const double s = sqrt(before), t = sqrt(after), sum = s + t;
+        *force = 0.4 * k * (before * before + after * after + s * t * (before + s * t + after)) / sum;
+        *slope = 0.2 * k * (s * before * 2.0 + t * (4.0 * before + 6.0 * s * t + 3.0 * after)) / (sum * sum);
+        return;
+    }
+    const double in = fmax(before, after), way = fabs(after - before),
+                 potential = law == DEM_HERTZ ? 0.4 : 0.5;
+    const double end = dem_law_elastic(law, k, in); /* the force there */
+    *force = potential * end * in / way;
+    *slope = (after > 0.0 ? end - *force : *force) / way;
+}
+
+/* What the step knows of a contact before it is solved. */
+typedef struct {
+    const dem_material *c;
+    double mu, m_eff;
+} law;
+
+/* Normal force of the step, and its derivative by the overlap at the end. */
+static double normal_force(const dem_sim *sim, const law *l, double before, double after, double *slope)
+{
+    double force;
+    quotient(sim->def.normal, l->c->k_n, before, after, &force, slope);
+    const double dashpot = l->c->gamma_n * l->m_eff / sim->def.dt;
+    force += dashpot * (fmax(after, 0.0) - fmax(before, 0.0));
+    if (after > 0.0) *slope += dashpot;
+    if (sim->def.tension || force > 0.0) return force;
+    *slope = 0.0;
+    return 0.0;
+}
+
+/* Add a force f along the unit vector s, with minus its derivative, `slope`. */
+static void add_along(contact *to, dem_vec s, double f, double slope)
+{
+    to->force += f * s;
+    to->xx += slope * s[0] * s[0];
+    to->xy += slope * s[0] * s[1];
+    to->yy += slope * s[1] * s[1];
+}
+
+/* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
+static void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before, double after,
+                     double f_n, contact *to)
+{
+    if (sim->def.tangential == DEM_NONE) return;
+    const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
+    const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
+    const bool slides = fabs(viscous * way) > cap;
+    add_along(to, s, slides ? -copysign(cap, way) : -viscous * way, slides ? 0.0 : viscous);
+}
+
+static contact pair_contact(const dem_sim *sim, size_t k)
+{
+    const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+    const dem_vec from = sim->grain[i].x - sim->grain[j].x, u = sim->implicit->u[i] - sim->implicit->u[j];
+    const dem_vec to = from + u, sum = from + to;
+    const double r = sqrt(dem_dot(from, from)), before = sim->pair_radii[k] - r;
+    contact f = {0};
+    /* an overlap from the change of the distance is good to its own last digit, not to that of the distance
+     */
+    const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
+    if (before <= 0.0 && after <= 0.0) return f;
+    const law l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
+    double slope;
+    const double f_n = normal_force(sim, &l, before, after, &slope), turn = f_n / both;
+    const dem_vec s = sum / both;
+    add_along(&f, s, f_n, slope + turn);
+    f.xx -= turn, f.yy -= turn;
+    const dem_vec t = dem_clockwise(sum) / sqrt(dem_dot(sum, sum));
+    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f);
+    return f;
+}
+
+/* The well's force, by the quotient of the potential k min(d^2, a^2)/2 between displacements. */
+static void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_vec t, double normal, contact *to)
+{
+    const dem_ground *g = &sim->def.ground;
+    const double before = dem_ground_displacement(sim, slot), way = dem_dot(sim->implicit->u[slot->grain], t);
+    const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
+    if (fabs(before + way) <= a) {
+        add_along(to, t, -k * (before + 0.5 * way), 0.5 * k);
+    } else {
+        const double pull = 0.5 * k * (a - before) * (a + before) / way;
+        add_along(to, t, -pull, -pull / way);
+    }
+}
+
+static contact slot_contact(const dem_sim *sim, const dem_wall_slot *at)
+{
+    contact f = {0};
+    dem_wall_slot slot = *at;
+    dem_vec n, still;
+    double before, slope;
+    if (!dem_wall_touch(sim, &slot, &n, &before, &still)) return f;
+    const size_t i = slot.grain;
+    const dem_vec u = sim->implicit->u[i], t = dem_clockwise(n);
+    const double after = before - dem_dot(u, n);
+    if (before <= 0.0 && after <= 0.0) return f;
+    const law l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
+    const double f_n = normal_force(sim, &l, before, after, &slope);
+    add_along(&f, n, f_n, slope);
+    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f);
+    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot))
+        add_well(sim, &slot, t,
+                 dem_law_normal(sim->def.normal, sim->def.tension, l.c->k_n, l.c->gamma_n, l.m_eff, before,
+                                dem_dot(sim->grain[i].v, n)),
+                 &f);
+    return f;
+}
+
+static contact any_contact(const dem_sim *sim, size_t c)
+{
+    return c < sim->n_pairs ? pair_contact(sim, c) : slot_contact(sim, &sim->wall_slot[c - sim->n_pairs]);
+}
+
+/* ---- What follows from them ---------------------------------------------------------------------------- */
+
+/* What the equation of grain i lacks, under the contacts' force. */
+static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
+{
+    const double dt = sim->def.dt, m = sim->mass[i];
+    if (is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
+    return m * (sim->implicit->u[i] - dt * sim->grain[i].v - 0.5 * dt * dt * sim->gravity) -
+           0.5 * dt * dt * force;
+}
+
+/* That as a step of the grain's own, over its radius; `stiffness` is the trace. */
+static double own_step(const dem_sim *sim, size_t i, dem_vec residual, double stiffness)
+{
+    const double dt = sim->def.dt;
+    return sqrt(dem_dot(residual, residual)) /
+           (sim->radius[i] * (sim->mass[i] + 0.5 * dt * dt * fmax(stiffness, 0.0)));
+}
+
+typedef struct {
+    double largest; /* step of a grain's own */
+    size_t grain;   /* with that */
+} lack;
+
+/* A step that is not a number counts as the largest. */
+static void note_own_step(lack *l, size_t i, double step)
+{
+    if (step <= l->largest || isnan(l->largest)) return;
+    l->largest = step;
+    l->grain = i;
+}
+
+/* All contacts, forces and residuals for the ways u. */
+static lack evaluate(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    for (size_t i = 0; i < sim->n; i++) {
+        m->force[i] = (dem_vec){0.0, 0.0};
+        m->stiffness[i] = 0.0;
+    }
+    for (size_t c = 0; c < m->n_contacts; c++) {
+        const contact f = m->contact[c] = any_contact(sim, c);
+        const bool pair = c < sim->n_pairs;
+        const size_t i = pair ? sim->pair_i[c] : sim->wall_slot[c - sim->n_pairs].grain;
+        m->force[i] += f.force;
+        m->stiffness[i] += f.xx + f.yy;
+        if (!pair) continue;
+        const size_t j = sim->pair_j[c];
+        m->force[j] -= f.force;
+        m->stiffness[j] += f.xx + f.yy;
+    }
+    lack l = {0};
+    for (size_t i = 0; i < sim->n; i++) {
+        const dem_vec h = m->residual[i] = residual_of(sim, i, m->force[i]);
+        note_own_step(&l, i, own_step(sim, i, h, m->stiffness[i]));
+    }
+    return l;
+}
+
+static rp_status not_solved(dem_sim *sim, const lack *l, long iterations)
+{
+    return dem_stop(sim, DEM_FAULT_NOT_SOLVED, l->grain,
+                    "after %ld %s its own equation still asks for %g of its radius, allowed: %g", iterations,
+                    sim->def.implicit.solver == DEM_SOLVER_SOR ? "sweeps" : "factorisations", l->largest,
+                    sim->def.implicit.tolerance);
+}
+
+/* ---- Direct -------------------------------------------------------------------------------------------- */
+
+static int by_ends(const void *a, const void *b)
+{
+    const bond *p = a, *q = b;
+    if (p->ends.a != q->ends.a) return p->ends.a < q->ends.a ? -1 : 1;
+    return (p->ends.b > q->ends.b) - (p->ends.b < q->ends.b);
+}
+
+static rp_status make_matrix(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    const size_t n = sim->n_pairs;
+    dem_stiffness_free(m->matrix);
+    m->matrix = NULL;
+    dem_pair *ends = malloc((n + 1) * sizeof *ends);
+    free(m->bond);
+    m->bond = malloc((n + 1) * sizeof *m->bond);
+    if (!ends || !m->bond) {
+        free(ends);
+        return no_memory(sim);
+    }
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t i = sim->pair_i[k], j = sim->pair_j[k];
+        m->bond[k] = (bond){{i < j ? i : j, i < j ? j : i}, k};
+    }
+    qsort(m->bond, n, sizeof *m->bond, by_ends);
+    for (size_t k = 0; k < n; k++) ends[k] = m->bond[k].ends;
+    rp_status status = dem_stiffness_create(sim->n, n, ends, &m->matrix);
+    free(ends);
+    return status;
+}
+
+static void assemble(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    const double c = 0.5 * sim->def.dt * sim->def.dt;
+    dem_stiffness_clear(m->matrix, 0.0);
+    for (size_t i = 0; i < sim->n; i++) {
+        const double mass = is_fixed(sim, i) ? 1e30 * sim->mass[i] : sim->mass[i]; /* as good as infinite */
+        dem_stiffness_add_site(m->matrix, i, mass, 0.0, mass);
+    }
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const contact *f = &m->contact[m->bond[k].pair];
+        dem_stiffness_add_bond(m->matrix, k, m->bond[k].ends, c * f->xx, c * f->xy, c * f->yy);
+    }
+    for (size_t s = 0; s < sim->n_wall_slots; s++) {
+        const contact *f = &m->contact[sim->n_pairs + s];
+        dem_stiffness_add_site(m->matrix, sim->wall_slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
+    }
+}
+
+/* The step that the last factorisation makes of the residuals: 2 n; *size is the sum of its squares, *far the
+ * largest of a grain. */
+static rp_status newton_step(dem_sim *sim, double *step, double *size, double *far)
+{
+    struct dem_implicit *m = sim->implicit;
+    for (size_t i = 0; i < sim->n; i++)
+        for (size_t a = 0; a < 2; a++) step[2 * i + a] = m->residual[i][a];
+    rp_status status = dem_stiffness_solve(m->matrix, step, step);
+    *size = *far = 0.0;
+    for (size_t i = 0; i < sim->n && !status; i++) {
+        const double square = step[2 * i] * step[2 * i] + step[2 * i + 1] * step[2 * i + 1];
+        *size += square;
+        *far = fmax(*far, sqrt(square));
+    }
+    return status;
+}
+
+/* Go a part of m->step, and see. */
+static lack go(dem_sim *sim, double part)
+{
+    struct dem_implicit *m = sim->implicit;
+    for (size_t i = 0; i < sim->n; i++)
+        if (!is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
+    return evaluate(sim);
+}
+
+/* Go Newton's step, or half of it, a quarter, ..., until the next step by the same matrix is shorter. The
+ * residuals themselves would not do to judge by: they grow by the stiffest contacts, however little those
+ * lack. No grain goes farther than half the skin: a step that ends beyond is refused anyway, and from too far
+ * away there is no way back. The step after the last is gone too, by the same matrix: it takes what is left
+ * below the tolerance, that has the same sign in every impact and would add up. */
+static rp_status improve(dem_sim *sim, lack *l)
+{
+    double before, after, far, unused, gone = 0.0;
+    rp_status status = newton_step(sim, sim->implicit->step, &before, &far);
+    const double most = fmin(1.0, 0.5 * sim->skin / far);
+    for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
+        *l = go(sim, part - gone);
+        gone = part;
+        if (l->largest <= sim->def.implicit.tolerance) {
+            status = newton_step(sim, sim->implicit->step, &after, &unused);
+            go(sim, 1.0);
+            break;
+        }
+        status = newton_step(sim, sim->implicit->next, &after, &unused);
+        if (after < before) break;
+    }
+    return status;
+}
+
+static rp_status solve_direct(dem_sim *sim)
+{
+    const dem_implicit_solver *how = &sim->def.implicit;
+    lack l = evaluate(sim);
+    for (long k = 0; !(l.largest <= how->tolerance); k++) {
+        dem_pivots pivots;
+        if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
+        assemble(sim);
+        rp_status status = dem_stiffness_factorise(sim->implicit->matrix, &pivots);
+        if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
+        if (!status) status = improve(sim, &l);
+        if (status) return status;
+        sim->iterations++;
+    }
+    return RP_OK;
+}
+
+/* ---- Sweeps -------------------------------------------------------------------------------------------- */
+
+static rp_status make_contacts_of(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    free(m->of);
+    m->of = malloc((2 * m->n_contacts + 1) * sizeof *m->of);
+    if (!m->of) return no_memory(sim);
+    for (size_t i = 0; i <= sim->n; i++) m->first[i] = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t c = 0; c < m->n_contacts; c++) {
+            const bool pair = c < sim->n_pairs;
+            const size_t i = pair ? sim->pair_i[c] : sim->wall_slot[c - sim->n_pairs].grain;
+            const size_t ends[2] = {i, pair ? sim->pair_j[c] : NOBODY};
+            for (int e = 0; e < 2 && ends[e] != NOBODY; e++)
+                if (pass == 0)
+                    m->first[ends[e] + 1]++;
+                else
+                    m->of[m->first[ends[e]]++] = c;
+        }
+        for (size_t i = 0; i < sim->n && pass == 0; i++) m->first[i + 1] += m->first[i];
+    }
+    for (size_t i = sim->n; i > 0; i--) m->first[i] = m->first[i - 1];
+    m->first[0] = 0;
+    return RP_OK;
+}
+
+/* Newton's step of grain i while all others stay, or the part of it that is taken. */
+static void relax(dem_sim *sim, size_t i, lack *l)
+{
+    struct dem_implicit *m = sim->implicit;
+    const double c = 0.5 * sim->def.dt * sim->def.dt;
+    contact sum = {0};
+    for (size_t k = m->first[i]; k < m->first[i + 1]; k++) {
+        const size_t at = m->of[k];
+        const contact f = any_contact(sim, at);
+        const bool second = at < sim->n_pairs && sim->pair_j[at] == i;
+        sum.force += second ? -f.force : f.force;
+        sum.xx += f.xx, sum.xy += f.xy, sum.yy += f.yy;
+    }
+    const dem_vec h = residual_of(sim, i, sum.force);
+    note_own_step(l, i, own_step(sim, i, h, sum.xx + sum.yy));
+    const double xx = sim->mass[i] + c * sum.xx, xy = c * sum.xy, yy = sim->mass[i] + c * sum.yy;
+    const dem_vec step = (dem_vec){yy * h[0] - xy * h[1], xx * h[1] - xy * h[0]} / (xx * yy - xy * xy);
+    m->u[i] -= sim->def.implicit.relaxation * step;
+}
+
+static rp_status solve_sor(dem_sim *sim)
+{
+    const dem_implicit_solver *how = &sim->def.implicit;
+    lack l = evaluate(sim);
+    for (long k = 0; !(l.largest <= how->tolerance); k++) {
+        if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
+        l = (lack){0};
+        for (size_t i = 0; i < sim->n; i++)
+            if (!is_fixed(sim, i)) relax(sim, i, &l);
+        sim->iterations++;
+        if (l.largest <= how->tolerance) l = evaluate(sim);
+    }
+    return RP_OK;
+}
+
+/* ---- A step -------------------------------------------------------------------------------------------- */
+
+/* Bring what depends on the neighbour list up to date. */
+static rp_status prepare(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    if (m->list == sim->rebuilds) return RP_OK;
+    m->n_contacts = sim->n_pairs + sim->n_wall_slots;
+    free(m->contact);
+    m->contact = malloc((m->n_contacts + 1) * sizeof *m->contact);
+    if (!m->contact) return no_memory(sim);
+    rp_status status = sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim);
+    if (!status) m->list = sim->rebuilds;
+    return status;
+}
+
+static rp_status solve(dem_sim *sim)
+{
+    struct dem_implicit *m = sim->implicit;
+    const double dt = sim->def.dt;
+    rp_status status = prepare(sim);
+    if (status) return status;
+    for (size_t i = 0; i < sim->n; i++)
+        m->u[i] =
+            is_fixed(sim, i) ? (dem_vec){0.0, 0.0} : dt * sim->grain[i].v + 0.5 * dt * dt * sim->gravity;
+    return sim->def.implicit.solver == DEM_SOLVER_SOR ? solve_sor(sim) : solve_direct(sim);
+}
+
+/* A grain that the step takes farther from its place in the neighbour list than half the skin; NOBODY. */
+static size_t beyond_list(const dem_sim *sim)
+{
+    for (size_t i = 0; i < sim->n; i++) {
+        const dem_vec moved = sim->grain[i].x + sim->implicit->u[i] - sim->ref[i];
+        if (!(dem_dot(moved, moved) <= 0.25 * sim->skin * sim->skin)) return i;
+    }
+    return NOBODY;
+}
+
+rp_status dem_implicit_step(dem_sim *sim, bool *stale)
+{
+    struct dem_implicit *m = sim->implicit;
+    rp_status status = solve(sim);
+    if (!status && beyond_list(sim) != NOBODY) {
+        status = dem_neighbours_rebuild(sim);
+        if (!status) status = solve(sim);
+        const size_t i = status ? NOBODY : beyond_list(sim);
+        if (i != NOBODY)
+            return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
+                            sqrt(dem_dot(m->u[i], m->u[i])), 0.5 * sim->skin);
+    }
+    if (status) return status;
+    const double dt = sim->def.dt;
+    for (size_t i = 0; i < sim->n; i++) {
+        sim->force[i] = (dem_vec){0.0, 0.0};
+        if (is_fixed(sim, i)) continue;
+        /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
+        sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);
+        sim->grain[i].x += m->u[i];
+        *stale |= dem_beyond(sim, sim->grain[i].x);
+    }
+    sim->grain_steps += (double)sim->n;
+    return RP_OK;
+}

@@ -1,0 +1,48 @@
+/* Close-packed heaps of disks on a flat base, as the static solver takes them (dem/equilibrium.h), with what
+ * diagonal contacts alone would carry in them. Lengths in sigma, forces in m g, angles in radians.
+ * Liffman, Chan & Hughes 1992. */
+#ifndef SWEEP_HEAP_H
+#define SWEEP_HEAP_H
+
+#include <stddef.h>
+
+#include "analytic/analytic.h"
+#include "dem/equilibrium.h"
+
+typedef struct {
+    size_t n, k; /* disks; in the base */
+    dem_pile_disk *disks;
+    an_force *exact; /* [k] by diagonals alone, of equal disks; NULL if not known */
+    double B;        /* base of the same outline and the same weight; NAN if not known */
+} sweep_heap;
+
+/* k disks in the base and slopes alpha on both sides, by an_lattice_cut; alpha <= 0 is the full triangle. The
+ * disks of a row are `gap` apart, those of the diagonals touch. Errors: RP_BAD_INPUT, RP_NO_MEMORY. Free the
+ * heap, which is zero at first, also after an error. */
+rp_status sweep_heap_slope(sweep_heap *heap, long k, double gap, double alpha);
+
+/* The same for an outline of n vertices from left to right (an_profile_set), which the base is scaled to. */
+rp_status sweep_heap_polygon(sweep_heap *heap, long k, double gap, const an_point *v, size_t n);
+
+void sweep_heap_free(sweep_heap *heap);
+
+/* Unequal disks on the same places: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed, run,
+ * RP_PURPOSE_RADII); weights as r^2. Disks of the base stay as they are: wells would hold the squeeze between
+ * unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
+rp_status sweep_heap_disorder(sweep_heap *heap, double S, unsigned long seed, unsigned long run);
+
+/* How far N and H on the base are from diagonals alone. */
+typedef struct {
+    double N_rms, N_max; /* relative deviation of N */
+    double H_ratio;      /* largest H over that of diagonals alone */
+    double thrust_ratio; /* sum of H outwards, both halves, over that of diagonals alone */
+} sweep_heap_error;
+sweep_heap_error sweep_heap_compare(const sweep_heap *heap, const double N[], const double H[]);
+
+/* The dip D = (mean N over |x - c| < 0.1 b less mean N over 0.1 b to 0.3 b on both sides)/mean N over b, of
+ * the loads N of disks at x, from left to right, each taken as even over the base up to half-way to its
+ * neighbours: c is their centroid, and b the part of the base that holds 98 % of them, 1 % being left out on
+ * each side. Where N has a dip D is negative. NAN for less than two disks. */
+double sweep_heap_dip(size_t k, const double x[], const double N[]);
+
+#endif

@@ -1,0 +1,453 @@
+/* The energy-conserving implicit integrator: against closed forms of the mid-point rule, by what it
+ * conserves, and direct solves against sweeps. Lengths in diameters, masses in those of a disk. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+static const double R = 0.5, K = 1e4;
+
+static double total_energy(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.elastic + e.gravity;
+}
+
+/* dt in contact times of two disks. */
+static dem_definition disks(const dem_grain *grains, size_t n, double dt)
+{
+    dem_definition def = dem_definition_default();
+    def.integrator = DEM_IMPLICIT;
+    def.gravity[1] = -1.0;
+    def.dt = dt * M_PI * sqrt(0.5 / K);
+    def.normal = DEM_LINEAR;
+    def.tangential = DEM_NONE;
+    def.shape = DEM_DISK;
+    def.material = (dem_material){.k_n = K};
+    def.grains = grains;
+    def.n_grains = n;
+    return def;
+}
+
+static dem_definition on_floor(const dem_grain *grains, size_t n, double dt)
+{
+    dem_definition def = disks(grains, n, dt);
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    return def;
+}
+
+/* Six disks of unequal size and mass in a box, moving. */
+enum { GAS = 6 };
+static dem_definition gas(dem_grain grains[GAS], double dt)
+{
+    for (int i = 0; i < GAS; i++)
+        grains[i] = (dem_grain){.x = 0.62 + 1.17 * (i % 3) + 0.05 * (i / 3),
+                                .y = 0.56 + 1.11 * (i / 3),
+                                .r = R - 0.013 * i,
+                                .m = 1.0 - 0.07 * i,
+                                .vx = 0.385 * (i % 2 ? 1.0 : -0.7),
+                                .vy = 0.21 * (i - 2)};
+    dem_definition def = disks(grains, GAS, dt);
+    def.skin = 0.4;
+    dem_box_walls(&def, 3.6, &def.material);
+    return def;
+}
+
+/* Where a contact never ends the scheme is the mid-point rule of a harmonic oscillator: exactly cos(n theta),
+ * tan(theta/2) = omega dt/2, at any dt, and v = -omega A sin(n theta). */
+static void phase_of_oscillator(void)
+{
+    const double omega = sqrt(K), A = 0.6 / K;
+    for (double angle = 0.05; angle < 40.0; angle *= 5.0) {
+        const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
+        dem_definition def = on_floor(&grain, 1, 1.0);
+        def.dt = angle / omega;
+        dem_sim *sim = grains_start(&def);
+        const double theta = 2.0 * atan(0.5 * angle);
+        for (int n = 1; n <= 200; n++) {
+            CHECK_OK(dem_run(sim, 1));
+            const dem_state s = grains_state_of_one(sim);
+            /* places are good to 1e-16, which the phase adds up in n steps */
+            CHECK_NEAR(s.y, R - 1.0 / K + A * cos(n * theta), 1e-13);
+            CHECK_NEAR(s.vy, -omega * A * sin(n * theta), 1e-13 * omega);
+        }
+        dem_free(sim);
+    }
+}
+
+/* A disk pushed in its well: the depth is that of N = m g all the time, as it is at rest in the vertical. */
+static void well_conserves(void)
+{
+    const double mu = 0.3, a = 0.02, omega = sqrt(mu / a), escape = sqrt(mu * a);
+    for (int leaves = 0; leaves < 2; leaves++)
+        for (double angle = 0.05; angle < 10.0; angle *= 5.0) {
+            dem_grain grain = {.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
+            grain.vx = (leaves ? 1.3 : 0.8) * escape;
+            dem_definition def = on_floor(&grain, 1, 1.0);
+            def.dt = angle / omega;
+            def.skin = 0.6;
+            def.ground = (dem_ground){.wall = 1, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
+            dem_sim *sim = grains_start(&def);
+            const double theta = 2.0 * atan(0.5 * angle), before = total_energy(sim);
+            for (int n = 1; n <= 100; n++) {
+                CHECK_OK(dem_run(sim, 1));
+                const dem_state s = grains_state_of_one(sim);
+                if (leaves) continue;
+                CHECK_NEAR(s.x - grain.x, 0.8 * a * sin(n * theta), 1e-13);
+                /* the depth is as good as N: overlaps of 1e-4 to 1e-16, added up at random */
+                CHECK_NEAR(total_energy(sim), before, 1e-11 * mu * a);
+            }
+            /* what is lost is the depth of the well, mu N a/2, also where the step leads far beyond a */
+            if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx, sqrt(1.3 * 1.3 - 1.0) * escape, 1e-12);
+            dem_free(sim);
+        }
+}
+
+static double height_after(double time, double dt)
+{
+    const dem_grain grain = {.x = 0.0, .y = R - 1e-3, .r = R, .m = 1.0};
+    dem_definition def = on_floor(&grain, 1, 1.0);
+    def.normal = DEM_HERTZ;
+    def.dt = dt;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, lround(time / dt)));
+    const double y = grains_state_of_one(sim).y;
+    dem_free(sim);
+    return y;
+}
+
+/* On a nonlinear spring, that lasts. */
+static void second_order(void)
+{
+    const double time = 0.3, dt = time / 32.0;
+    double y[4];
+    for (int k = 0; k < 4; k++) y[k] = height_after(time, dt / (1 << k));
+    for (int k = 0; k < 2; k++) CHECK_NEAR(log2((y[k] - y[k + 1]) / (y[k + 1] - y[k + 2])), 2.0, 0.2);
+}
+
+/* Linear and Hertz, direct and by sweeps, with steps that are short and long against a contact: every contact
+ * opens and closes within steps, and the neighbour list runs out in them. */
+static void energy_of_gas(void)
+{
+    static const double ratios[] = {0.01, 0.2, 1.0, 10.0};
+    for (int k = 0; k < 16; k++) {
+        dem_grain grains[GAS];
+        dem_definition def = gas(grains, ratios[k % 4]);
+        def.normal = k / 4 % 2 ? DEM_HERTZ : DEM_LINEAR;
+        def.implicit.solver = k / 8;
+        def.implicit.max_iterations = 10000;
+        def.skin = 0.8;
+        if (def.implicit.solver == DEM_SOLVER_SOR) def.skin = 0.4, def.dt *= k % 4 == 3 ? 0.3 : 1.0;
+        dem_sim *sim = grains_start(&def);
+        const double before = total_energy(sim);
+        double most = 0.0;
+        const long steps = k % 4 ? 2000 : 20000;
+        for (long n = 0; n < steps && dem_sim_fault(sim) == DEM_FAULT_NONE; n++) {
+            CHECK_OK(dem_run(sim, 1));
+            most = fmax(most, fabs(total_energy(sim) - before));
+        }
+        dem_counts counts;
+        dem_count_work(sim, &counts);
+        CU_ASSERT(counts.rebuilds > 2 && counts.iterations > 100.0);
+        /* a step's error is that of places, 5e-16, times a force of some 100, and 2000 of them at random;
+         * sweeps leave the tolerance, 1e-15, with the same sign in each */
+        CHECK_NEAR(most, 0.0, def.implicit.solver == DEM_SOLVER_SOR ? 2e-10 : 1e-11);
+        dem_free(sim);
+    }
+}
+
+/* Steps of ten contact times, in which grains of a crowd meet several others: where Newton's method would go
+ * too far. */
+static void long_steps(void)
+{
+    enum { N = 16 };
+    dem_grain grains[N];
+    for (int i = 0; i < N; i++)
+        grains[i] = (dem_grain){.x = 1.2 * (i % 4) + 0.6 + 0.05 * (i / 4 % 2),
+                                .y = 0.6 + 1.1 * (i / 4),
+                                .r = R,
+                                .m = 1.0,
+                                .vx = 0.4 * (i % 2 ? 1.0 : -0.7),
+                                .vy = 0.2 * (i % 3 - 1)};
+    dem_definition def = disks(grains, N, 10.0);
+    def.gravity[1] = -0.2;
+    for (int i = 0; i < N; i++) grains[i].vx *= sqrt(0.1), grains[i].vy *= sqrt(0.1);
+    def.skin = 0.8;
+    dem_box_walls(&def, 4.8, &def.material);
+    dem_sim *sim = grains_start(&def);
+    const double before = total_energy(sim);
+    CHECK_OK(dem_run(sim, 300));
+    CHECK_NEAR(total_energy(sim), before, 1e-11);
+    dem_free(sim);
+}
+
+/* Free disks: momentum, whatever the tolerance, and angular momentum. */
+static void momentum(void)
+{
+    for (int loose = 0; loose < 2; loose++) {
+        dem_grain grains[3] = {
+            {-0.7, 0.1, R, 1.0, 1.0, 0.0}, {0.7, -0.2, 0.6, 1.7, -1.0, 0.3}, {0.0, 1.2, 0.4, 0.6, 0.0, -1.0}};
+        dem_definition def = disks(grains, 3, 0.7);
+        def.gravity[1] = 0.0;
+        def.implicit.tolerance = loose ? 1e-5 : 1e-15;
+        dem_sim *sim = grains_start(&def);
+        dem_state s[3];
+        double first[3] = {0.0};
+        for (int n = 0; n <= 100; n++) {
+            double p[3] = {0.0};
+            dem_states(sim, s);
+            for (int i = 0; i < 3; i++) {
+                p[0] += s[i].m * s[i].vx;
+                p[1] += s[i].m * s[i].vy;
+                p[2] += s[i].m * (s[i].x * s[i].vy - s[i].y * s[i].vx);
+            }
+            if (n == 0) memcpy(first, p, sizeof p);
+            for (int a = 0; a < (loose ? 2 : 3); a++) CHECK_NEAR(p[a], first[a], 1e-13);
+            CHECK_OK(dem_run(sim, 1));
+        }
+        CU_ASSERT(fabs(s[0].vx - 1.0) > 0.1); /* they met */
+        dem_free(sim);
+    }
+}
+
+/* Every step takes energy, or none: dashpots that may pull or not, slip below and at its limit, wells. */
+static void damping_takes_energy(void)
+{
+    static const double ratios[] = {0.05, 0.5, 3.0};
+    for (int k = 0; k < 12; k++) {
+        dem_grain grains[GAS];
+        dem_definition def = gas(grains, ratios[k % 3]);
+        def.tension = k / 3 % 2;
+        def.material.gamma_n = 30.0;
+        if (k / 6) {
+            def.tangential = DEM_SLIP_ROLL;
+            def.material.gamma_s = 200.0;
+            def.material.mu = 0.3;
+        }
+        def.n_walls = 0;
+        dem_box_walls(&def, 3.6, &def.material);
+        dem_sim *sim = grains_start(&def);
+        double before = total_energy(sim), fall = 0.0;
+        const double start = before;
+        for (long n = 0; n < 3000 && dem_sim_fault(sim) == DEM_FAULT_NONE; n++) {
+            CHECK_OK(dem_run(sim, 1));
+            const double now = total_energy(sim);
+            CU_ASSERT(now <= before + 1e-12);
+            fall = start - now;
+            before = now;
+        }
+        CU_ASSERT(fall > 1.0);
+        dem_free(sim);
+    }
+}
+
+/* A damped impact against the solution that does not come from the simulator; a contact that may not pull
+ * takes less. */
+static void restitution(void)
+{
+    for (int k = 0; k < 4; k++) {
+        const dem_grain grain = {.x = 0.0, .y = R + 0.003, .r = R, .m = 1.0, .vy = -1.0};
+        dem_definition def = on_floor(&grain, 1, 0.01);
+        def.gravity[1] = 0.0;
+        def.normal = k / 2 ? DEM_HERTZ : DEM_LINEAR;
+        def.tension = k % 2;
+        def.walls[0].material.gamma_n = k / 2 ? 15.0 : 60.0;
+        dem_sim *sim = grains_start(&def);
+        dem_collision_result exact;
+        CHECK_OK(dem_collision(def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0, &exact));
+        CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
+        /* first order in dt, as the dashpot sets in within a step: omega dt = 0.02 */
+        CHECK_NEAR(grains_state_of_one(sim).vy, exact.restitution, 2e-3);
+        dem_free(sim);
+    }
+}
+
+/* The closed form printed in (24) is that of overlaps on both sides of a step. Written out for one disk that
+ * bounces: with it each opening changes the energy, where the simulator keeps it. */
+static void printed_form_loses_energy(void)
+{
+    const dem_grain grain = {.x = 0.0, .y = R + 0.01, .r = R, .m = 1.0, .vy = -0.5};
+    dem_definition def = on_floor(&grain, 1, 0.2);
+    def.gravity[1] = 0.0;
+    dem_sim *sim = grains_start(&def);
+    double x = 0.01, v = -0.5; /* of its lowest point */
+    const double dt = def.dt, c = 0.25 * dt * dt * K;
+    for (int n = 0; n < 200; n++) {
+        /* m (u - dt v) = dt^2/2 K (-x - u/2), if either end then is below the floor; or free */
+        double u = dt * v;
+        if (x < 0.0 || x + u < 0.0) u = (dt * v - 2.0 * c * x) / (1.0 + c);
+        x += u;
+        v = 2.0 * u / dt - v;
+        CHECK_OK(dem_run(sim, 1));
+    }
+    CU_ASSERT(x > 0.0 && v > 0.0);
+    CU_ASSERT(fabs(v / 0.5 - 1.0) > 1e-3);
+    CHECK_NEAR(grains_state_of_one(sim).vy, 0.5, 1e-13);
+    dem_free(sim);
+}
+
+/* A heap that settles, on a sloping wall, a floor and a fixed grain. */
+static dem_definition heap(dem_grain *grains, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        grains[i] = (dem_grain){.x = 1.2 + 1.01 * (double)(i % 4) + 0.1 * (double)(i / 4 % 2),
+                                .y = R + 0.99 * (double)(i / 4),
+                                .r = R,
+                                .m = 1.0};
+    grains[0].fixed = true;
+    dem_definition def = on_floor(grains, n, 0.5);
+    def.material.gamma_n = 20.0;
+    def.n_walls = 2;
+    for (size_t w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.walls[1] = grains_line(4.9, 0.0, -0.6, 0.8, &def.material);
+    return def;
+}
+
+static void sweeps_match_direct(void)
+{
+    enum { N = 12 };
+    dem_grain grains[N];
+    dem_definition def = heap(grains, N);
+    dem_sim *direct = grains_start(&def);
+    def.implicit.solver = DEM_SOLVER_SOR;
+    static const double factors[] = {0.5, 0.9};
+    for (int k = 0; k < 2; k++) {
+        def.implicit.relaxation = factors[k];
+        dem_sim *sor = grains_start(&def);
+        if (k == 0) CHECK_OK(dem_run(direct, 100));
+        CHECK_OK(dem_run(sor, 100));
+        dem_state s[N], t[N];
+        dem_states(direct, s);
+        dem_states(sor, t);
+        for (int i = 0; i < N; i++) {
+            CHECK_NEAR(s[i].x, t[i].x, 1e-12);
+            CHECK_NEAR(s[i].y, t[i].y, 1e-12);
+            CHECK_NEAR(s[i].vx, t[i].vx, 1e-10);
+        }
+        CU_ASSERT(s[0].x == grains[0].x && s[0].vy == 0.0);
+        CU_ASSERT(fabs(s[1].y - grains[1].y) > 1e-5);
+        dem_free(sor);
+    }
+    dem_free(direct);
+}
+
+/* A linear contact that lasts is a linear equation, on a slope too: one factorisation a step. */
+static void newton_is_exact_on_a_slope(void)
+{
+    const dem_grain grain = {.x = -0.6 * (R - 1e-3), .y = 0.8 * (R - 1e-3), .r = R, .m = 1.0};
+    dem_definition def = on_floor(&grain, 1, 3.0);
+    def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
+    def.gravity[0] = 6.0;
+    def.gravity[1] = -8.0; /* 10, onto the wall: deep enough not to part */
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 50));
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.contacts == 0 && counts.iterations <= 2 * 50);
+    dem_free(sim);
+}
+
+static void what_is_not_solved(void)
+{
+    enum { N = 12 };
+    dem_grain grains[N];
+    dem_definition def = heap(grains, N);
+    def.material.gamma_n = 0.0;
+    def.dt *= 10.0;
+    def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, 1.9, 1e-12, 300};
+    dem_sim *sim = grains_start(&def);
+    CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 300 sweeps its own equation still asks for");
+    CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NOT_SOLVED);
+    dem_free(sim);
+    def.implicit = (dem_implicit_solver){DEM_SOLVER_DIRECT, 0.7, 1e-12, 1};
+    sim = grains_start(&def);
+    CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 1 factorisations");
+    dem_free(sim);
+    grains[11].vx = 0.11 / def.dt; /* the skin is 0.2 */
+    def.implicit.max_iterations = 100;
+    sim = grains_start(&def);
+    CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "in one step, half the skin is 0.1");
+    CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_TOO_FAST);
+    dem_free(sim);
+}
+
+/* A copy, another instance of the pair loop, a new list and a grain that comes later. */
+static void same_bits(void)
+{
+    for (int solver = 0; solver < 2; solver++) {
+        dem_grain grains[GAS];
+        dem_definition def = gas(grains, 0.5);
+        def.implicit.solver = solver;
+        dem_sim *a = grains_start(&def), *b, *c;
+        def.kernel = DEM_REFERENCE;
+        c = grains_start(&def);
+        CHECK_OK(dem_run(a, 500));
+        CHECK_OK(dem_clone(a, &b));
+        CHECK_OK(dem_run(a, 500));
+        CHECK_OK(dem_run(b, 500));
+        CHECK_OK(dem_run(c, 1000));
+        CU_ASSERT(grains_same_bits(a, b));
+        CU_ASSERT(grains_same_bits(a, c));
+        const dem_grain late = {.x = 1.8, .y = 6.0, .r = 0.4, .m = 0.5};
+        CHECK_OK(dem_add(a, &late, NULL));
+        const double before = total_energy(a);
+        CHECK_OK(dem_run(a, 500));
+        CHECK_NEAR(total_energy(a), before, 1e-11);
+        dem_free(a), dem_free(b), dem_free(c);
+    }
+}
+
+static void refusals(void)
+{
+    const dem_grain grain = {.x = 0.0, .y = 2.0, .r = R, .m = 1.0};
+    dem_sim *sim;
+#define REFUSES(change, text)                                                                                \
+    do {                                                                                                     \
+        dem_definition def = on_floor(&grain, 1, 1.0);                                                       \
+        change;                                                                                              \
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, text);                                             \
+    } while (0)
+    REFUSES(def.rotation = true, "rotation: grains that rotate need the integrator verlet");
+    REFUSES((def.tangential = DEM_SPRING, def.material.k_s = def.walls[0].material.k_s = 1.0),
+            "has no tangential law spring");
+    REFUSES((def.tension = false, def.hard.on = true), "hard: collisions need the integrator verlet");
+    REFUSES(def.walls[0].extent[1] = 5.0,
+            "wall 1: extent = [-inf, 5]: the integrator implicit needs whole lines");
+    REFUSES(def.ledger = true, "has no energy ledger");
+    REFUSES(def.box_turn_per_step = 0.01, "the integrator implicit needs walls that stand");
+    REFUSES((def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = 2.0),
+            "relaxation = 2: out of range");
+    REFUSES(def.implicit.tolerance = 0.0, "tolerance = 0: out of range");
+    REFUSES(def.implicit.tolerance = NAN, "tolerance = nan: out of range");
+    REFUSES(def.implicit.max_iterations = 0, "max_iterations = 0: out of range");
+#undef REFUSES
+    dem_definition def = on_floor(&grain, 1, 1.0);
+    sim = grains_start(&def);
+    dem_box_turn(sim, 0.01);
+    CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the integrator implicit needs walls that stand");
+    dem_free(sim);
+}
+
+void suite_midpoint(void)
+{
+    static const check_case cases[] = {{"phase of an oscillator", phase_of_oscillator},
+                                       {"energy of a well", well_conserves},
+                                       {"order", second_order},
+                                       {"energy of a gas", energy_of_gas},
+                                       {"long steps", long_steps},
+                                       {"momentum", momentum},
+                                       {"damping takes energy", damping_takes_energy},
+                                       {"restitution", restitution},
+                                       {"(24) as printed does not keep energy", printed_form_loses_energy},
+                                       {"sweeps match direct solves", sweeps_match_direct},
+                                       {"a linear contact on a slope", newton_is_exact_on_a_slope},
+                                       {"what is not solved", what_is_not_solved},
+                                       {"same bits", same_bits},
+                                       {"what is refused", refusals},
+                                       {NULL, NULL}};
+    check_register("implicit integrator", cases);
+}

@@ -1,0 +1,253 @@
+/* Heaps for the static solver, the dip of N, and protocol `pile`: closed forms, the exact forces of
+ * diagonals, unequal disks, what comes without a result. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sweeps/heap.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+
+static const double DEG = M_PI / 180;
+
+/* Forces of up to 1e3 (m g) balance to the solver's tolerance, sums over a hundred base disks. */
+#define BALANCE 1e-9
+
+/* ---- the dip ---- */
+
+/* Loads 1 + s |u|^power of k disks at 3 + 0.2 u, u from -1/2 to 1/2. */
+static double heaped(size_t k, double s, double power)
+{
+    double *x = malloc(2 * k * sizeof *x), *N = x + k;
+    for (size_t i = 0; i < k; i++) {
+        const double u = ((double)i + 0.5) / (double)k - 0.5;
+        x[i] = 3 + 0.2 * u;
+        N[i] = 1 + s * pow(fabs(u), power);
+    }
+    const double D = sweep_heap_dip(k, x, N);
+    free(x);
+    return D;
+}
+
+/* The loads are even over a disk: off by s/K over the half of one at either end of the narrowest part, a
+ * fifth. */
+#define TOLERANCE(s, K) (5 * fabs(s) / ((K) * (K)) + 1e-12)
+
+/* Half of the load within w/2 of the middle: w + s w^2/4 = 0.98 (1 + s/4); the means of 1 + s |u| are 1 + s
+ * 0.05 w, 1 + s 0.2 w and 1 + s w/4. */
+static void dip_closed_forms(void)
+{
+    enum { K = 2000 };
+    static const double slopes[] = {0, 0.7, -1.3, 40};
+    for (int i = 0; i < 4; i++) {
+        const double s = slopes[i], rest = 0.98 * (1 + s / 4);
+        const double w = 2 * rest / (1 + sqrt(1 + s * rest));
+        CHECK_NEAR(heaped(K, s, 1), -0.15 * s * w / (1 + s * w / 4), TOLERANCE(s, K));
+    }
+    /* 1 + s u^2: w + s w^3/12 = 0.98 (1 + s/12) by Newton's method; means 1 + s w^2 times 0.01/3, 0.13/3,
+     * 1/12 */
+    const double s = 3.1;
+    double w = 1;
+    for (int i = 0; i < 20; i++) w -= (w + s * w * w * w / 12 - 0.98 * (1 + s / 12)) / (1 + s * w * w / 4);
+    CHECK_NEAR(heaped(K, s, 2), -0.04 * s * w * w / (1 + s * w * w / 12), TOLERANCE(s, K));
+    CHECK_NEAR(heaped(45, 0.7, 1), heaped(K, 0.7, 1), TOLERANCE(0.7, 45));
+    CU_ASSERT(isnan(heaped(1, 0, 1)));
+}
+
+/* Shifted, stretched, mirrored, all loads doubled; and a load off the middle is measured from its centroid.
+ */
+static void dip_invariances(void)
+{
+    enum { K = 31 };
+    double x[K], N[K], y[K], M[K];
+    for (int i = 0; i < K; i++) {
+        x[i] = i + 0.3 * sin(i);
+        N[i] = 2 + sin(0.37 * i) + 0.01 * i;
+    }
+    const double D = sweep_heap_dip(K, x, N);
+    for (int i = 0; i < K; i++) {
+        y[i] = 7 - 0.3 * x[K - 1 - i];
+        M[i] = 2 * N[K - 1 - i];
+    }
+    CHECK_NEAR(sweep_heap_dip(K, y, M), D, 1e-12);
+    CU_ASSERT(fabs(D) > 0.01);
+}
+
+/* ---- unequal disks ---- */
+
+static void sizes(void)
+{
+    const double S = 0.02385;
+    sweep_heap a = {0}, b = {0};
+    CHECK_OK(sweep_heap_slope(&a, 100, 0, 50 * DEG));
+    CHECK_OK(sweep_heap_slope(&b, 100, 0, 50 * DEG));
+    CHECK_OK(sweep_heap_disorder(&a, S, 7, 3));
+    CHECK_OK(sweep_heap_disorder(&b, S, 7, 4));
+    double sum = 0, squares = 0;
+    size_t n = 0, same = 0;
+    for (size_t i = 0; i < a.n; i++) {
+        const dem_pile_disk *p = &a.disks[i];
+        const double z = (2 * p->r - 1) / S;
+        CHECK_NEAR(p->weight, 4 * p->r * p->r, 1e-14);
+        if (p->y == 0.5) {
+            CU_ASSERT(p->r == 0.5 && p->weight == 1);
+            continue;
+        }
+        n++;
+        same += p->r == b.disks[i].r;
+        CU_ASSERT(fabs(z) <= 3);
+        sum += z;
+        squares += z * z;
+    }
+    /* cut at 3 the variance is 0.9733; five standard errors */
+    CU_ASSERT(n > 3000 && same == 0);
+    CHECK_NEAR(sum / (double)n, 0, 5 / sqrt((double)n));
+    CHECK_NEAR(squares / (double)n, 0.9733, 5 * sqrt(2 / (double)n));
+    CHECK_OK(sweep_heap_disorder(&b, S, 7, 3)); /* drawn again */
+    for (size_t i = 0; i < a.n; i++) CU_ASSERT(a.disks[i].r == b.disks[i].r);
+    sweep_heap_free(&a);
+    sweep_heap_free(&b);
+}
+
+/* The base carries the weight, and nothing pushes sideways, from sizes that hardly differ to gaps and
+ * overlaps of a hundred times the largest force; all of these states are stable. */
+static void unequal_piles_stand(void)
+{
+    static const double S[] = {1e-6, 1e-4, 1e-2}, eps[] = {1e-4, 1e-6};
+    for (int c = 0; c < (check_fast() ? 2 : 6); c++) {
+        sweep_heap h = {0};
+        CHECK_OK(sweep_heap_slope(&h, 24, 0, 30 * DEG));
+        CHECK_OK(sweep_heap_disorder(&h, S[c / 2], 1992, (unsigned long)c));
+        dem_pile_definition def = dem_pile_definition_default();
+        def.n = h.n;
+        def.disks = h.disks;
+        def.eps = eps[c % 2];
+        def.branch = DEM_BRANCH_MINIMUM;
+        dem_pile *pile = NULL;
+        dem_pile_result r;
+        double N[24], H[24], weight = 0, load = 0, push = 0;
+        CHECK_OK(dem_pile_create(&def, &pile));
+        CHECK_OK(dem_pile_solve(pile, &r));
+        dem_pile_base(pile, NULL, N, H);
+        for (size_t i = 0; i < h.n; i++) weight += h.disks[i].weight;
+        for (size_t i = 0; i < h.k; i++) {
+            load += N[i];
+            push += H[i];
+        }
+        CHECK_NEAR(load, weight, BALANCE);
+        CHECK_NEAR(push, 0, BALANCE);
+        CU_ASSERT(r.fault == DEM_PILE_OK && r.negative_modes == 0 && r.residual < 1e-9);
+        dem_pile_free(pile);
+        sweep_heap_free(&h);
+    }
+}
+
+/* ---- the protocol ---- */
+
+/* Run with "name=value" changes of the defaults, ended by NULL. */
+static rp_status run(const char *const changes[], unsigned long number, sweep_result *result)
+{
+    const sweep_protocol *p = &sweep_protocol_pile;
+    void *params = calloc(1, p->params_size);
+    rp_params_defaults(p->schema, params);
+    for (; *changes; changes++) {
+        char name[32];
+        const char *value = strchr(*changes, '=') + 1;
+        snprintf(name, sizeof name, "%.*s", (int)(value - *changes - 1), *changes);
+        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, name), params, value));
+    }
+    rp_status status = p->check(params);
+    if (!status) status = p->run(params, 1992, number, result);
+    free(params);
+    return status;
+}
+
+#define RUN(number, result, ...) run((const char *const[]){__VA_ARGS__, NULL}, number, result)
+
+static double output(const sweep_result *result, const char *name)
+{
+    const sweep_output *o = sweep_protocol_pile.outputs;
+    for (size_t i = 0; o[i].name; i++)
+        if (strcmp(o[i].name, name) == 0) return result->values[i];
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+/* With gaps no row closes: diagonals alone, under a triangle and under a tent, whose N has its dip. */
+static void open_rows(void)
+{
+    static const char *const inner[] = {"inner_deg=auto", "inner_deg=45"};
+    for (int tent = 0; tent < 2; tent++) {
+        sweep_result r;
+        CHECK_OK(RUN(0, &r, "base=50", "alpha_deg=30", "x_1=0.38", "eps=0", "gap=0.005", inner[tent]));
+        CU_ASSERT_STRING_EQUAL(r.status, "ok");
+        CHECK_NEAR(output(&r, "N_error_rms"), 0, BALANCE);
+        CHECK_NEAR(output(&r, "N_error_max"), 0, BALANCE);
+        CHECK_NEAR(output(&r, "H_ratio"), 1, BALANCE);
+        CHECK_NEAR(output(&r, "thrust_ratio"), 1, BALANCE);
+        CHECK_NEAR(output(&r, "H_slope_ratio"), 1, BALANCE);
+        CU_ASSERT(output(&r, "strongest_level") == 0 && output(&r, "weakest_level") == 0);
+        CHECK_NEAR(output(&r, "D"), output(&r, "D_diagonals"), BALANCE);
+        CHECK_NEAR(output(&r, "N_centre"), output(&r, "N_centre_diagonals"), BALANCE);
+        CU_ASSERT(output(&r, "horizontal") == 0 && output(&r, "negative_modes") == 0);
+        CU_ASSERT((output(&r, "N_centre") < 0.97) == (tent == 1));
+    }
+}
+
+/* Deviations from the continuum of diagonals alone shrink as 1/k, as steps do; with rows that touch H keeps
+ * its distance. */
+static void against_continuum(void)
+{
+    double N[2], H[2];
+    for (int i = 0; i < 2; i++) {
+        sweep_result r;
+        CHECK_OK(RUN(0, &r, i ? "base=120" : "base=30", "alpha_deg=30", "eps=0", "gap=1e-7"));
+        N[i] = output(&r, "N_continuum_rms");
+        H[i] = output(&r, "H_continuum_rms");
+    }
+    CU_ASSERT(N[0] < 0.05 && N[1] < 0.4 * N[0] && H[1] < 0.4 * H[0]);
+    sweep_result r;
+    CHECK_OK(RUN(0, &r, "base=120", "alpha_deg=30", "eps=0"));
+    CU_ASSERT(output(&r, "weakest_level") > 0.5 && output(&r, "strongest_level") < 0.05);
+    CU_ASSERT(output(&r, "H_continuum_rms") > 0.1 && output(&r, "N_continuum_rms") > 0.02);
+    CHECK_OK(RUN(0, &r, "base=20")); /* no continuum at 60 degrees */
+    CU_ASSERT(isnan(output(&r, "N_continuum_rms")) && output(&r, "n_disks") == 210);
+}
+
+static void replicas(void)
+{
+    sweep_result a, b, c;
+    CHECK_OK(RUN(5, &a, "base=20", "alpha_deg=30", "disorder=1e-3"));
+    CHECK_OK(RUN(5, &b, "base=20", "alpha_deg=30", "disorder=1e-3"));
+    CHECK_OK(RUN(6, &c, "base=20", "alpha_deg=30", "disorder=1e-3"));
+    CU_ASSERT(output(&a, "D") == output(&b, "D") && output(&a, "D") != output(&c, "D"));
+    CHECK_OK(RUN(5, &a, "base=20", "alpha_deg=30"));
+    CHECK_OK(RUN(6, &b, "base=20", "alpha_deg=30"));
+    CU_ASSERT(output(&a, "D") == output(&b, "D"));
+}
+
+static void without_result(void)
+{
+    sweep_result r;
+    CHECK_OK(RUN(0, &r, "alpha_deg=30", "well=1", "mu=0.1"));
+    CU_ASSERT_STRING_EQUAL(r.status, "spreads");
+    CU_ASSERT(strstr(r.message, "wells broken") && output(&r, "broken") > 0 && isnan(output(&r, "D")));
+    CU_ASSERT(isnan(output(&r, "negative_modes")) && output(&r, "load") < 1);
+    CHECK_FAILS(RUN(0, &r, "eps=0", "disorder=1e-3"), RP_BAD_INPUT, "overlap");
+    CHECK_FAILS(RUN(0, &r, "alpha_deg=60", "inner_deg=30"), RP_BAD_INPUT, "alpha_1");
+    CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1"), RP_BAD_INPUT, "alpha");
+}
+
+void suite_piles(void)
+{
+    static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
+                                       {"the dip: invariances", dip_invariances},
+                                       {"sizes of unequal disks", sizes},
+                                       {"unequal piles stand", unequal_piles_stand},
+                                       {"open rows: diagonals alone", open_rows},
+                                       {"against the continuum", against_continuum},
+                                       {"replicas", replicas},
+                                       {"without a result", without_result},
+                                       {NULL, NULL}};
+    check_register("piles", cases);
+}

@@ -1,0 +1,219 @@
+/* Chaos and what it leaves alone: how fast a difference of round-off grows in an avalanche; and that the
+ * pair loop's instance and the number of workers change no bit. */
+#include <ftw.h>
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_statistics_double.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/table.h"
+#include "dem/sim.h"
+#include "sweeps/protocol.h"
+#include "sweeps/sweep.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+static const double D = 0.2; /* nominal diameter */
+
+/* Root mean square over the grains of how far two simulations' places are apart, in diameters. */
+static double distance(const dem_sim *a, const dem_sim *b, dem_state *s, dem_state *t)
+{
+    const size_t n = dem_count(a), m = dem_count(b);
+    double sum = 0.0;
+    size_t both = 0;
+    if (dem_states(a, s) != RP_OK || dem_states(b, t) != RP_OK) return NAN;
+    for (size_t i = 0, j = 0; i < n && j < m;) {
+        if (s[i].id == t[j].id) {
+            const double dx = s[i].x - t[j].x, dy = s[i].y - t[j].y;
+            sum += dx * dx + dy * dy;
+            both++;
+        }
+        const uint32_t next = s[i].id;
+        i += next <= t[j].id;
+        j += t[j].id <= next;
+    }
+    return sqrt(sum / (double)both) / D;
+}
+
+typedef struct {
+    double rate;        /* of the logarithm of the distance, 1/s; NaN where it does not reach a diameter's */
+    double first, last; /* distances at the opening and at the end, diameters */
+    double tenth;       /* and after 0.01 s */
+} growth;
+
+typedef struct {
+    size_t n;
+    double t[2000], log_d[2000];
+    bool grown;
+} series;
+
+/* Add one distance to the fit, while it grows as a small one does: from ten times the first to a thousandth
+ * of a diameter. */
+static void note(series *s, double t, double d, double first)
+{
+    s->grown |= d > 1e-3;
+    if (s->grown || !(d > 10.0 * first)) return;
+    s->t[s->n] = t;
+    s->log_d[s->n++] = log(d);
+}
+
+static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(N, W, stream, &grains);
+    def.dt = dt;
+    def.x_max = 3.0 * W;
+    def.kernel = kernel;
+    dem_sim *sim = grains_start(&def);
+    free(grains);
+    return sim;
+}
+
+/* A box is filled and comes to rest; in a copy of it one grain is shifted, both are opened, and their
+ * distance is written down for 0.3 s. The rate is that of a least-squares line through its logarithm. */
+static growth avalanche(long N, double W, double dt, double shift, long stream, FILE *out)
+{
+    const int most = 1200;
+    const long every = lround(2.5e-4 / dt);
+    dem_sim *a = filled_box(N, W, dt, stream, DEM_FAST), *b = NULL;
+    dem_state *s = calloc((size_t)(2 * N), sizeof *s);
+    series *fit = calloc(1, sizeof *fit);
+    CU_ASSERT_FATAL(s && fit);
+    CHECK_OK(dem_run(a, lround(1.0 / dt)));
+    CHECK_OK(dem_clone(a, &b));
+    b->grain[N / 2].x[0] += shift;
+    dem_wall_open(a, DEM_BOX_RIGHT, INFINITY);
+    dem_wall_open(b, DEM_BOX_RIGHT, INFINITY);
+    growth g = {.rate = NAN, .first = distance(a, b, s, s + N)};
+    for (int k = 1; k <= most && dem_run(a, every) == RP_OK && dem_run(b, every) == RP_OK; k++) {
+        const double t = (double)k * (double)every * dt;
+        g.last = distance(a, b, s, s + N);
+        if (k == 40) g.tenth = g.last;
+        note(fit, t, g.last, g.first);
+        if (out && k % 4 == 0) rp_table_row(out, 5, (double[]){dt, shift, (double)stream, t, g.last});
+    }
+    double c0, cov[3], sumsq;
+    if (fit->grown && fit->n > 2)
+        gsl_fit_linear(fit->t, 1, fit->log_d, 1, fit->n, &c0, &g.rate, cov, cov + 1, cov + 2, &sumsq);
+    dem_free(a);
+    dem_free(b);
+    free(fit);
+    free(s);
+    return g;
+}
+
+/* The copy alone changes nothing; small shifts grow in proportion, until they are as large as grains. */
+static void round_off_grows(void)
+{
+    const growth none = avalanche(60, 1.6, 5e-5, 0.0, 0, NULL),
+                 small = avalanche(60, 1.6, 5e-5, 1e-12, 0, NULL),
+                 large = avalanche(60, 1.6, 5e-5, 1e-10, 0, NULL);
+    CU_ASSERT(none.first == 0.0 && none.last == 0.0);
+    /* in the linear regime, a hundred times the shift is a hundred times the distance; the shift itself is
+     * rounded by 1e-16, and a step's rounding adds as much */
+    CHECK_NEAR(large.tenth / small.tenth, 100.0, 1.0);
+    CU_ASSERT(small.rate > 50.0 && small.rate < 1000.0);
+    CU_ASSERT(small.last > 1e6 * small.first);
+}
+
+static void lyapunov(void)
+{
+    const struct {
+        double dt, shift;
+    } groups[] = {{5e-5, 1e-15}, {2.5e-5, 1e-15}, {5e-5, 1e-12}};
+    const char *const columns[][2] = {
+        {"dt", "s"}, {"shift", "cm"}, {"seed", ""}, {"t", "s"}, {"distance", "d"}};
+    const char *const fit_columns[][2] = {{"dt", "s"},     {"shift", "cm"},    {"n", ""},
+                                          {"rate", "1/s"}, {"rate_se", "1/s"}, {"doubling", "s"}};
+    enum { SEEDS = 12, GROUPS = sizeof groups / sizeof *groups };
+    double rates[GROUPS], errors[GROUPS];
+    FILE *out = check_table("chaos"), *fits = check_table("chaos_fit");
+    if (out) rp_table_columns(out, 5, columns);
+    if (fits) rp_table_columns(fits, 6, fit_columns);
+    for (int i = 0; i < GROUPS && check_full(); i++) {
+        double rate[SEEDS];
+        for (int seed = 0; seed < SEEDS; seed++) {
+            const growth g = avalanche(400, 4.0, groups[i].dt, groups[i].shift, seed, out);
+            CU_ASSERT(g.rate > 0.0 && g.last > 1e-2);
+            rate[seed] = g.rate;
+        }
+        rates[i] = gsl_stats_mean(rate, 1, SEEDS);
+        errors[i] = gsl_stats_sd(rate, 1, SEEDS) / sqrt(SEEDS);
+        /* Four standard errors of a difference: one of 16000 by chance. Growth quickens as the avalanche goes
+         * on, and a larger shift is fitted over another part of it. */
+        CHECK_NEAR(rates[i], rates[0],
+                   groups[i].shift > groups[0].shift ? 0.25 * rates[0] : 4.0 * hypot(errors[i], errors[0]));
+        if (fits)
+            rp_table_row(
+                fits, 6,
+                (double[]){groups[i].dt, groups[i].shift, SEEDS, rates[i], errors[i], M_LN2 / rates[i]});
+    }
+    check_table_close(out, "chaos");
+    check_table_close(fits, "chaos_fit");
+}
+
+/* A box that settles and runs out has the same bits with every instance of the pair loop. */
+static void kernels_agree(void)
+{
+    const long N = check_fast() ? 30 : 100;
+    dem_sim *reference = filled_box(N, 2.0, 5e-5, 3, DEM_REFERENCE);
+    CHECK_OK(dem_run(reference, 3000));
+    dem_wall_open(reference, DEM_BOX_RIGHT, INFINITY);
+    CHECK_OK(dem_run(reference, 3000));
+    for (int kernel = DEM_FAST; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        dem_sim *sim = filled_box(N, 2.0, 5e-5, 3, kernel);
+        CHECK_OK(dem_run(sim, 3000));
+        dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+        CHECK_OK(dem_run(sim, 3000));
+        CU_ASSERT(grains_same_bits(sim, reference));
+        dem_free(sim);
+    }
+    dem_free(reference);
+}
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type, (void)ftw;
+    return remove(path);
+}
+
+/* Piles of a sweep have the same digest from one, two and five workers. */
+static void workers_agree(void)
+{
+#define X(name) &sweep_protocol_##name,
+    static const sweep_protocol *const protocols[] = {SWEEP_PROTOCOLS(X) NULL};
+#undef X
+    char base[] = "/tmp/repose_chaos_XXXXXX", file[64], digests[3][33];
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    snprintf(file, sizeof file, "%s/s.cfg", base);
+    FILE *out = fopen(file, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    fputs("protocol = \"repose\"; replicas = 4; seed = 7; fixed = { W = 1.0; H = 1.0; fill_steps = 2000; "
+          "stop = \"steps\"; relax_steps = 2000; }; grid = { mu = [0.1, 0.3]; };",
+          out);
+    fclose(out);
+    for (int k = 0; k < 3; k++) {
+        char dir[64];
+        sweep_counts counts;
+        size_t n;
+        snprintf(dir, sizeof dir, "%s/%d", base, k);
+        CHECK_OK(sweep_prepare(file, dir, 0, protocols, &counts));
+        CHECK_OK(sweep_run(dir, protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
+        digests[k][0] = '\0';
+        CHECK_OK(sweep_digest(dir, protocols, digests[k], &n));
+        CU_ASSERT(n == 8 && strcmp(digests[k], digests[0]) == 0);
+    }
+    nftw(base, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+void suite_chaos(void)
+{
+    static const check_case cases[] = {{"small differences grow", round_off_grows},
+                                       {"growth rate over seeds and time steps", lyapunov},
+                                       {"the pair loop's instances agree", kernels_agree},
+                                       {"any number of workers agrees", workers_agree},
+                                       {NULL, NULL}};
+    check_register("validation: chaos", cases);
+}

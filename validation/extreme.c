@@ -1,0 +1,963 @@
+/* Stiff and extreme cases, generated: each is either right, by a closed form or a conservation law, or
+ * refused with a reason that names what is wrong; none crashes, hangs or gives a wrong number. One row a
+ * case. */
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "analytic/analytic.h"
+#include "angle/angle.h"
+#include "core/clock.h"
+#include "core/table.h"
+#include "dem/dem.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+static const double R = 0.1, M = 0.004, G = 981.0;
+static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5"};
+static const double stiffnesses[] = {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+
+/* ---- The table */
+
+static FILE *table;
+static int n_cases, n_right, n_refused;
+
+typedef struct {
+    char parameters[200], expected[120], observed[320];
+} texts;
+
+static texts text; /* of the present case */
+
+static void say(char *to, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void say(char *to, size_t size, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(to, size, format, args);
+    va_end(args);
+}
+#define PARAMETERS(...) say(text.parameters, sizeof text.parameters, __VA_ARGS__)
+#define EXPECTED(...)   say(text.expected, sizeof text.expected, __VA_ARGS__)
+#define OBSERVED(...)   say(text.observed, sizeof text.observed, __VA_ARGS__)
+
+static void verdict(const char *name, bool right)
+{
+    n_cases++;
+    n_right += right;
+    n_refused += strncmp(text.expected, "refused", 7) == 0;
+    CU_ASSERT(right);
+    if (!right)
+        fprintf(stderr, "extreme: %s: %s: expected %s, observed %s\n", name, text.parameters, text.expected,
+                text.observed);
+    if (table)
+        fprintf(table, "%s\t%s\t%s\t%s\t%s\n", name, text.parameters, text.expected, text.observed,
+                right ? "right" : "WRONG");
+}
+
+/* A number that must be within a relative (of `scale`) tolerance of its closed form. */
+static void number(const char *name, double observed, double expected, double scale, double tolerance)
+{
+    EXPECTED("%.9g within %.1g", expected, tolerance * fabs(scale));
+    OBSERVED("%.9g", observed);
+    verdict(name, fabs(observed - expected) <= tolerance * fabs(scale));
+}
+
+/* A call that must fail, with the name of what is wrong in its message. */
+static void refusal(const char *name, rp_status status, rp_status expected, const char *word)
+{
+    EXPECTED("refused: %s", word);
+    OBSERVED("%s%s%s", status ? "refused: " : "accepted", status ? rp_message() : "", "");
+    verdict(name, status == expected && strstr(rp_message(), word) != NULL);
+}
+
+/* ---- Scenes */
+
+static dem_definition bare(int law, int scheme)
+{
+    dem_definition def = dem_definition_default();
+    def.normal = law;
+    def.integrator = scheme;
+    def.tangential = DEM_NONE;
+    def.gravity[1] = 0.0;
+    def.material = (dem_material){.k_n = 1e6};
+    return def;
+}
+
+static void with_floor(dem_definition *def)
+{
+    def->n_walls = 1;
+    def->walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def->material);
+}
+
+/* A grain put on a floor presses it in by what carries its weight; one too heavy for the floor goes through
+ * it, and the run ends with that reason. */
+static void static_overlaps(void)
+{
+    for (int scheme = 0; scheme < 2; scheme++)
+        for (int law = 0; law < 2; law++)
+            for (size_t i = 0; i < COUNT(stiffnesses); i++) {
+                dem_definition def = bare(law, scheme);
+                const double k = stiffnesses[i], power = law == DEM_HERTZ ? 2.0 / 3.0 : 1.0;
+                const double overlap = pow(M * G / k, power);
+                const double omega = sqrt((law == DEM_HERTZ ? 1.5 : 1.0) * G / overlap);
+                dem_grain grain = {0.0, R, R, M};
+                def.gravity[1] = -G;
+                def.material = (dem_material){.k_n = k, .gamma_n = 2.0 * omega};
+                def.grains = &grain;
+                def.n_grains = 1;
+                with_floor(&def);
+                def.dt = 0.5 * fmin(dem_time_step_limit(&def, NULL), 0.1 / omega);
+                PARAMETERS("k_n = %g, %s, %s", k, law_names[law], scheme_names[scheme]);
+                dem_sim *sim = grains_start(&def);
+                rp_status status = dem_run(sim, lround(40.0 / (omega * def.dt)));
+                dem_contact *contacts = NULL;
+                size_t n = 0;
+                if (overlap > R)
+                    refusal("static overlap", status, RP_BROKEN, "centre passed wall 1");
+                else if (dem_contacts(sim, &contacts, &n) == RP_OK && !status && n == 1)
+                    /* a creep ends where v dt, of v = omega (y - y0)/2, is lost in the rounding of y */
+                    number("static overlap", contacts[0].overlap, overlap, 1.0,
+                           1e-6 * overlap + 4.0 * 0x1p-57 / (omega * def.dt));
+                else
+                    refusal("static overlap", status, RP_OK, "none");
+                free(contacts);
+                dem_free(sim);
+            }
+}
+
+typedef struct {
+    double v[2];
+    rp_status status;
+} outcome;
+
+/* Two grains, the first at rest, the second coming at speed v along x; until they part, or `most` steps. */
+static outcome collide(dem_definition *def, dem_grain grains[2], double v, double steps, long most)
+{
+    grains[1].x = grains[0].x + grains[0].r + grains[1].r;
+    grains[1].vx = -v;
+    def->grains = grains;
+    def->n_grains = 2;
+    def->dt = dem_time_step_limit(def, NULL) / steps;
+    grains[1].x += 0.381 * v * def->dt;
+    outcome o = {.status = RP_OK};
+    dem_sim *sim = grains_start(def);
+    dem_state s[2];
+    for (long part = 0; part < most && !o.status; part++) {
+        o.status = dem_run(sim, 1);
+        dem_states(sim, s);
+        if (s[1].x - s[0].x > s[0].r + s[1].r && s[1].vx > s[0].vx) break;
+    }
+    o.v[0] = s[0].vx;
+    o.v[1] = s[1].vx;
+    dem_free(sim);
+    return o;
+}
+
+/* Head-on elastic impacts of any stiffness, radii and masses: both speeds after it; or an overlap beyond the
+ * smaller radius, by the closed form, and then that reason. */
+static void elastic(const char *name, int law, int scheme, double k, dem_grain a, dem_grain b, double v)
+{
+    const double m_eff = a.m * b.m / (a.m + b.m);
+    const double depth = law == DEM_HERTZ ? pow(1.25 * m_eff * v * v / k, 0.4) : v * sqrt(m_eff / k);
+    dem_definition def = bare(law, scheme);
+    def.material.k_n = k;
+    PARAMETERS("k_n = %g, %s, %s, r = %g, %g, m = %g, %g", k, law_names[law], scheme_names[scheme], a.r, b.r,
+               a.m, b.m);
+    outcome o = collide(&def, (dem_grain[]){a, b}, v, 40.0, 100000);
+    if (depth > fmin(a.r, b.r)) {
+        refusal(name, o.status, RP_BROKEN, "beyond the smaller radius");
+        return;
+    }
+    /* 40 steps to the limit's, some 120 an impact: a force with a kink at touch leaves up to 1/120^2 of the
+     * speed that is exchanged, and Gear's scheme, of one evaluation, some ten times as much */
+    const double after[2] = {-2.0 * b.m / (a.m + b.m) * v, -(b.m - a.m) / (a.m + b.m) * v};
+    const double error = fmax(fabs(o.v[0] - after[0]), fabs(o.v[1] - after[1])) / v;
+    EXPECTED("speeds %.6g, %.6g", after[0], after[1]);
+    OBSERVED("%.6g, %.6g%s%s", o.v[0], o.v[1], o.status ? "; " : "", o.status ? rp_message() : "");
+    verdict(name, o.status == RP_OK && error < 1e-3);
+}
+
+static void elastic_impacts(void)
+{
+    const dem_grain one = {.r = R, .m = M};
+    for (int scheme = 0; scheme < 2; scheme++)
+        for (int law = 0; law < 2; law++) {
+            for (size_t i = 0; i < COUNT(stiffnesses); i++)
+                elastic("elastic impact", law, scheme, stiffnesses[i], one, one, 31.7);
+            const double ratios[] = {3.0, 10.0, 100.0, 1e4}, masses[] = {1e3, 1e6, 1e9, 1e12};
+            for (size_t i = 0; i < COUNT(ratios); i++) {
+                const double q = ratios[i];
+                const dem_grain large = {.r = q * R, .m = q * q * q * M};
+                elastic("radius ratio", law, scheme, 1e6, one, large, 31.7);
+                elastic("radius ratio", law, scheme, 1e6, large, one, 31.7);
+            }
+            for (size_t i = 0; i < COUNT(masses); i++) {
+                const dem_grain heavy = {.r = R, .m = masses[i] * M};
+                elastic("mass ratio", law, scheme, 1e6, one, heavy, 31.7);
+                elastic("mass ratio", law, scheme, 1e6, heavy, one, 31.7);
+            }
+        }
+}
+
+/* Damping from none to far too much: restitution by the solver of single impacts; and where nothing but
+ * damping acts in the time, the way v/gamma that it leaves, and the momentum. */
+static void damped_impacts(void)
+{
+    const double gammas[] = {0.0, 1.0, 1e2, 1e3, 1e4}, slow[] = {1e6, 1e8, 1e10, 1e12}, v = 12.3;
+    for (int law = 0; law < 2; law++) {
+        for (size_t i = 0; i < COUNT(gammas); i++) {
+            dem_definition def = bare(law, DEM_VERLET);
+            def.material.gamma_n = gammas[i];
+            dem_grain pair[2] = {{.r = R, .m = M}, {.r = R, .m = 2.0 * M}};
+            dem_collision_result exact;
+            CHECK_OK(dem_collision(law, true, 1e6, gammas[i], M * 2.0 / 3.0, v, &exact));
+            PARAMETERS("gamma_n = %g, %s", gammas[i], law_names[law]);
+            outcome o = collide(&def, pair, v, 400.0, 400000);
+            const double e = isinf(exact.time) ? 0.0 : exact.restitution;
+            /* first order: gamma dt, of which a part jumps at touch */
+            number("damped impact", (o.v[1] - o.v[0]) / v, e, 1.0, 1e-4 + gammas[i] * def.dt);
+        }
+        for (size_t i = 0; i < COUNT(slow); i++)
+            for (int tension = 0; tension < 2; tension++) {
+                dem_definition def = bare(law, DEM_VERLET);
+                def.tension = tension == 1;
+                def.material.gamma_n = slow[i];
+                dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.0 * R, .r = R, .m = 2.0 * M, .vx = -v}};
+                def.grains = pair;
+                def.n_grains = 2;
+                def.dt = dem_time_step_limit(&def, NULL);
+                pair[1].x += 0.5 * v * def.dt;
+                dem_sim *sim = grains_start(&def);
+                dem_state s[2];
+                PARAMETERS("gamma_n = %g, %s, tension %d", slow[i], law_names[law], tension);
+                rp_status status = dem_run(sim, 200);
+                dem_states(sim, s);
+                const double way = 2.0 * R - (s[1].x - s[0].x);
+                EXPECTED("comes to rest, pressed in by %.6g", v / slow[i]);
+                OBSERVED("pressed in by %.6g, momentum %.6g of %.6g%s", way, s[0].vx + 2.0 * s[1].vx,
+                         -2.0 * v, status ? rp_message() : "");
+                /* the step in which they touch counts from where it began: half of v dt, of dt = 0.57/gamma
+                 */
+                verdict("overdamped impact", !status && fabs(way * slow[i] / v - 1.0) < 0.5 &&
+                                                 fabs(s[1].vx - s[0].vx) < 1e-3 * v &&
+                                                 fabs(s[0].vx + 2.0 * s[1].vx + 2.0 * v) < 1e-9 * v);
+                dem_free(sim);
+            }
+    }
+}
+
+/* A sphere on an incline of 30 degrees, of any friction: it slides, sticks or rolls by closed forms. */
+static void frictions(void)
+{
+    const double mus[] = {0.0, 1e-12, 0.1, 10.0, 1e300, INFINITY}, slope = M_PI / 6.0, k_s = 1e4, T = 0.5;
+    for (size_t i = 0; i < COUNT(mus); i++)
+        for (int rotation = 0; rotation < 2; rotation++)
+            for (int slip = 0; slip < 2; slip++)
+                for (int damping = 0; damping < 2; damping++) {
+                    const double mu = mus[i], gx = G * sin(slope), gy = G * cos(slope);
+                    dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
+                    dem_grain grain = {0.0, R - pow(M * gy / 1e6, 2.0 / 3.0), R, M};
+                    def.gravity[0] = gx;
+                    def.gravity[1] = -gy;
+                    def.tangential = DEM_SPRING;
+                    def.rotation = rotation == 1;
+                    def.slip = slip;
+                    def.damping = damping;
+                    def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .mu = mu};
+                    def.grains = &grain;
+                    def.n_grains = 1;
+                    def.dt = 2e-5;
+                    with_floor(&def);
+                    dem_sim *sim = grains_start(&def);
+                    CHECK_OK(dem_run(sim, lround(T / def.dt)));
+                    const dem_state s = grains_state_of_one(sim);
+                    PARAMETERS("mu = %g, rotation %d, %s, dashpot %s", mu, rotation,
+                               slip ? "total" : "truncated", damping ? "inside" : "outside");
+                    /* an undamped spring swings to twice the stretch that carries the weight */
+                    if (mu > 1.0 && !rotation)
+                        number("friction, sticks", s.x, M * gx / k_s, M * gx / k_s, 1.001);
+                    else if (mu > 1.0)
+                        number("friction, rolls", s.vx, 5.0 / 7.0 * gx * T, gx * T, 2e-3);
+                    else /* a spring of the default that no limit cuts holds mu N */
+                        number("friction, slides", s.vx, (gx - mu * gy) * T, gx * T, 2e-3);
+                    dem_free(sim);
+                }
+}
+
+/* Grains that start pressed in, without damping: all elastic energy becomes motion. Beyond the smaller
+ * radius, and with coincident centres, the start is refused. */
+static void start_overlaps(void)
+{
+    const double depths[] = {1e-9, 0.01, 0.3, 0.5, 0.6, 0.9, 0.999, 1.001, 1.5, 2.0};
+    for (int law = 0; law < 2; law++)
+        for (int wall = 0; wall < 2; wall++)
+            for (size_t i = 0; i < COUNT(depths); i++) {
+                const double overlap = depths[i] * R, energy = law == DEM_HERTZ
+                                                                   ? 0.4 * 1e6 * pow(overlap, 2.5)
+                                                                   : 0.5e6 * overlap * overlap;
+                dem_definition def = bare(law, DEM_VERLET);
+                dem_grain pair[2] = {{.x = 0.0, .y = R - overlap, .r = R, .m = M},
+                                     {.x = 0.0, .y = 3.0 * R - 2.0 * overlap, .r = R, .m = M}};
+                if (wall) with_floor(&def);
+                def.grains = pair;
+                def.n_grains = wall ? 1 : 2;
+                def.dt = 1e-9;
+                PARAMETERS("overlap %g of the radius, %s, %s", depths[i], law_names[law],
+                           wall ? "at a wall" : "two grains");
+                dem_sim *sim = NULL;
+                rp_status status = dem_create(&def, &sim);
+                if (depths[i] > 1.0) {
+                    refusal("overlap of the start", status, RP_BAD_INPUT, wall ? "wall 1" : "overlap");
+                } else if (!status) {
+                    dem_free(sim);
+                    const double m_eff = wall ? M : 0.5 * M;
+                    const double k = law == DEM_HERTZ ? 1.5e6 * sqrt(overlap) : 1e6;
+                    def.dt = 0.01 / sqrt(k / m_eff);
+                    sim = grains_start(&def);
+                    dem_energy e;
+                    CHECK_OK(dem_run(sim, 1000));
+                    dem_energies(sim, &e);
+                    number("overlap of the start", e.kinetic, energy, energy, 1e-3);
+                } else {
+                    refusal("overlap of the start", status, RP_OK, "none");
+                }
+                dem_free(sim);
+            }
+}
+
+/* One grain alone, under any gravity: the parabola, which both schemes hold to round-off. */
+static void single_grains(void)
+{
+    const double gravities[][2] = {{0.0, 0.0}, {0.0, -981.0}, {981.0, 0.0},  {-981.0, 981.0},
+                                   {0.0, 1e9}, {0.0, -1e-12}, {1e-300, 0.0}, {-3.0, 4.0}};
+    const double speeds[] = {0.0, 100.0};
+    const long steps = 1000;
+    for (int scheme = 0; scheme < 2; scheme++)
+        for (size_t g = 0; g < COUNT(gravities); g++)
+            for (size_t v = 0; v < COUNT(speeds); v++) {
+                dem_definition def = bare(DEM_HERTZ, scheme);
+                dem_grain grain = {1.0, 2.0, R, M, speeds[v], -speeds[v]};
+                memcpy(def.gravity, gravities[g], sizeof def.gravity);
+                def.grains = &grain;
+                def.n_grains = 1;
+                PARAMETERS("gravity = [%g, %g], v = %g, %s", gravities[g][0], gravities[g][1], speeds[v],
+                           scheme_names[scheme]);
+                dem_sim *sim = grains_start(&def);
+                const rp_status status = dem_run(sim, steps);
+                if (fabs(gravities[g][1]) * def.dt * def.dt > R) {
+                    refusal("single grain", status, RP_BROKEN, "too_fast");
+                    dem_free(sim);
+                    continue;
+                }
+                CHECK_OK(status);
+                const dem_state s = grains_state_of_one(sim);
+                const double t = (double)steps * def.dt;
+                const double x = 1.0 + speeds[v] * t + 0.5 * gravities[g][0] * t * t,
+                             y = 2.0 - speeds[v] * t + 0.5 * gravities[g][1] * t * t;
+                /* a step rounds a place and a velocity times dt: 2^-53 of the largest, a few times */
+                number("single grain", hypot(s.x - x, s.y - y), 0.0, 2.0 + fabs(x) + fabs(y),
+                       4.0 * (double)steps * 0x1p-53);
+                dem_free(sim);
+            }
+}
+
+/* Two grains at any distance fly on as if alone, or are refused where cells have no numbers any more. */
+static void far_apart(void)
+{
+    for (double distance = 10.0; distance < 1e308; distance *= distance < 1e15 ? 1e3 : 1e60)
+        for (int scheme = 0; scheme < 2; scheme++)
+            for (int walls = 0; walls < 2; walls++) {
+                dem_definition def = bare(DEM_HERTZ, scheme);
+                dem_grain pair[2] = {{0.0, R, R, M, 1.0, 0.0}, {distance, R, R, M, 1.0, 0.0}};
+                def.grains = pair;
+                def.n_grains = 2;
+                if (walls) with_floor(&def);
+                PARAMETERS("%g apart, %s%s", distance, scheme_names[scheme], walls ? ", on a floor" : "");
+                dem_sim *sim = NULL;
+                dem_state s[2];
+                rp_status status = dem_create(&def, &sim);
+                if (distance > 2e8) { /* cells are numbered up to 1e9 */
+                    refusal("far apart", status, RP_BAD_INPUT, "far away");
+                    continue;
+                }
+                CHECK_OK(status);
+                CHECK_OK(dem_run(sim, 1000));
+                dem_states(sim, s);
+                const double way = 1000.0 * def.dt;
+                number("far apart", fabs(s[0].x - way) + fabs(s[1].x - (distance + way)), 0.0, 1.0 + distance,
+                       2000.0 * 0x1p-53);
+                dem_free(sim);
+            }
+}
+
+/* The same impact in other units of length, mass and time: the same restitution and the overlap in those
+ * units. */
+static void scaled_units(void)
+{
+    const double gamma = 300.0, v = 12.3;
+    dem_collision_result exact;
+    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, gamma, 0.5 * M, v, &exact));
+    for (double length = 1e-30; length < 1e31; length *= 1e10)
+        for (double mass = 1e-30; mass < 1e31; mass *= 1e20)
+            for (double time = 1e-6; time < 1e7; time *= 1e6) {
+                dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
+                def.material.k_n = 1e6 * mass / (sqrt(length) * time * time);
+                def.material.gamma_n = gamma / time;
+                dem_grain pair[2] = {{.r = R * length, .m = M * mass}, {.r = R * length, .m = M * mass}};
+                const double speed = v * length / time;
+                PARAMETERS("lengths times %g, masses times %g, times times %g", length, mass, time);
+                outcome o = collide(&def, pair, speed, 400.0, 400000);
+                /* first order, as the damped impacts */
+                number("units", o.status ? NAN : (o.v[1] - o.v[0]) / speed, exact.restitution, 1.0,
+                       gamma / time * def.dt);
+            }
+}
+
+/* Grains at rest that touch nothing, or exactly touch, stay where they are, to the bit. */
+static void zero_velocities(void)
+{
+    for (int scheme = 0; scheme < 2; scheme++)
+        for (int law = 0; law < 2; law++)
+            for (int n = 1; n <= 100; n *= 10) {
+                dem_grain grains[100];
+                dem_definition def = bare(law, scheme);
+                for (int i = 0; i < n; i++)
+                    grains[i] = (dem_grain){.x = 0.25 * (i % 10), .y = 0.25 * (i / 10), .r = 0.125, .m = M};
+                def.grains = grains;
+                def.n_grains = (size_t)n;
+                def.dt = dem_time_step_limit(&def, NULL) < 1.0 ? dem_time_step_limit(&def, NULL) : def.dt;
+                PARAMETERS("%d grains that just touch, %s, %s", n, law_names[law], scheme_names[scheme]);
+                dem_sim *sim = grains_start(&def);
+                dem_state s[100];
+                CHECK_OK(dem_run(sim, 1000));
+                dem_states(sim, s);
+                int moved = 0;
+                for (int i = 0; i < n; i++)
+                    moved +=
+                        s[i].x != grains[i].x || s[i].y != grains[i].y || s[i].vx != 0.0 || s[i].vy != 0.0;
+                EXPECTED("none moves");
+                OBSERVED("%d move", moved);
+                verdict("zero velocities", moved == 0);
+                dem_free(sim);
+            }
+}
+
+/* A smooth grain in a closed box: gravity from any side, there from the start or turned there, or the box
+ * turned; the walls carry its components. */
+static void sideways(void)
+{
+    for (int how = 0; how < 3; how++)
+        for (int degrees = 0; degrees <= 180; degrees += 30) {
+            const double angle = degrees * M_PI / 180.0;
+            dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
+            dem_grain grain = {0.5, 0.5, R, M};
+            def.gravity[1] = -G;
+            if (how == 0) def.gravity[0] = G * sin(angle), def.gravity[1] = -G * cos(angle);
+            def.material.gamma_n = 500.0;
+            def.grains = &grain;
+            def.n_grains = 1;
+            def.n_walls = 4;
+            for (int w = 0; w < 4; w++) {
+                static const double n[4][2] = {{0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}, {1.0, 0.0}};
+                const double c = w == 1 || w == 2 ? 1.0 : 0.0;
+                def.walls[w] = grains_line(c, c, n[w][0], n[w][1], &def.material);
+            }
+            dem_sim *sim = grains_start(&def);
+            const long turning = 20000;
+            if (how == 1) dem_gravity_turn(sim, angle / (double)turning);
+            if (how == 2) dem_box_turn(sim, angle / (double)turning);
+            CHECK_OK(dem_run(sim, turning));
+            if (how == 1) dem_gravity_turn(sim, 0.0);
+            if (how == 2) dem_box_turn(sim, 0.0);
+            CHECK_OK(dem_run(sim, 60000));
+            double f[8], carried[2];
+            dem_wall_forces(sim, f);
+            /* in the frame of the box */
+            const double turned = how == 2 ? angle : 0.0;
+            double sum[2] = {0.0, 0.0};
+            for (int w = 0; w < 4; w++) sum[0] += f[2 * w], sum[1] += f[2 * w + 1];
+            carried[0] = cos(turned) * sum[0] - sin(turned) * sum[1];
+            carried[1] = sin(turned) * sum[0] + cos(turned) * sum[1];
+            PARAMETERS("%d degrees, %s", degrees,
+                       how == 0   ? "from the start"
+                       : how == 1 ? "gravity turned"
+                                  : "box turned");
+            EXPECTED("force on the walls %.6g, %.6g", M * G * sin(angle), -M * G * cos(angle));
+            OBSERVED("%.6g, %.6g", carried[0], carried[1]);
+            verdict("gravity sideways",
+                    hypot(carried[0] - M * G * sin(angle), carried[1] + M * G * cos(angle)) < 1e-6 * M * G);
+            dem_free(sim);
+        }
+}
+
+/* Values that make no sense, and time steps above the limit, are refused with the name of the field. */
+static void bad_values(void)
+{
+    dem_grain pair[2];
+    dem_definition def;
+    const struct {
+        const char *name;
+        double *field;
+        bool zero_too;
+    } fields[] = {{"k_n", &def.material.k_n, false},
+                  {"gamma_n", &def.material.gamma_n, false},
+                  {"k_s", &def.material.k_s, true},
+                  {"gamma_s", &def.material.gamma_s, false},
+                  {"mu", &def.material.mu, false},
+                  {"mu_roll", &def.material.mu_roll, false},
+                  {"dt", &def.dt, true},
+                  {"skin", &def.skin, false},
+                  {"r", &pair[1].r, true},
+                  {"m", &pair[1].m, true}};
+    const double bad[] = {-1.0, NAN, INFINITY, 0.0};
+    for (size_t i = 0; i < COUNT(fields); i++)
+        for (size_t b = 0; b < COUNT(bad); b++) {
+            if ((bad[b] == 0.0 && !fields[i].zero_too) ||
+                (isinf(bad[b]) && strcmp(fields[i].name, "mu") == 0))
+                continue;
+            def = dem_definition_default();
+            pair[0] = (dem_grain){.r = R, .m = M};
+            pair[1] = (dem_grain){.x = 1.0, .r = R, .m = M};
+            def.rotation = true;
+            def.grains = pair;
+            def.n_grains = 2;
+            *fields[i].field = bad[b];
+            PARAMETERS("%s = %g", fields[i].name, bad[b]);
+            char word[40];
+            snprintf(word, sizeof word, "%s = ", fields[i].name);
+            dem_sim *sim = NULL;
+            refusal("bad value", dem_create(&def, &sim), RP_BAD_INPUT, word);
+            dem_free(sim);
+        }
+    const struct {
+        const char *name;
+        double *field;
+    } finite[] = {{"position", &pair[1].x},     {"position", &pair[1].y},
+                  {"velocity", &pair[1].vx},    {"omega", &pair[1].omega},
+                  {"angle", &pair[1].angle},    {"gravity", &def.gravity[0]},
+                  {"turn", &def.turn_per_step}, {"box_turn", &def.box_turn_per_step}};
+    for (size_t i = 0; i < COUNT(finite); i++)
+        for (int b = 1; b < 3; b++) {
+            def = dem_definition_default();
+            pair[0] = (dem_grain){.r = R, .m = M};
+            pair[1] = (dem_grain){.x = 1.0, .r = R, .m = M};
+            def.rotation = true;
+            def.grains = pair;
+            def.n_grains = 2;
+            *finite[i].field = bad[b];
+            PARAMETERS("%s = %g", finite[i].name, bad[b]);
+            dem_sim *sim = NULL;
+            refusal("bad value", dem_create(&def, &sim), RP_BAD_INPUT, finite[i].name);
+            dem_free(sim);
+        }
+}
+
+static void step_limits(void)
+{
+    for (int scheme = 0; scheme < 2; scheme++)
+        for (size_t i = 0; i < COUNT(stiffnesses); i++)
+            for (double gamma = 0.0; gamma<2e12; gamma = gamma> 0.0 ? 1e6 * gamma : 1.0) {
+                dem_definition def = bare(DEM_HERTZ, scheme);
+                dem_grain grain = {.y = 3.0, .r = R, .m = M};
+                def.gravity[1] = -G;
+                def.material = (dem_material){.k_n = stiffnesses[i], .gamma_n = gamma};
+                def.grains = &grain;
+                def.n_grains = 1;
+                with_floor(&def);
+                const double limit = dem_time_step_limit(&def, NULL);
+                def.dt = 1.001 * limit;
+                PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,
+                           scheme_names[scheme], def.dt);
+                dem_sim *sim = NULL;
+                refusal("step above the limit", dem_create(&def, &sim), RP_BAD_INPUT, "dt = ");
+                dem_free(sim);
+            }
+}
+
+/* Hard collisions of any masses. */
+static void hard_collisions(void)
+{
+    const double restitutions[] = {0.0, 0.5, 1.0}, masses[] = {1.0, 1e6, 1e12}, v = 100.0;
+    for (size_t i = 0; i < COUNT(restitutions); i++)
+        for (size_t k = 0; k < COUNT(masses); k++) {
+            const double e = restitutions[i], m = masses[k] * M;
+            dem_definition def = bare(DEM_LINEAR, DEM_VERLET);
+            dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.5 * R, .r = R, .m = m, .vx = -v}};
+            def.tension = false;
+            def.hard = (dem_hard){true, e, 0.0};
+            def.grains = pair;
+            def.n_grains = 2;
+            def.dt = fmin(5e-5, 0.9 * dem_time_step_limit(&def, NULL));
+            dem_sim *sim = grains_start(&def);
+            dem_state s[2];
+            CHECK_OK(dem_run(sim, lround(1e-3 / def.dt)));
+            dem_states(sim, s);
+            const double mean = -v * m / (M + m);
+            PARAMETERS("restitution %g, m = %g, %g", e, M, m);
+            EXPECTED("speeds %.6g, %.6g", mean * (1.0 + e), mean + e * v * M / (M + m));
+            OBSERVED("%.6g, %.6g", s[0].vx, s[1].vx);
+            verdict("hard collision", fabs(s[0].vx - mean * (1.0 + e)) < 1e-9 * v &&
+                                          fabs(s[1].vx - mean - e * v * M / (M + m)) < 1e-9 * v);
+            dem_free(sim);
+        }
+}
+
+/* ---- Theory */
+
+/* Slopes from nothing to the full triangle: the base carries the weight of all disks, counted, and the two
+ * ways to solve it agree. */
+static void lattices(void)
+{
+    const double deg = M_PI / 180.0;
+    const double alphas[] = {-1.0, 0.0, NAN, 1e-12, 1e-3, 1.0, 30.0, 59.0, 60.0 - 1e-9, 60.0, 60.001, 90.0};
+    const long bases[] = {1, 2, 45, 1000};
+    for (size_t i = 0; i < COUNT(alphas); i++)
+        for (size_t b = 0; b < COUNT(bases); b++) {
+            const long k = bases[b];
+            long up[1000];
+            an_force closed[1000], recursion[1000];
+            PARAMETERS("alpha = %.12g degrees, base of %ld", alphas[i], k);
+            rp_status status = an_lattice_cut(k, M_PI / 6.0, alphas[i] * deg, up);
+            if (!(alphas[i] > 0.0 && alphas[i] <= 60.0)) {
+                refusal("lattice", status, RP_BAD_INPUT, "alpha = ");
+                continue;
+            }
+            CHECK_OK(an_lattice_counts(k, up, M_PI / 6.0, closed));
+            CHECK_OK(an_lattice_recursion(k, up, M_PI / 6.0, recursion));
+            double disks = 0.0, N = 0.0, H = 0.0, apart = 0.0;
+            for (long s = 0; s < k; s++) {
+                disks += (double)up[s];
+                N += closed[s].N;
+                H += closed[s].H;
+                apart = fmax(apart, fabs(closed[s].N - recursion[s].N) + fabs(closed[s].H - recursion[s].H));
+            }
+            const double all = alphas[i] == 60.0  ? 0.5 * (double)(k * (k + 1))
+                               : alphas[i] < 0.05 ? (double)k
+                                                  : disks;
+            EXPECTED("N adds up to %.17g, H to 0", all);
+            OBSERVED("%.17g, %.3g; two ways %.3g apart", N, H, apart);
+            verdict("lattice", N == all && disks == all && fabs(H) < 1e-9 * all && apart < 1e-9 * (double)k);
+        }
+}
+
+/* The continuum's closed form against numerical chords of the same outline, and the limits of the slope. */
+static void continua(void)
+{
+    const double deg = M_PI / 180.0;
+    const double alphas[] = {-1.0, 0.0, NAN, 1e-9, 1e-3, 10.0, 45.0, 59.0, 60.0 - 1e-6, 60.0, 75.0, 90.0};
+    for (size_t i = 0; i < COUNT(alphas); i++) {
+        an_force f;
+        PARAMETERS("alpha = %.12g degrees", alphas[i]);
+        rp_status status = an_continuum(alphas[i] * deg, 0.3, &f);
+        if (!(alphas[i] > 0.0 && alphas[i] < 60.0)) {
+            refusal("continuum", status, RP_BAD_INPUT, "alpha = ");
+            continue;
+        }
+        const double top = 0.5 * tan(alphas[i] * deg), places[] = {0.0, 1e-9, 0.1, 0.3, 0.5, 0.77, 1.0};
+        an_profile profile;
+        const an_point outline[] = {{0.0, 0.0}, {0.5, top}, {1.0, 0.0}};
+        CHECK_OK(an_profile_set(&profile, outline, 3));
+        double apart = 0.0;
+        for (size_t p = 0; p < COUNT(places); p++) {
+            an_force g;
+            CHECK_OK(an_continuum(alphas[i] * deg, places[p], &f));
+            CHECK_OK(an_profile_force(&profile, places[p], &g));
+            apart = fmax(apart, hypot(f.N - g.N, f.H - g.H));
+        }
+        /* the chords lose as many digits as the slope comes near 60 degrees */
+        number("continuum", apart, 0.0, top, 1e-14 + 1e-15 / (M_PI / 3.0 - alphas[i] * deg));
+    }
+}
+
+/* Over all tilts that the form allows, in small steps. */
+static double largest_friction(ang_form form, double theta_r, double phi, double limit)
+{
+    double most = 0.0, mu;
+    for (int i = 0; i < 2000; i++)
+        if (ang_friction(form, theta_r, limit * (i / 2000.0), phi, &mu) == RP_OK) most = fmax(most, mu);
+    return most;
+}
+
+/* Piles at, below and above the angle of marginal stability: no tilt is left at it, none is given above it,
+ * and below it the friction that the tilt asks for is the one that there is. */
+static void tilts(void)
+{
+    const double phi = M_PI / 3.0, mus[] = {0.0, 1e-12, 0.05, 0.2, 0.5, 10.0, INFINITY};
+    const double parts[] = {0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5};
+    for (int form = ANG_BALANCED; form <= ANG_LATTICE; form++)
+        for (size_t i = 0; i < COUNT(mus); i++)
+            for (size_t p = 0; p < COUNT(parts); p++) {
+                double ms, back;
+                ang_tilt_result t;
+                CHECK_OK(ang_marginal(mus[i], phi, &ms, NULL));
+                const double theta_r = parts[p] * ms;
+                PARAMETERS("mu = %g, theta_R = %.12g theta_MS, %s", mus[i], parts[p], ang_form_word(form));
+                rp_status status = ang_tilt(form, mus[i], theta_r, phi, &t);
+                OBSERVED("theta_T = %g, %s", t.theta_t, status ? rp_message() : ang_tilt_word(t.status));
+                const bool ok = !status && (t.status == ANG_TILT_OK || t.status == ANG_TILT_OK_PULLING);
+                if (theta_r >= M_PI_2) {
+                    refusal("tilt", status, RP_BAD_INPUT, "theta_r = ");
+                } else if (theta_r > ms) {
+                    EXPECTED("already_unstable");
+                    verdict("tilt", t.status == ANG_TILT_ALREADY_UNSTABLE && isnan(t.theta_t));
+                } else if (theta_r >= phi) {
+                    EXPECTED("rays_miss");
+                    verdict("tilt", t.status == ANG_TILT_RAYS_MISS && isnan(t.theta_t));
+                } else if (theta_r == ms) {
+                    EXPECTED("theta_T = 0");
+                    verdict("tilt", ok && t.theta_t < 1e-15);
+                } else if (largest_friction(form, theta_r, phi, t.limit) < mus[i]) {
+                    EXPECTED("no_slide");
+                    verdict("tilt", t.status == ANG_TILT_NO_SLIDE && isnan(t.theta_t));
+                } else {
+                    const rp_status asks = ang_friction(form, theta_r, t.theta_t, phi, &back);
+                    EXPECTED("friction %g asked for", mus[i]);
+                    OBSERVED("theta_T = %g asks for %g, %s", t.theta_t, back, ang_tilt_word(t.status));
+                    verdict("tilt", ok && !asks && fabs(back - mus[i]) < 1e-12 * fmax(1.0, mus[i] * mus[i]));
+                }
+            }
+}
+
+/* ---- The program */
+
+static char answer[1 << 16];
+
+/* Run a line of shell with $REPOSE, ended after 60 s; what it says is in `answer`, its exit status returned.
+ */
+static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static int program(const char *format, ...)
+{
+    char line[2048];
+    const char *name = getenv("REPOSE");
+    CU_ASSERT_FATAL(access(name ? name : "build/repose", X_OK) == 0);
+    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout 60 ", name ? name : "build/repose");
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line + used, sizeof line - (size_t)used, format, args);
+    va_end(args);
+    FILE *pipe = popen(line, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(pipe);
+    answer[fread(answer, 1, sizeof answer - 1, pipe)] = '\0';
+    const int status = pclose(pipe);
+    return status & 0x7f ? -1 : status >> 8;
+}
+
+/* The number in a column, by name, of the last row of the answer. */
+static double last_cell(const char *column)
+{
+    const char *names = NULL, *row = NULL, *next;
+    for (const char *at = answer; *at; at = next ? next + 1 : at + strlen(at)) {
+        next = strchr(at, '\n');
+        if (strncmp(at, "# ", 2) == 0)
+            names = at + 2;
+        else
+            row = at;
+    }
+    const size_t length = strlen(column);
+    while (names && row) {
+        if (strncmp(names, column, length) == 0 && strchr("\t\n", names[length])) return strtod(row, NULL);
+        names = strpbrk(names, "\t\n");
+        row = strpbrk(row, "\t\n");
+        if (!names || *names++ == '\n' || !row++) break;
+    }
+    return NAN;
+}
+
+/* First line of the answer that is not of a header. */
+static void observe_answer(int status)
+{
+    const char *at = answer;
+    while (*at == '#' && strchr(at, '\n')) at = strchr(at, '\n') + 1;
+    OBSERVED("exit status %d: %.*s", status, (int)fmin(160.0, (double)strcspn(at, "\n\t")), at);
+}
+
+static void program_refuses(const char *name, int status, int expected, const char *word)
+{
+    EXPECTED("%sexit status %d: %s", expected ? "refused, " : "", expected, word);
+    observe_answer(status);
+    verdict(name, status == expected && strstr(answer, word) != NULL);
+}
+
+/* Soft piles of the flattest and the steepest slopes, one layer and one disk: the base carries the disks. */
+static void soft_piles(void)
+{
+    const double alphas[] = {1e-6, 1.0, 30.0, 59.999, 60.0};
+    const int bases[] = {1, 2, 20};
+    for (size_t i = 0; i < COUNT(alphas); i++)
+        for (size_t b = 0; b < COUNT(bases); b++)
+            for (double eps = 1e-12; eps < 1e-3; eps *= 1e8) {
+                long up[20], disks = 0;
+                CHECK_OK(an_lattice_cut(bases[b], M_PI / 6.0, alphas[i] * M_PI / 180.0, up));
+                for (int s = 0; s < bases[b]; s++) disks += up[s];
+                PARAMETERS("alpha = %g degrees, base of %d, eps = %g", alphas[i], bases[b], eps);
+                const int status = program("\"$REPOSE\" pile --base %d --alpha-deg %.17g --eps %g | "
+                                           "awk -F'\\t' '!/^#/ { n += $3; h += $4 } END { print n, h }' 2>&1",
+                                           bases[b], alphas[i], eps);
+                char *rest;
+                const double N = strtod(answer, &rest), H = strtod(rest, NULL);
+                EXPECTED("N adds up to %ld, H to 0", disks);
+                OBSERVED("exit status %d: %.9g, %.3g", status, N, H);
+                verdict("soft pile", status == 0 && fabs(N - (double)disks) < 1e-6 * (double)disks &&
+                                         fabs(H) < 1e-6 * (double)disks);
+            }
+}
+
+/* Boxes from flat to tall, with one layer, one column and one grain: a result for all their grains, or the
+ * reason why there is none. */
+static void box_shapes(void)
+{
+    const struct {
+        double W, H, dt;
+        long N;
+        const char *more, *word; /* NULL: a result with all grains */
+        int status;
+        bool slow;
+    } boxes[] = {
+        {4.0, 4.0, 5e-5, 1, "", "no_pile", 1, false},
+        {2.0, 0.2, 5e-5, 5, "radius_width = 0.0;", NULL, 0, false},
+        {4.0, 0.4, 5e-5, 30, "", NULL, 0, false},
+        {1.0, 4.0, 5e-5, 20, "", NULL, 0, false},
+        {1.0, 2.0, 5e-5, -1, "radius_width = 0.0;", NULL, 0, false},
+        {0.9, 2.0, 5e-5, -1, "", "W = 0.9", 65, false},
+        {4.0, 0.2, 5e-5, -1, "", NULL, 0, false},
+        {4.0, 0.05, 5e-5, -1, "", "no room for grain", 1, false},
+        {4.0, 0.001, 5e-5, -1, "", "no room for one grain", 65, false},
+        {1.0, 100.0, 5e-5, -1, "", "dt = 5e-05", 65, false},
+        {1.0, 100.0, 4e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true},
+        {40.0, 4.0, 5e-5, -1, "stop = \"steps\"; fill_steps = 3000; relax_steps = 3000;", NULL, 0, true},
+    };
+    for (size_t i = 0; i < COUNT(boxes); i++) {
+        if (boxes[i].slow && !check_full()) continue;
+        char count[32] = "";
+        if (boxes[i].N > 0) snprintf(count, sizeof count, "N = %ld;", boxes[i].N);
+        PARAMETERS("W = %g, H = %g, dt = %g %s %s", boxes[i].W, boxes[i].H, boxes[i].dt, count,
+                   boxes[i].more);
+        const int status = program(
+            "sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; printf \"%%s\" \"$1\" >$d/box.cfg; "
+            "\"$0\" run --box $d/box.cfg --row 0 -o $d/out 2>&1' \"$REPOSE\" 'protocol = \"repose\"; "
+            "replicas = 1; "
+            "seed = 5; fixed = { W = %.6f; H = %.6f; dt = %.9f; %s %s }; grid = { mu = [0.2]; };'",
+            boxes[i].W, boxes[i].H, boxes[i].dt, count, boxes[i].more);
+        if (boxes[i].word) {
+            program_refuses("box", status, boxes[i].status, boxes[i].word);
+            continue;
+        }
+        const double grains = last_cell("grains"), theta = last_cell("theta_r3_deg"),
+                     most = boxes[i].N > 0 ? (double)boxes[i].N : round(boxes[i].W * boxes[i].H / 0.04);
+        EXPECTED("a slope of 1 to %g grains", most);
+        OBSERVED("exit status %d: theta_R = %g, %g grains", status, theta, grains);
+        verdict("box", status == 0 && theta > -45.0 && theta < 90.0 && grains >= 1.0 && grains <= most);
+    }
+}
+
+/* Lines of the program whose answer is a number that is known, or a reason. */
+static void lines(void)
+{
+    const struct {
+        const char *line, *word;
+        int status;
+    } list[] = {
+        {"lattice --layers 1", "1\t1\t", 0},
+        {"lattice --base 1 --alpha-deg 60", "1\t1\t", 0},
+        {"lattice --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
+        {"lattice --base 5 --alpha-deg 61", "alpha-deg = 61", 65},
+        {"lattice --base 5 --alpha-deg nan", "alpha-deg", 65},
+        {"continuum --alpha-deg 60", "alpha-deg = 60", 65},
+        {"continuum --alpha-deg 0", "alpha-deg = 0", 65},
+        {"continuum --alpha-deg 30 --at 1.1", "at", 65},
+        {"pile --base 0", "base = 0", 65},
+        {"pile --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
+        {"pile --base 5 --eps 0", "eps = 0", 65},
+        {"pile --base 5 --eps 0.2", "eps = 0.2", 65},
+        {"angle tilt --mu 0.2 --theta-r-deg 90", "theta-r-deg = 90", 65},
+        {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
+        {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
+        {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
+    };
+    for (size_t i = 0; i < COUNT(list); i++) {
+        PARAMETERS("repose %s", list[i].line);
+        program_refuses("program", program("\"$REPOSE\" %s 2>&1", list[i].line), list[i].status,
+                        list[i].word);
+    }
+}
+
+/* A million grains, all of which touch two others: they fall as one. */
+static void million(void)
+{
+    const size_t n = 1000000;
+    dem_grain *grains = malloc(n * sizeof *grains);
+    dem_state *states = malloc(n * sizeof *states);
+    CU_ASSERT_FATAL(grains && states);
+    for (size_t i = 0; i < n; i++)
+        grains[i] =
+            (dem_grain){.x = 0.25 * (double)(i % 1000), .y = 0.25 * (double)(i / 1000), .r = 0.125, .m = M};
+    dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
+    def.gravity[1] = -G;
+    def.grains = grains;
+    def.n_grains = n;
+    PARAMETERS("1000 x 1000 grains");
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 20));
+    CHECK_OK(dem_states(sim, states));
+    const double t = dem_time(sim);
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, hypot(states[i].x - grains[i].x, states[i].y - grains[i].y + 0.5 * G * t * t));
+    /* places up to 250, rounded 20 times, and their contacts' forces of overlaps of 2^-45 */
+    number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
+    dem_free(sim);
+    free(states);
+    free(grains);
+}
+
+static void extremes(void)
+{
+    table = check_table("extreme");
+    const char *const columns[][2] = {{"case", "word"},
+                                      {"parameters", "text"},
+                                      {"expected", "text"},
+                                      {"observed", "text"},
+                                      {"verdict", "word"}};
+    if (table) rp_table_columns(table, COUNT(columns), columns);
+    n_cases = n_right = n_refused = 0;
+    const double start = rp_clock();
+    static_overlaps();
+    elastic_impacts();
+    damped_impacts();
+    frictions();
+    start_overlaps();
+    single_grains();
+    far_apart();
+    scaled_units();
+    zero_velocities();
+    sideways();
+    bad_values();
+    step_limits();
+    hard_collisions();
+    lattices();
+    continua();
+    tilts();
+    soft_piles();
+    box_shapes();
+    lines();
+    if (check_full()) million();
+    CU_ASSERT(n_cases >= 300);
+    check_table_close(table, "extreme");
+    table = check_table("extreme_sums");
+    if (table) {
+        rp_table_columns(
+            table, 4,
+            (const char *const[][2]){{"cases", ""}, {"right", ""}, {"refused", ""}, {"run_time", "s"}});
+        fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
+    }
+    check_table_close(table, "extreme_sums");
+    table = NULL;
+}
+
+void suite_extreme(void)
+{
+    static const check_case cases[] = {{"right, or refused with the reason", extremes}, {NULL, NULL}};
+    check_register("validation: extreme cases", cases);
+}

@@ -1,0 +1,203 @@
+/* How the static solver's time and memory grow with the pile: linearised piles of 30 and 60 degrees, against
+ * the forces that are known, and in full with a table. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "analytic/analytic.h"
+#include "core/clock.h"
+#include "core/table.h"
+#include "dem/equilibrium.h"
+#include "tests/check.h"
+
+typedef struct {
+    size_t n, k;
+    an_force *exact; /* by diagonals alone */
+    double *N, *H;
+    dem_pile_result result;
+    double seconds; /* of processor time, to make the pile and to solve it */
+} solved;
+
+static void free_solved(solved *s)
+{
+    free(s->exact);
+    free(s->N);
+    free(s->H);
+}
+
+static solved solve(long k, double alpha_deg, double eps)
+{
+    solved s = {.k = (size_t)k};
+    long *up = malloc(s.k * sizeof *up);
+    CHECK_OK(an_lattice_cut(k, M_PI / 6, alpha_deg * M_PI / 180, up));
+    for (size_t i = 0; i < s.k; i++) s.n += (size_t)up[i];
+    dem_pile_disk *disks = malloc(s.n * sizeof *disks);
+    for (size_t i = 0, n = 0; i < s.k; i++)
+        for (long j = 0; j < up[i]; j++)
+            disks[n++] = (dem_pile_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
+    s.exact = malloc(s.k * sizeof *s.exact);
+    s.N = calloc(s.k, sizeof *s.N);
+    s.H = calloc(s.k, sizeof *s.H);
+    CHECK_OK(an_lattice_counts(k, up, M_PI / 6, s.exact));
+    dem_pile_definition def = dem_pile_definition_default();
+    def.n = s.n;
+    def.disks = disks;
+    def.eps = eps;
+    dem_pile *pile = NULL;
+    const double start = rp_cpu_clock();
+    CHECK_OK(dem_pile_create(&def, &pile));
+    if (pile) {
+        CHECK_OK(dem_pile_solve(pile, &s.result));
+        s.seconds = rp_cpu_clock() - start;
+        dem_pile_base(pile, NULL, s.N, s.H);
+    }
+    dem_pile_free(pile);
+    free(disks);
+    free(up);
+    return s;
+}
+
+/* The base carries the weight, the ground's friction is in balance, and of an equilateral pile each force is
+ * that of diagonals alone. Displacements near n eps sigma are rounded by n DBL_EPSILON each; with a margin
+ * for the sum over the base. */
+static void check_forces(const solved *s, double alpha_deg)
+{
+    const double rounding = 1e-14 * (double)s->n;
+    double N = 0, H = 0;
+    for (size_t i = 0; i < s->k; i++) {
+        N += s->N[i];
+        H += s->H[i];
+        if (alpha_deg < 60) continue;
+        CHECK_NEAR(s->N[i], s->exact[i].N, rounding);
+        CHECK_NEAR(s->H[i], s->exact[i].H, rounding);
+    }
+    CHECK_NEAR(N, (double)s->n, (double)s->k * rounding);
+    CHECK_NEAR(H, 0, (double)s->k * rounding);
+    CU_ASSERT(s->result.negative_modes == 0 && s->result.smallest_pivot > 1e-4);
+}
+
+/* Nearly all contacts are known from the pile of half the size: one factorisation, whatever the size. */
+static void one_factorisation(void)
+{
+    static const long bases[] = {180, 360};
+    for (int i = 0; i < (check_fast() ? 1 : 2); i++) {
+        solved s = solve(bases[i], 30, 0);
+        check_forces(&s, 30);
+        CU_ASSERT(s.result.factored == 1 && s.result.horizontal > s.n / 2);
+        free_solved(&s);
+    }
+}
+
+/* From 20 000 disks on BLAS factorises: the same bits again, and the exact forces. */
+static void large_pile(void)
+{
+    if (check_fast()) return;
+    solved s = solve(201, 60, 0), again = solve(201, 60, 0);
+    CU_ASSERT(s.n == 20301);
+    check_forces(&s, 60);
+    CU_ASSERT(memcmp(s.N, again.N, s.k * sizeof *s.N) == 0 && memcmp(s.H, again.H, s.k * sizeof *s.H) == 0);
+    free_solved(&s);
+    free_solved(&again);
+}
+
+/* A large pile on a branch that is not stable, where BLAS can't factorise: its modes are counted as those of
+ * a pile that is two layers smaller, and too small for BLAS; the number grows no faster than the pile. */
+static void large_unstable_pile(void)
+{
+    if (check_fast()) return;
+    solved small = solve(199, 60, 3e-6), large = solve(201, 60, 3e-6);
+    const double modes = (double)small.result.negative_modes, more = (double)large.result.negative_modes;
+    CU_ASSERT(small.n < 20000 && large.n > 20000);
+    CU_ASSERT(modes > 100 && more >= modes && more <= modes * pow(201.0 / 199, 4));
+    free_solved(&small);
+    free_solved(&large);
+}
+
+/* Slope of log y over log n by least squares. */
+static double exponent(size_t count, const double n[], const double y[])
+{
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double lx = log(n[i]), ly = log(y[i]);
+        sx += lx;
+        sy += ly;
+        sxx += lx * lx;
+        sxy += lx * ly;
+    }
+    return (sxy - sx * sy / (double)count) / (sxx - sx * sx / (double)count);
+}
+
+typedef struct {
+    double alpha_deg;
+    size_t n;
+    double seconds, memory;
+    dem_pile_result result;
+} row;
+
+/* In a process of its own, whose peak of memory is that of this pile. */
+static row measure(double alpha_deg, long k)
+{
+    row *shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(shared != MAP_FAILED);
+    int status = -1;
+    const pid_t child = fork();
+    if (child == 0) {
+        const solved s = solve(k, alpha_deg, 0);
+        *shared = (row){alpha_deg, s.n, s.seconds, rp_peak_memory(), s.result};
+        _Exit(EXIT_SUCCESS);
+    }
+    CU_ASSERT(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+    const row made = *shared;
+    munmap(shared, sizeof *shared);
+    return made;
+}
+
+/* Alpha = 30 and 60 degrees, from 360 to 250 000 disks; the exponents are of the larger half of the sizes. */
+static void table_of_sizes(void)
+{
+    enum { SHAPES = 2, SIZES = 6 };
+    static const double alpha_deg[SHAPES] = {30, 60};
+    static const long bases[SHAPES][SIZES] = {{45, 77, 180, 387, 774, 1224}, {26, 45, 104, 223, 447, 707}};
+    static const char *const columns[][2] = {
+        {"alpha_deg", "degrees"}, {"n_disks", ""},        {"seconds", "s"},   {"memory", "MB"}, {"steps", ""},
+        {"factorisations", ""},   {"negative_modes", ""}, {"residual", "m g"}};
+    FILE *out = check_table("growth");
+    if (!out) return;
+    row rows[SHAPES][SIZES];
+    rp_table_note(out, "seconds", "processor time to make and to solve a linearised pile; memory: peak");
+    for (int i = 0; i < SHAPES; i++) {
+        double n[SIZES], seconds[SIZES], memory[SIZES];
+        for (int j = 0; j < SIZES; j++) {
+            const row r = rows[i][j] = measure(alpha_deg[i], bases[i][j]);
+            n[j] = (double)r.n;
+            seconds[j] = r.seconds;
+            memory[j] = r.memory;
+            CU_ASSERT(r.result.fault == DEM_PILE_OK && r.result.load == 1 && r.result.negative_modes == 0);
+        }
+        char key[32];
+        snprintf(key, sizeof key, "seconds_exponent_%g", alpha_deg[i]);
+        rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, seconds + SIZES / 2));
+        snprintf(key, sizeof key, "memory_exponent_%g", alpha_deg[i]);
+        rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
+    }
+    rp_table_columns(out, 8, columns);
+    for (const row *r = rows[0]; r < rows[0] + SHAPES * SIZES; r++)
+        rp_table_row(out, 8,
+                     (double[]){r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
+                                (double)r->result.factored, (double)r->result.negative_modes,
+                                r->result.residual});
+    check_table_close(out, "growth");
+}
+
+void suite_growth(void)
+{
+    /* the table first: CHOLMOD's threads, once there are any, do not live on in the processes that make it */
+    static const check_case cases[] = {{"growth of time and memory", table_of_sizes},
+                                       {"one factorisation a linearised pile", one_factorisation},
+                                       {"large piles by supernodes", large_pile},
+                                       {"large unstable pile", large_unstable_pile},
+                                       {NULL, NULL}};
+    check_register("validation: growth of the static solver", cases);
+}

@@ -1,0 +1,403 @@
+/* Validation of the energy-conserving implicit integrator, Liffman, Chan & Hughes 1992, eq (24): energy over
+ * many steps, its phase, what its solvers cost, and the pile to which damped motion leads against the pile
+ * that is solved for. Lengths in diameters, masses in those of a disk, g = 1. */
+#include <stdlib.h>
+
+#include "analytic/analytic.h"
+#include "core/table.h"
+#include "dem/dem.h"
+#include "dem/equilibrium.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+static const double R = 0.5, K = 1e5;
+
+/* Half a period of two disks on their spring. */
+static double contact_time(void)
+{
+    return M_PI * sqrt(0.5 / K);
+}
+
+static dem_definition disks(const dem_grain *grains, size_t n)
+{
+    dem_definition def = dem_definition_default();
+    def.integrator = DEM_IMPLICIT;
+    def.gravity[1] = -1.0;
+    def.normal = DEM_LINEAR;
+    def.tangential = DEM_NONE;
+    def.shape = DEM_DISK;
+    def.material = (dem_material){.k_n = K};
+    def.grains = grains;
+    def.n_grains = n;
+    return def;
+}
+
+static double total_energy(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.elastic + e.gravity;
+}
+
+/* Five unequal disks that bounce in a box without loss. */
+enum { GAS = 5 };
+static dem_sim *gas(int integrator, double dt, double tolerance)
+{
+    dem_grain grains[GAS];
+    for (int i = 0; i < GAS; i++)
+        grains[i] = (dem_grain){.x = 0.62 + 1.17 * (i % 3) + 0.05 * (i / 3),
+                                .y = 0.56 + 1.11 * (i / 3),
+                                .r = R - 0.013 * i,
+                                .m = 1.0 - 0.07 * i,
+                                .vx = 0.385 * (i % 2 ? 1.0 : -0.7),
+                                .vy = 0.21 * (i - 2)};
+    dem_definition def = disks(grains, GAS);
+    def.integrator = integrator;
+    def.implicit.tolerance = tolerance;
+    def.dt = dt * contact_time();
+    def.skin = 0.8;
+    dem_box_walls(&def, 3.6, &def.material);
+    return grains_start(&def);
+}
+
+typedef struct {
+    const char *name;
+    int integrator;
+    double dt, tolerance; /* contact times; of its radius */
+    bool exact;           /* to round-off */
+} energy_case;
+
+static const energy_case energy_cases[] = {
+    {"implicit_0.01", DEM_IMPLICIT, 0.01, 1e-15, true}, {"implicit_0.1", DEM_IMPLICIT, 0.1, 1e-15, true},
+    {"implicit_1", DEM_IMPLICIT, 1.0, 1e-15, true},     {"implicit_10", DEM_IMPLICIT, 10.0, 1e-15, true},
+    {"loose_1", DEM_IMPLICIT, 1.0, 1e-9, false},        {"verlet_0.01", DEM_VERLET, 0.01, 0.0, false},
+    {"verlet_0.1", DEM_VERLET, 0.1, 0.0, false}};
+enum { ENERGY_CASES = sizeof energy_cases / sizeof *energy_cases };
+
+/* The largest error till a step, over the energy at the start, whose gravity counts from the floor. */
+enum { MARKS = 200 };
+static size_t run_energy(const energy_case *c, long steps, double error[MARKS], double at[MARKS],
+                         double *most, double *iterations)
+{
+    dem_sim *sim = gas(c->integrator, c->dt, c->tolerance);
+    const double before = total_energy(sim);
+    size_t n = 0;
+    double next = 10.0;
+    *most = 0.0;
+    for (long k = 1; k <= steps; k++) {
+        const rp_status status = dem_run(sim, 1);
+        CHECK_OK(status);
+        if (status) break;
+        *most = fmax(*most, fabs(total_energy(sim) - before) / before);
+        if ((double)k < next && k < steps) continue;
+        at[n] = (double)k;
+        error[n++] = *most;
+        next *= 1.1547819846894583; /* 16 a decade */
+    }
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    *iterations = counts.iterations / (double)steps;
+    dem_free(sim);
+    return n;
+}
+
+/* A step's error is that of places, some 5e-16, times a force of some 1000, over an energy of some 10: the
+ * energy walks at random. */
+static double walk(long steps)
+{
+    return 1e-13 * sqrt((double)steps);
+}
+
+static void energy_is_kept(void)
+{
+    const long steps = check_full() ? 1000000 : check_fast() ? 2000 : 20000;
+    static double error[ENERGY_CASES][MARKS], at[MARKS];
+    const char *names[ENERGY_CASES + 1][2] = {{"step", ""}};
+    double most[ENERGY_CASES], iterations[ENERGY_CASES];
+    size_t marks = 0;
+    for (int k = 0; k < ENERGY_CASES; k++) {
+        const energy_case *c = &energy_cases[k];
+        marks = run_energy(c, steps, error[k], at, &most[k], &iterations[k]);
+        names[k + 1][0] = c->name;
+        names[k + 1][1] = "";
+        if (c->exact) CHECK_NEAR(most[k], 0.0, walk(steps));
+        if (c->integrator == DEM_VERLET && c->dt >= 0.1) CU_ASSERT(most[k] > 1e-5);
+    }
+    FILE *out = check_table("implicit_energy");
+    if (out) {
+        rp_table_columns(out, ENERGY_CASES + 1, (const char *const(*)[2])names);
+        for (size_t m = 0; m < marks; m++) {
+            double row[ENERGY_CASES + 1] = {at[m]};
+            for (int k = 0; k < ENERGY_CASES; k++) row[k + 1] = error[k][m];
+            rp_table_row(out, ENERGY_CASES + 1, row);
+        }
+        check_table_close(out, "implicit_energy");
+    }
+    out = check_table("implicit_drift");
+    if (!out) return;
+    static const char *const columns[][2] = {
+        {"dt", "contact times"},    {"tolerance", "radius"},  {"steps", ""},
+        {"largest_error", "start"}, {"iterations", "a step"}, {"case", ""}};
+    rp_table_columns(out, 6, columns);
+    for (int k = 0; k < ENERGY_CASES; k++) {
+        const energy_case *c = &energy_cases[k];
+        rp_table_row_word(out, 5, (double[]){c->dt, c->tolerance, (double)steps, most[k], iterations[k]},
+                          c->name);
+    }
+    check_table_close(out, "implicit_drift");
+}
+
+/* A disk on its spring, the floor, swings slower than in truth: omega_eff = (2/dt) atan(omega dt/2). */
+static void phase(void)
+{
+    static const char *const columns[][2] = {
+        {"omega_dt", ""}, {"omega_eff", "omega"}, {"formula", "omega"}, {"verlet", "omega"}};
+    const double omega = sqrt(K), A = 0.6 / K;
+    const long steps = check_full() ? 100000 : 5000;
+    FILE *out = check_table("implicit_phase");
+    if (out) rp_table_columns(out, 4, columns);
+    for (int k = -6; k <= 6; k++) {
+        const double angle = pow(10.0, 0.25 * k), formula = 2.0 / angle * atan(0.5 * angle);
+        const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
+        dem_definition def = disks(&grain, 1);
+        def.dt = angle / omega;
+        def.n_walls = 1;
+        def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+        dem_sim *sim = grains_start(&def);
+        double sum = 0.0, last = 0.0;
+        for (long n = 0; n < steps; n++) {
+            CHECK_OK(dem_run(sim, 1));
+            const dem_state s = grains_state_of_one(sim);
+            const double now = atan2(-s.vy / omega, s.y - (R - 1.0 / K));
+            sum += now - last + (now < last ? 2.0 * M_PI : 0.0);
+            last = now;
+        }
+        const double measured = sum / ((double)steps * angle);
+        /* places of 0.5 are good to 1e-16, of an amplitude of 6e-5: 2e-12 a step, in all and at random */
+        CHECK_NEAR(measured, formula, 1e-10 * formula);
+        if (out)
+            rp_table_row(
+                out, 4,
+                (double[]){angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN});
+        dem_free(sim);
+    }
+    check_table_close(out, "implicit_phase");
+}
+
+/* A full triangle of `base` disks on a row that is fixed, let go without loads. */
+static void cost_of(long base, double dt, int solver, double *iterations)
+{
+    const size_t n = (size_t)(base * (base + 1) / 2);
+    const long steps = 10;
+    dem_grain *grains = calloc(n, sizeof *grains);
+    size_t at = 0;
+    for (long j = 0; j < base; j++)
+        for (long i = 0; i < base - j; i++)
+            grains[at++] = (dem_grain){.x = (double)i + 0.5 * (double)j,
+                                       .y = (double)j * sqrt(0.75),
+                                       .r = R,
+                                       .m = 1.0,
+                                       .fixed = j == 0};
+    dem_definition def = disks(grains, n);
+    def.dt = dt * contact_time();
+    def.implicit = (dem_implicit_solver){solver, 0.7, 1e-12, 1000000};
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, steps));
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    *iterations = counts.iterations / (double)steps;
+    dem_free(sim);
+    free(grains);
+}
+
+/* Sweeps grow with dt and size, factorisations hardly. */
+static void cost(void)
+{
+    static const char *const columns[][2] = {
+        {"base", "disks"}, {"dt", "contact times"}, {"sweeps", "a step"}, {"factorisations", "a step"}};
+    static const double steps[] = {0.1, 1.0, 10.0};
+    const long largest = check_full() ? 40 : 10;
+    double before[3] = {0.0};
+    FILE *out = check_table("implicit_sweeps");
+    if (out) rp_table_columns(out, 4, columns);
+    for (long base = 5; base <= largest; base *= 2)
+        for (int k = 0; k < 3; k++) {
+            double sweeps, factorisations;
+            cost_of(base, steps[k], DEM_SOLVER_SOR, &sweeps);
+            cost_of(base, steps[k], DEM_SOLVER_DIRECT, &factorisations);
+            if (out) rp_table_row(out, 4, (double[]){(double)base, steps[k], sweeps, factorisations});
+            CU_ASSERT(factorisations <= 20.0);
+            if (k == 2) CU_ASSERT(sweeps > 1.5 * before[2]);
+            before[k] = sweeps;
+        }
+    check_table_close(out, "implicit_sweeps");
+}
+
+/* ---- A pile that comes to rest, and the pile that is solved for ------------------------------------------
+ */
+
+typedef struct {
+    size_t n, k; /* disks; in the base */
+    double eps;
+    dem_grain *grains;
+    dem_pile *pile;
+    double *N, *H, *u;
+} heap;
+
+static const double MU = 1.0, WELL = 1.0; /* half-width in eps sigma */
+
+static heap solved_heap(long k, double alpha_deg, double eps)
+{
+    heap h = {.k = (size_t)k, .eps = eps};
+    const double theta = M_PI / 6.0;
+    long *up = malloc((size_t)k * sizeof *up);
+    CHECK_OK(an_lattice_cut(k, theta, alpha_deg * (M_PI / 180.0), up));
+    for (long s = 0; s < k; s++) h.n += (size_t)up[s];
+    h.grains = calloc(h.n, sizeof *h.grains);
+    dem_pile_disk *list = calloc(h.n, sizeof *list);
+    size_t n = 0;
+    for (long s = 0; s < k; s++)
+        for (long j = 0; j < up[s]; j++, n++) {
+            list[n] = (dem_pile_disk){(double)s + 0.5 * (double)j, R + (double)j * sqrt(0.75), R, 1.0};
+            /* so deep that the base has its wells from the start */
+            h.grains[n] = (dem_grain){.x = list[n].x, .y = list[n].y - 1e-13, .r = R, .m = 1.0};
+        }
+    dem_pile_definition def = dem_pile_definition_default();
+    dem_pile_result result;
+    def.n = h.n;
+    def.disks = list;
+    def.eps = eps;
+    def.well = DEM_WELL_FRICTION;
+    def.mu = MU;
+    def.a = WELL;
+    CHECK_OK(dem_pile_create(&def, &h.pile));
+    CHECK_OK(dem_pile_solve(h.pile, &result));
+    CU_ASSERT(result.wells == h.k && result.broken == 0 && result.negative_modes == 0);
+    h.N = calloc(h.k, sizeof *h.N);
+    h.H = calloc(h.k, sizeof *h.H);
+    h.u = calloc(2 * h.n, sizeof *h.u);
+    dem_pile_base(h.pile, NULL, h.N, h.H);
+    dem_pile_displacements(h.pile, h.u);
+    free(list);
+    free(up);
+    return h;
+}
+
+static void free_heap(heap *h)
+{
+    dem_pile_free(h->pile);
+    free(h->grains), free(h->N), free(h->H), free(h->u);
+}
+
+typedef struct {
+    double N, H, contact, place; /* largest differences: m g, m g, m g, eps sigma */
+    size_t missing;              /* contacts of one that the other has not, of more than 1e-3 m g */
+} heap_difference;
+
+static int by_id(const void *a, const void *b)
+{
+    const dem_contact *p = a, *q = b;
+    return (p->id_a > q->id_a) - (p->id_a < q->id_a);
+}
+
+static heap_difference compare(const heap *h, const dem_sim *sim)
+{
+    heap_difference d = {0};
+    dem_contact *list;
+    dem_pile_contact *solved;
+    size_t n, m, base = 0;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CHECK_OK(dem_pile_contacts(h->pile, &solved, &m));
+    qsort(list, n, sizeof *list, by_id);
+    double *force = calloc(h->n * h->n, sizeof *force);
+    for (size_t k = 0; k < m; k++) force[solved[k].a * h->n + solved[k].b] = solved[k].force;
+    for (size_t k = 0; k < n; k++) {
+        if (list[k].id_b == 0) {
+            d.N = fmax(d.N, fabs(list[k].normal_force - h->N[base]));
+            d.H = fmax(d.H, fabs(-list[k].shear_force - h->H[base]));
+            base++;
+            continue;
+        }
+        const size_t a = (list[k].id_a < list[k].id_b ? list[k].id_a : list[k].id_b) - 1,
+                     b = (list[k].id_a < list[k].id_b ? list[k].id_b : list[k].id_a) - 1;
+        d.contact = fmax(d.contact, fabs(list[k].normal_force - force[a * h->n + b]));
+        force[a * h->n + b] = 0.0;
+    }
+    CU_ASSERT_EQUAL(base, h->k);
+    for (size_t k = 0; k < h->n * h->n; k++) d.missing += force[k] > 1e-3;
+    dem_state *states = calloc(h->n, sizeof *states);
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < h->n; i++) {
+        d.place = fmax(d.place, hypot((states[i].x - h->grains[i].x) / h->eps - h->u[2 * i],
+                                      (states[i].y - h->grains[i].y) / h->eps - h->u[2 * i + 1]));
+    }
+    free(states), free(force), free(list), free(solved);
+    return d;
+}
+
+/* Let go under a weight that is raised slowly; gamma and 1/dt in units of sqrt(K_s/m). */
+static heap_difference relaxed(const heap *h, int integrator, double gamma, double dt, long steps)
+{
+    const double omega = sqrt(1.0 / h->eps);
+    dem_definition def = disks(h->grains, h->n);
+    def.integrator = integrator;
+    def.gravity[1] = 0.0;
+    def.tension = false;
+    def.dt = dt / omega;
+    def.material = (dem_material){.k_n = 1.0 / h->eps, .gamma_n = gamma * omega};
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.ground = (dem_ground){.wall = 1, .mu_static = MU, .a = WELL * h->eps, .set = DEM_WELL_TOUCH};
+    dem_sim *sim = grains_start(&def);
+    for (int k = 1; k <= 20; k++) {
+        dem_gravity_set(sim, (double[]){0.0, -0.05 * k});
+        CHECK_OK(dem_run(sim, steps / 40));
+    }
+    CHECK_OK(dem_run(sim, steps / 2));
+    const heap_difference d = compare(h, sim);
+    dem_free(sim);
+    return d;
+}
+
+static void pile_at_rest(void)
+{
+    static const char *const columns[][2] = {{"base", "disks"},
+                                             {"disks", ""},
+                                             {"eps", ""},
+                                             {"N_error", "m*g"},
+                                             {"H_error", "m*g"},
+                                             {"contact_error", "m*g"},
+                                             {"place_error", "eps*sigma"},
+                                             {"integrator", ""}};
+    const long bases[] = {8, 45};
+    const double eps[] = {1e-3, 1e-5};
+    FILE *out = check_table("implicit_pile");
+    if (out) rp_table_columns(out, 8, columns);
+    for (int k = 0; k < (check_full() ? 2 : 1); k++) {
+        heap h = solved_heap(bases[k], 30.0, eps[k]);
+        const double b = (double)bases[k];
+        for (int verlet = 0; verlet < 2; verlet++) {
+            /* the slowest motion, of a wave length of some four times the height, is damped most */
+            const heap_difference d = verlet ? relaxed(&h, DEM_VERLET, 2.0, 0.1, lround(300.0 * b * b))
+                                             : relaxed(&h, DEM_IMPLICIT, 0.25 * b, 1.0, 4000);
+            CHECK_NEAR(fmax(d.N, d.H), 0.0, 1e-7);
+            CHECK_NEAR(d.contact, 0.0, 1e-7);
+            CU_ASSERT_EQUAL(d.missing, 0);
+            if (out)
+                rp_table_row_word(out, 7, (double[]){b, (double)h.n, h.eps, d.N, d.H, d.contact, d.place},
+                                  verlet ? "verlet" : "implicit");
+        }
+        free_heap(&h);
+    }
+    check_table_close(out, "implicit_pile");
+}
+
+void suite_implicit(void)
+{
+    static const check_case cases[] = {{"energy over many steps", energy_is_kept},
+                                       {"phase", phase},
+                                       {"cost of sweeps and direct solves", cost},
+                                       {"the pile at rest", pile_at_rest},
+                                       {NULL, NULL}};
+    check_register("validation: the implicit integrator", cases);
+}
