@@ -4,9 +4,9 @@
  * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
  * resistance to rolling, without which disks roll away; the places, uniform over the source's width; when a
  * disk is at rest. The fall itself is not simulated: a disk starts just above what it will hit, with the
- * speed of its fall. While the pile grows only what moves is simulated, dem/bed.h; at last all of it is,
- * until it is at rest. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic
- * energy has a maximum. */
+ * speed of its fall. The next falls when no disk is fast or far from balance, though the pile may still sway;
+ * after the last it comes to rest entirely. That goes fast by kinetic damping: all velocities are set to 0
+ * where the kinetic energy has a maximum. */
 #include <math.h>
 #include <stdlib.h>
 #include <xxhash.h>
@@ -14,16 +14,14 @@
 #include "angle/dip.h"
 #include "core/random.h"
 #include "core/table.h"
-#include "dem/bed.h"
 #include "dem/scene.h"
 #include "sweeps/box.h"
 
 typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
-    double wake_force, sleep_speed, x_limit;
+    double damping_shear, rest_speed, rest_force, x_limit;
     long N, max_steps;
     int law;
-    bool sleep;
 } drop_params;
 
 #define AT(field) offsetof(drop_params, field)
@@ -41,12 +39,12 @@ static const rp_param schema[] = {
     {"mu", "", RP_REAL, AT(mu), "0.5", "[0, inf)", "friction, of hard collisions and of contacts"},
     {"mu_roll", "", RP_REAL, AT(mu_roll), "0.1", "[0, inf)", "rolling resistance"},
     {"eps", "", RP_REAL, AT(eps), "1e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
-    {"damping", "", RP_REAL, AT(damping), "0.2", "(0, 1]", "normal, of contacts, over critical; 0.2 returns half the speed of an impact; of shear half of it"},
+    {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
+    {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "the same for shear and rolling"},
     {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},
     {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
-    {"sleep", "", RP_BOOL, AT(sleep), "true", "", "simulate only what moves while the pile grows"},
-    {"sleep_speed", "sqrt(g d)", RP_REAL, AT(sleep_speed), "0.03", "(0, 1]", "at rest: below this speed"},
-    {"wake_force", "m g", RP_REAL, AT(wake_force), "0.2", "(0, 10]", "a disk at rest moves again when it is out of balance by this; at rest: a fifth of it"},
+    {"rest_speed", "sqrt(g d)", RP_REAL, AT(rest_speed), "0.1", "(0, 1]", "the next disk falls once all are slower than this, also at their rims,"},
+    {"rest_force", "m g", RP_REAL, AT(rest_force), "0.1", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
     {0}};
@@ -72,7 +70,6 @@ enum {
     OUT_MOVED_SHARE,
     OUT_SETTLED,
     OUT_STEPS,
-    OUT_AWAKE,
     OUT_RELAX_STEPS,
     OUT_N
 };
@@ -95,7 +92,6 @@ static const sweep_output outputs[] = {
     {"moved_share", "", "share of drops that moved more than 10"},
     {"settled", "", "disks that the relaxation at the end moved by more than 0.1 d"},
     {"steps", "", "steps of the drops"},
-    {"awake", "", "mean number of disks simulated as moving"},
     {"relax_steps", "", "steps of the relaxation at the end"},
 #define BIN(k) {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
     BIN(01) BIN(02) BIN(03) BIN(04) BIN(05) BIN(06) BIN(07) BIN(08) BIN(09) BIN(10) BIN(11) BIN(12) BIN(13)
@@ -108,14 +104,22 @@ typedef struct {
     const sweep_tables *tables;
     sweep_result *result;
     dem_definition scene;
-    dem_bed *bed;
-    dem_sim *sim; /* the whole pile, at the end */
-    size_t n;     /* disks in it */
+    dem_sim *sim;
+    size_t n; /* disks in it */
     dem_state *states;
     gsl_rng *radii, *places;
     double *x, *y; /* before a drop, or before the relaxation */
     long *moved;   /* by each drop */
 } drop;
+
+/* Between two looks at the pile, in steps; time for which it must be at rest. */
+enum { EVERY = 20 };
+static const double REST_TIME = 0.5;
+
+static bool is_away(const drop *d, size_t i)
+{
+    return fabs(d->states[i].x) > d->p->x_limit;
+}
 
 /* ---- The scene ---- */
 
@@ -123,23 +127,25 @@ static const double density = 4.0 / M_PI; /* mass 1 at diameter 1 */
 
 static dem_definition make_scene(const drop_params *p)
 {
-    const double k = 1.0 / p->eps, gamma = 2.0 * p->damping * sqrt(2.0 * k); /* m_eff = 1/2 */
+    const double k = 1.0 / p->eps, critical = 2.0 * sqrt(2.0 * k), /* m_eff = 1/2 */
+        gamma_s = p->damping_shear * critical;
     dem_definition def = dem_definition_default();
     def.gravity[1] = -1.0;
     def.normal = DEM_LINEAR;
     def.tension = false;
     def.rotation = true;
     def.shape = DEM_DISK;
+    def.skin = 0.4;
     def.damping = DEM_DAMPING_INSIDE;
     def.tangential = p->law == LAW_SPRING ? DEM_SPRING : DEM_SLIP_ROLL;
     def.material = (dem_material){.k_n = k,
-                                  .gamma_n = gamma,
+                                  .gamma_n = p->damping * critical,
                                   .k_s = 0.5 * k,
-                                  .gamma_s = 0.5 * gamma,
+                                  .gamma_s = gamma_s,
                                   .mu = p->mu,
                                   .mu_roll = p->mu_roll,
                                   .k_roll = 0.5 * k,
-                                  .gamma_roll = 0.5 * gamma};
+                                  .gamma_roll = gamma_s};
     def.hard = (dem_hard){true, p->restitution, p->mu};
     def.n_walls = 1;
     def.walls[0] = (dem_wall){.direction = {0.0, 1.0},
@@ -154,7 +160,7 @@ static dem_definition make_scene(const drop_params *p)
     const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = -sqrt(2.0 * top)}};
     def.grains = two;
     def.n_grains = 2;
-    def.dt = 0.9 * dem_time_step_limit(&def, NULL);
+    def.dt = 0.98 * dem_time_step_limit(&def, NULL);
     def.grains = NULL;
     def.n_grains = 0;
     return def;
@@ -162,60 +168,108 @@ static dem_definition make_scene(const drop_params *p)
 
 /* ---- Drops ---- */
 
+/* Lowest place of a new disk's centre at x from which nothing is nearer than `gap`. */
+static double height_at(const drop *d, double x, double r, double gap)
+{
+    double y = r + gap;
+    for (size_t i = 0; i < d->n; i++) {
+        const double dx = d->states[i].x - x, reach = r + d->states[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, d->states[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
 static double highest(const drop *d)
 {
     double top = 0.0;
-    for (uint32_t id = 1; id <= dem_bed_count(d->bed); id++) {
-        const dem_grain *g = dem_bed_grain(d->bed, id);
-        if (g) top = fmax(top, g->y + g->r);
-    }
+    for (size_t i = 0; i < d->n; i++) top = fmax(top, d->states[i].y + d->states[i].r);
     return top;
 }
 
-/* How many of the first n disks have moved by more than 0.1 d since the last call for them. */
-static long note_moved(drop *d, size_t n)
+/* How many of the first n disks have moved by more than 0.1 d since they were marked. */
+static size_t count_moved(const drop *d, size_t n)
 {
-    long moved = 0;
-    for (uint32_t id = 1; id <= n; id++) {
-        const dem_grain *g = dem_bed_grain(d->bed, id);
-        if (!g) continue;
-        const double dx = g->x - d->x[id - 1], dy = g->y - d->y[id - 1];
-        moved += dx * dx + dy * dy > 0.01;
-        d->x[id - 1] = g->x;
-        d->y[id - 1] = g->y;
+    size_t moved = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double dx = d->states[i].x - d->x[i], dy = d->states[i].y - d->y[i];
+        moved += dx * dx + dy * dy > 0.01 && !is_away(d, i);
     }
     return moved;
 }
 
-static rp_status drop_one(drop *d, size_t k, bool *rest)
+static void mark_places(drop *d)
+{
+    for (size_t i = 0; i < d->n; i++) d->x[i] = d->states[i].x, d->y[i] = d->states[i].y;
+}
+
+static bool is_quiet(const drop *d)
+{
+    const double v2 = d->p->rest_speed * d->p->rest_speed, f = d->p->rest_force;
+    for (size_t i = 0; i < d->n; i++) {
+        const dem_state *s = &d->states[i];
+        const double spin = s->omega * s->r;
+        if ((s->vx * s->vx + s->vy * s->vy > v2 || spin * spin > v2 ||
+             s->fx * s->fx + s->fy * s->fy > f * f * s->m * s->m || fabs(s->torque) > f * s->m * s->r) &&
+            !is_away(d, i))
+            return false;
+    }
+    return true;
+}
+
+/* Until all are slow and nearly in balance for a while, or the drop has had its steps. */
+static rp_status settle(drop *d, bool *rest)
+{
+    const long start = dem_step(d->sim);
+    rp_status status = RP_OK;
+    for (long quiet = 0; !status && dem_step(d->sim) - start < d->p->max_steps;) {
+        status = dem_run(d->sim, EVERY);
+        if (!status) status = dem_states(d->sim, d->states);
+        quiet = !status && is_quiet(d) ? quiet + EVERY : 0;
+        *rest = (double)quiet * d->scene.dt >= REST_TIME;
+        if (*rest) break;
+    }
+    return status;
+}
+
+static rp_status put_in(drop *d, const dem_grain *grain)
+{
+    if (d->sim) return dem_add(d->sim, grain, NULL);
+    dem_definition def = d->scene;
+    def.grains = grain;
+    def.n_grains = 1;
+    return dem_create(&def, &d->sim);
+}
+
+static rp_status drop_one(drop *d, bool *rest)
 {
     const drop_params *p = d->p;
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
-    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5),
-                 y = dem_bed_height(d->bed, x, r, 0.05), from = highest(d) + p->drop_height + r;
-    dem_grain grain = {
+    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5), y = height_at(d, x, r, 0.05),
+                 from = highest(d) + p->drop_height + r;
+    const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
-    rp_status status = dem_bed_add(d->bed, &grain);
-    if (!status) status = dem_bed_run(d->bed, p->max_steps, rest);
-    if (status) return status;
-    d->moved[k] = note_moved(d, k);
-    (void)note_moved(d, k + 1); /* the disk itself, for the next */
-    return RP_OK;
+    mark_places(d);
+    const size_t k = d->n;
+    rp_status status = put_in(d, &grain);
+    d->n = k + 1;
+    if (!status) status = settle(d, rest);
+    if (!status) d->moved[k] = (long)count_moved(d, k);
+    return status;
 }
 
 static rp_status drop_all(drop *d)
 {
     double capped = 0.0, *v = d->result->values;
     rp_status status = RP_OK;
-    for (size_t k = 0; k < (size_t)d->p->N && !status; k++) {
-        bool rest = true;
-        status = drop_one(d, k, &rest);
+    for (long k = 0; k < d->p->N && !status; k++) {
+        bool rest = false;
+        status = drop_one(d, &rest);
         capped += !rest;
     }
+    if (status) return status;
     v[OUT_CAPPED] = capped;
-    v[OUT_STEPS] = (double)dem_bed_steps(d->bed);
-    v[OUT_AWAKE] = dem_bed_grain_steps(d->bed) / v[OUT_STEPS];
+    v[OUT_STEPS] = (double)dem_step(d->sim);
     double sum = 0.0, most = 0.0, large = 0.0;
     for (long k = 0; k < d->p->N; k++) {
         sum += (double)d->moved[k];
@@ -225,7 +279,7 @@ static rp_status drop_all(drop *d)
     v[OUT_MOVED_MEAN] = sum / (double)d->p->N;
     v[OUT_MOVED_MAX] = most;
     v[OUT_MOVED_SHARE] = large / (double)d->p->N;
-    return status;
+    return RP_OK;
 }
 
 /* ---- Relaxation of the whole pile ---- */
@@ -258,39 +312,27 @@ static rp_status stop_all(drop *d)
 
 static rp_status relax(drop *d)
 {
-    enum { EVERY = 20, MOST = 100000 };
-    rp_status status = dem_bed_sim(d->bed, &d->sim);
-    if (status) return status;
-    d->n = dem_count(d->sim);
-    double *start = d->x, before = 0.0;
-    status = dem_states(d->sim, d->states);
-    for (size_t i = 0; i < d->n && !status; i++) start[i] = d->states[i].x, d->y[i] = d->states[i].y;
+    enum { MOST = 100000, ENOUGH = 10 };
+    double before = 0.0;
     long steps = 0, quiet = 0;
-    for (; steps < MOST && quiet < 10 && !status; steps += EVERY) {
+    rp_status status = RP_OK;
+    mark_places(d);
+    for (; steps < MOST && quiet < ENOUGH && !status; steps += EVERY) {
         dem_rest rest;
         status = dem_run(d->sim, EVERY);
-        if (!status) status = dem_rest_state(d->sim, -INFINITY, INFINITY, &rest);
+        if (!status) status = dem_states(d->sim, d->states);
+        if (!status) status = dem_rest_state(d->sim, -d->p->x_limit, d->p->x_limit, &rest);
         if (status) break;
         quiet = rest.kinetic_energy < 1e-12 && rest.net_force < 1e-4 ? quiet + 1 : 0;
-        if (rest.kinetic_energy < before) {
-            status = dem_states(d->sim, d->states);
-            if (!status) status = stop_all(d);
-            before = 0.0;
-        } else {
-            before = rest.kinetic_energy;
-        }
+        const bool falls = rest.kinetic_energy < before;
+        if (falls) status = stop_all(d);
+        before = falls ? 0.0 : rest.kinetic_energy;
     }
     if (status) return status;
     d->result->values[OUT_RELAX_STEPS] = (double)steps;
-    snprintf(d->result->status, sizeof d->result->status, "%s", quiet < 10 ? "not_at_rest" : "ok");
-    status = dem_states(d->sim, d->states);
-    double settled = 0.0;
-    for (size_t i = 0; i < d->n && !status; i++) {
-        const double dx = d->states[i].x - start[i], dy = d->states[i].y - d->y[i];
-        settled += dx * dx + dy * dy > 0.01;
-    }
-    d->result->values[OUT_SETTLED] = settled;
-    return status;
+    d->result->values[OUT_SETTLED] = (double)count_moved(d, d->n);
+    snprintf(d->result->status, sizeof d->result->status, "%s", quiet < ENOUGH ? "not_at_rest" : "ok");
+    return RP_OK;
 }
 
 /* ---- What is measured ---- */
@@ -365,7 +407,7 @@ static rp_status measure_base(const drop *d)
     if (!status && !x) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
     for (size_t k = 0; k < n_all && !status; k++) {
         const dem_contact *c = &contacts[k];
-        if (c->id_b) continue;
+        if (c->id_b || fabs(c->x) > d->p->x_limit) continue;
         x[n] = c->x;
         r[n] = c->y - c->y_b + c->overlap;
         N[n] = c->normal_force;
@@ -387,6 +429,15 @@ static rp_status measure_base(const drop *d)
     return RP_OK;
 }
 
+/* From the states, those that rolled away. */
+static void leave_out_away(drop *d)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < d->n; i++)
+        if (!is_away(d, i)) d->states[n++] = d->states[i];
+    d->n = n;
+}
+
 /* ---- A run ---- */
 
 static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run,
@@ -404,17 +455,9 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     d->moved = calloc(n, sizeof *d->moved);
     if (!d->radii || !d->places || !d->states || !d->x || !d->y || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    const dem_bed_options options = {.sleep = p->sleep,
-                                     .sleep_speed = p->sleep_speed,
-                                     .sleep_force = 0.2 * p->wake_force,
-                                     .sleep_time = 0.25,
-                                     .wake_force = p->wake_force,
-                                     .wake_speed = 0.2,
-                                     .x_limit = p->x_limit,
-                                     .most = n};
-    rp_status status = dem_bed_create(&d->scene, &options, &d->bed);
-    if (!status) status = drop_all(d);
+    rp_status status = drop_all(d);
     if (!status) status = relax(d);
+    if (!status) leave_out_away(d);
     return status;
 }
 
@@ -428,7 +471,6 @@ static rp_status finish(drop *d, rp_status status)
     }
     if (d->radii) gsl_rng_free(d->radii);
     if (d->places) gsl_rng_free(d->places);
-    dem_bed_free(d->bed);
     dem_free(d->sim);
     free(d->states), free(d->x), free(d->y), free(d->moved);
     return status;

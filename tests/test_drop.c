@@ -1,11 +1,9 @@
-/* Dropped piles: contacts that a simulation starts with, beds of grains asleep, protocol `drop`, and the dip.
- */
+/* Dropped piles: contacts that a simulation starts with, protocol `drop`, and the dip. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "angle/dip.h"
 #include "core/random.h"
-#include "dem/bed.h"
 #include "sweeps/protocol.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -132,119 +130,6 @@ static void contacts_go_on(void)
         }
         dem_free(sim);
     }
-}
-
-/* ---- Beds ---- */
-
-static dem_bed_options bed_options(bool sleep)
-{
-    return (dem_bed_options){sleep, 0.03, 0.02, 0.25, 0.1, 0.2, 50.0, 100};
-}
-
-/* Drop n disks near x = 0. */
-static dem_bed *build(bool spring, bool sleep, int n)
-{
-    const dem_definition scene = disks(spring);
-    const dem_bed_options options = bed_options(sleep);
-    dem_bed *bed;
-    CHECK_OK(dem_bed_create(&scene, &options, &bed));
-    gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
-    for (int k = 0; k < n; k++) {
-        const double x = gsl_rng_uniform(rng) - 0.5;
-        dem_grain grain = disk(x, dem_bed_height(bed, x, 0.5, 0.05), 0.0);
-        grain.vy = -2.0;
-        bool rest;
-        CHECK_OK(dem_bed_add(bed, &grain));
-        CHECK_OK(dem_bed_run(bed, 100000, &rest));
-        CU_ASSERT(rest);
-    }
-    gsl_rng_free(rng);
-    return bed;
-}
-
-/* All asleep, each is as near to balance as it must be, within wake_force and the damping gamma_n m_eff v of
- * a contact at the speed of rest, which ended with it; and the ground carries the weight nearly. */
-static void asleep_is_in_balance(void)
-{
-    enum { N = 25 };
-    for (int spring = 0; spring < 2; spring++) {
-        dem_bed *bed = build(spring, true, N);
-        dem_sim *sim;
-        dem_state s[N];
-        double force[2];
-        CHECK_OK(dem_bed_sim(bed, &sim));
-        CU_ASSERT_FATAL(dem_count(sim) == N);
-        CHECK_OK(dem_states(sim, s));
-        for (int i = 0; i < N; i++) {
-            CU_ASSERT(hypot(s[i].fx, s[i].fy) <= 0.1 + 9.0 * 0.03);
-            CU_ASSERT(fabs(s[i].torque) <= 0.5 * (0.1 + 9.0 * 0.03));
-        }
-        dem_wall_forces(sim, force);
-        CHECK_NEAR(force[1], -(double)N, 0.1 * N);
-        dem_free(sim);
-        CU_ASSERT(dem_bed_grain_steps(bed) < 0.7 * N * (double)dem_bed_steps(bed)); /* most were asleep */
-        dem_bed_free(bed);
-    }
-}
-
-/* One disk has nobody to wake: asleep or not makes no difference. A second beside it, out of reach, stays. */
-static void one_disk_is_the_same(void)
-{
-    const dem_grain *g[2];
-    dem_bed *beds[2];
-    for (int sleep = 0; sleep < 2; sleep++) {
-        beds[sleep] = build(false, sleep, 1);
-        g[sleep] = dem_bed_grain(beds[sleep], 1);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(g[sleep]);
-    }
-    CHECK_NEAR(g[0]->x, g[1]->x, 0.03 * 0.3); /* it may creep on at the speed of rest */
-    CHECK_NEAR(g[0]->y, 0.499, 1e-4);         /* m g/k_n below first touch */
-    CHECK_NEAR(g[1]->y, 0.499, 1e-4);
-    const dem_grain before = *g[1], far = disk(10.0, 0.6, 0.0);
-    bool rest;
-    CHECK_OK(dem_bed_add(beds[1], &far));
-    CHECK_OK(dem_bed_run(beds[1], 100000, &rest));
-    CU_ASSERT(rest && memcmp(&before, dem_bed_grain(beds[1], 1), sizeof before) == 0);
-    dem_bed_free(beds[0]);
-    dem_bed_free(beds[1]);
-}
-
-/* A disk that rolls into one asleep pushes it on; what rolls beyond the limit is taken out. */
-static void hits_wake_and_limits_take(void)
-{
-    const dem_definition scene = disks(true);
-    dem_bed_options options = bed_options(true);
-    dem_bed *bed;
-    bool rest;
-    options.x_limit = 10.0;
-    CHECK_OK(dem_bed_create(&scene, &options, &bed));
-    const dem_grain still = disk(0.0, 0.4995, 0.0), fast = disk(-3.0, 0.5, 6.0), away = disk(8.0, 0.5, 5.0);
-    CHECK_OK(dem_bed_add(bed, &still));
-    CHECK_OK(dem_bed_run(bed, 100000, &rest));
-    CHECK_OK(dem_bed_add(bed, &fast));
-    CHECK_OK(dem_bed_run(bed, 5000, &rest));
-    CU_ASSERT(!dem_bed_grain(bed, 1) || dem_bed_grain(bed, 1)->x > 0.3);
-    CHECK_OK(dem_bed_add(bed, &away));
-    CHECK_OK(dem_bed_run(bed, 100000, &rest));
-    CU_ASSERT(rest);
-    CU_ASSERT_PTR_NULL(dem_bed_grain(bed, 3));
-    CHECK_OK(dem_bed_add(bed, &fast));
-    CHECK_OK(dem_bed_run(bed, 10, &rest)); /* too few steps */
-    CU_ASSERT(!rest);
-    dem_bed_free(bed);
-}
-
-static void bed_is_full(void)
-{
-    const dem_definition scene = disks(true);
-    dem_bed_options options = bed_options(true);
-    const dem_grain grain = disk(0.0, 0.5, 0.0);
-    dem_bed *bed;
-    options.most = 1;
-    CHECK_OK(dem_bed_create(&scene, &options, &bed));
-    CHECK_OK(dem_bed_add(bed, &grain));
-    CHECK_FAILS(dem_bed_add(bed, &grain), RP_BAD_INPUT, "at most 1");
-    dem_bed_free(bed);
 }
 
 /* ---- The dip ---- */
@@ -383,25 +268,49 @@ static void piles_stand(void)
     }
 }
 
-static void drops_that_do_not_rest_are_counted(void)
+static void drops_do_not_pass_their_steps(void)
 {
-    sweep_result r = run((const char *const[]){"N", "10", "max_steps", "100", NULL});
+    const char *const changes[] = {"N", "10", "max_steps", "100", NULL};
+    sweep_result r = run(changes);
     CU_ASSERT(output(&r, "capped") > 5.0);
+    CHECK_NEAR(output(&r, "steps"), 10.0 * 100.0, 0.0);
     CU_ASSERT_STRING_EQUAL(r.status, "ok"); /* the relaxation at the end is */
+}
+
+/* The stricter the rest, the more steps a drop takes. */
+static void rest_takes_its_steps(void)
+{
+    static const char *const limits[] = {"0.1", "0.01", "0.001"};
+    double before = 0.0;
+    for (int k = 0; k < 3; k++) {
+        sweep_result r =
+            run((const char *const[]){"N", "15", "rest_speed", limits[k], "rest_force", limits[k], NULL});
+        CU_ASSERT(output(&r, "steps") > 1.1 * before);
+        CHECK_NEAR(output(&r, "capped"), 0.0, 0.0);
+        before = output(&r, "steps");
+    }
+}
+
+/* Without rolling resistance disks roll away: they count as such, carry nothing and are no part of the pile.
+ */
+static void away_is_no_part(void)
+{
+    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0", "x_limit", "10", NULL});
+    CU_ASSERT(output(&r, "away") > 0.0);
+    CHECK_NEAR(output(&r, "disks") + output(&r, "away"), 30.0, 0.0);
+    CU_ASSERT(output(&r, "width") < 20.0);
 }
 
 void suite_drop(void)
 {
     static const check_case cases[] = {{"contacts of the start go on", contacts_go_on},
-                                       {"asleep is in balance", asleep_is_in_balance},
-                                       {"one disk is the same", one_disk_is_the_same},
-                                       {"hits wake, limits take", hits_wake_and_limits_take},
-                                       {"a bed that is full", bed_is_full},
                                        {"base of known loads", base_of_known_loads},
                                        {"planted dips", planted_dips},
                                        {"dip of an ensemble", dip_of_an_ensemble},
                                        {"piles stand", piles_stand},
-                                       {"drops that do not rest", drops_that_do_not_rest_are_counted},
+                                       {"drops do not pass their steps", drops_do_not_pass_their_steps},
+                                       {"rest takes its steps", rest_takes_its_steps},
+                                       {"away is no part", away_is_no_part},
                                        {NULL, NULL}};
     check_register("drop", cases);
 }

@@ -510,8 +510,10 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
     if (sim->def.rotation) sim->spin = calloc(room, sizeof *sim->spin);
-    if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
-        !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
+    if (sim->def.hard.on) sim->way = calloc(room, sizeof *sim->way);
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
+        !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
+        !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -707,7 +709,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     *c = *sim;
     c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
@@ -804,7 +806,7 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->gear), free(sim->fixed);
+    free(sim->gear), free(sim->fixed), free(sim->way);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
