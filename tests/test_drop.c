@@ -280,9 +280,9 @@ static void drops_do_not_pass_their_steps(void)
 /* The stricter the rest, the more steps a drop takes. */
 static void rest_takes_its_steps(void)
 {
-    static const char *const limits[] = {"0.1", "0.01", "0.001"};
+    static const char *const limits[] = {"0.1", "0.001"};
     double before = 0.0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 2; k++) {
         sweep_result r =
             run((const char *const[]){"N", "15", "rest_speed", limits[k], "rest_force", limits[k], NULL});
         CU_ASSERT(output(&r, "steps") > 1.1 * before);
