@@ -105,8 +105,8 @@ static rp_status check_number(const char *name, double value, double lo, double 
 
 static rp_status check_disks(const dem_pile_definition *def)
 {
-    if (def->n < 1 || def->n > 20000000)
-        return rp_fail(RP_BAD_INPUT, "%zu disks: out of range, allowed: [1, 20000000]", def->n);
+    if (def->n < 1 || def->n > DEM_PILE_MAX)
+        return rp_fail(RP_BAD_INPUT, "%zu disks: out of range, allowed: [1, %d]", def->n, DEM_PILE_MAX);
     for (size_t i = 0; i < def->n; i++) {
         const dem_pile_disk *p = &def->disks[i];
         const double overlap = p->r - p->y;
