@@ -1,7 +1,7 @@
 # What decides the forces under static piles of 30 degrees, and under the tent of Fig. 19 of Liffman, Chan & Hughes 1992, with
 # 45 disks in the base: the half-width of the wells, gaps between the disks of a row (a = eps sigma), unequal disks (stable
 # states of the same draws; bars are standard errors over piles; H summed outwards over both halves, deviation of N from
-# diagonals alone). Dashed: diagonals alone. D is negative for a dip of N in the middle.
+# diagonals alone). Dashed: diagonals alone. A negative D is a dip of N in the middle.
 width = 20.0
 height = 16.0
 load 'figures/style.gp'
