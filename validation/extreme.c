@@ -15,7 +15,8 @@
 #include "tests/grains.h"
 
 static const double R = 0.1, M = 0.004, G = 981.0;
-static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5", "implicit"};
+static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5",
+                                                                                     "implicit"};
 static const double stiffnesses[] = {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
