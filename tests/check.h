@@ -34,6 +34,7 @@
     X(suite_piles)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
+    X(suite_models)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
