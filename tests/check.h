@@ -28,6 +28,7 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_flux)                                                                                            \
+    X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
