@@ -122,7 +122,7 @@ REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
 # of ensembles that only `make studies` makes
-STUDY_FIGURES := lh_forensics li_size
+STUDY_FIGURES := lh_forensics li_size li20a li20b
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
@@ -360,7 +360,7 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13
 # what only `make studies` and `make mutate` make is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"
