@@ -45,7 +45,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures studies report check validate asan lint setup help clean FORCE
+.PHONY: all figures studies report check validate mutate asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -104,6 +104,11 @@ check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ##
 
 validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
 	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
+
+# Number of mutants.
+MUTANTS := 220
+mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+	@sh tests/mutate.sh $(B) $(MUTANTS) $(JOBS)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
@@ -206,9 +211,9 @@ $(T)/%_degree.tsv: $(T)/%_runs.tsv sweeps/cost.awk
 	@awk -f sweeps/cost.awk $< >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
-# Static piles of growing size: the limits of N and H.
+# Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
 $(T)/li_size_limit_%.tsv: $(T)/li_size_runs.tsv
-	@$(REPOSE) angle size $< --x base --y $* --by well --from 45 >$@
+	@$(REPOSE) angle size $< --x base --y $* --by well --from 90 >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
@@ -347,11 +352,11 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.
 REPORT := figures/paper-repro.md.in
-SHOWN := lh1a lh1c lh3 lh7b li13
-# what only `make studies` makes is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify li_size_large,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
+# what only `make studies` and `make mutate` make is taken as it is there
+REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
-	@$(REPOSE) report $< --tables $(T) --missing '(make studies)' -o $@
+	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"
 report: $(B)/paper-repro.md ## paper-repro.md and the pictures in the repository, from the tables
 	@mkdir -p figures/shown

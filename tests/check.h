@@ -30,8 +30,9 @@
     X(suite_flux)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
-    X(suite_equilibrium)                                                                                    \
-    X(suite_piles)
+    X(suite_equilibrium)                                                                                     \
+    X(suite_piles)                                                                                           \
+    X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
     X(suite_impact)                                                                                          \

@@ -61,8 +61,10 @@ void check_table_close(FILE *table, const char *name)
 
 static void stop_after_failure(const CU_pTest test, const CU_pSuite suite, const CU_pFailureRecord failure)
 {
-    (void)test, (void)suite;
-    if (failure) _Exit(EXIT_FAILURE);
+    if (!failure) return;
+    printf("check: stopped by %s: %s\n", suite->pName, test->pName);
+    fflush(stdout);
+    _Exit(EXIT_FAILURE);
 }
 
 typedef struct {

@@ -605,6 +605,15 @@ static void profile_errors(void)
         v[2] = bad[t].point;
         CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, bad[t].text);
     }
+    v[2] = (an_point){2, 0.5};
+    v[4].y = -0.1;
+    CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "vertex 4 at (4, -0.1)");
+    v[4].y = 0;
+    v[4].x = 3.5;
+    CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "before vertex 4");
+    v[4].x = 4;
+    v[0].x = -INFINITY;
+    CHECK_FAILS(an_profile_set(&p, v, 5), RP_BAD_INPUT, "vertex 0 at (-inf, 0)");
     CHECK_FAILS(an_tent(0, 0.5, 0.3, v), RP_BAD_INPUT, "alpha_1 = 0");
     CHECK_FAILS(an_tent(M_PI / 3, 0.5, 0.3, v), RP_BAD_INPUT, "alpha_1 = 60");
     CHECK_FAILS(an_tent(0.5, NAN, 0.3, v), RP_BAD_INPUT, "alpha_2");

@@ -222,6 +222,17 @@ static void test_tilt_without_root(void)
     CHECK_NEAR(r.limit, M_PI_2 - 1.2, tight);
 }
 
+static void test_words(void)
+{
+    static const char *const forms[ANG_N_FORMS] = {[ANG_BALANCED] = "balanced",
+                                                   [ANG_LATTICE] = "lattice",
+                                                   [ANG_SINE] = "sine",
+                                                   [ANG_PRINTED] = "printed"};
+    for (int i = 0; i < ANG_N_FORMS; i++) CU_ASSERT_STRING_EQUAL(ang_form_word((ang_form)i), forms[i]);
+    CU_ASSERT_STRING_EQUAL(ang_tilt_word(ANG_TILT_OK), "ok");
+    CU_ASSERT_STRING_EQUAL(ang_tilt_word(ANG_TILT_RAYS_MISS), "rays_miss");
+}
+
 static void test_theory_errors(void)
 {
     ang_tilt_result r;
@@ -294,7 +305,15 @@ static void test_surface_errors(void)
     CU_ASSERT(s.n_cells == 11 && s.n_occupied == 0);
     ang_surface_free(&s);
     CHECK_FAILS(MAKE(N_GRAINS, bad, NULL, 2.13), RP_BAD_INPUT, "grain 2");
-    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0");
+    for (int i = 0; i < N_GRAINS; i++) {
+        double x[N_GRAINS];
+        memcpy(x, grain_x, sizeof x);
+        x[i] = INFINITY;
+        char text[20];
+        snprintf(text, sizeof text, "grain %d: place", i + 1);
+        CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, NULL, 2.13, &o, &s), RP_BAD_INPUT, text);
+    }
+    CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0: out of range");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, NAN), RP_BAD_INPUT, "width");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.09), RP_BAD_INPUT, "0 cells");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 1e30), RP_BAD_INPUT, "allowed: 1 to 1e+08");
@@ -976,6 +995,7 @@ void suite_angle(void)
         {"zero tilt against (3)", test_zero_tilt},
         {"theta_MS", test_marginal},
         {"piles without theta_T", test_tilt_without_root},
+        {"words of the theory", test_words},
         {"errors of the theory", test_theory_errors},
         {"surface and its variants", test_surface},
         {"errors of the surface", test_surface_errors},

@@ -143,17 +143,42 @@ static void test_three_disks(void)
     size_t n = 0;
     CHECK_OK(dem_pile_contacts(h.pile, &contacts, &n));
     CU_ASSERT(n == 2 && h.result.contacts == 2 && h.result.horizontal == 0);
+    /* one factorisation that still holds at the end, one step, no other branch */
+    CU_ASSERT(h.result.factored == 1 && h.result.steps == 1 && h.result.jumps == 0 && h.result.load == 1);
     for (size_t c = 0; c < n; c++) {
         CHECK_NEAR(contacts[c].force, 1 / sqrt(3), ROUNDING);
         CU_ASSERT(contacts[c].strongest && contacts[c].weakest && !contacts[c].horizontal);
     }
     free(contacts);
+    /* solved once more from the start, not from where it is */
+    CHECK_OK(dem_pile_solve(h.pile, &h.result));
+    CU_ASSERT(h.result.steps == 1);
     /* wells set anew where half the load had brought their disks: pulled from there by the whole force */
     def.set_load = 0.5;
     CHECK_OK(solve(&h, def));
     CHECK_NEAR(h.H[1], THREE_H, ROUNDING);
     CHECK_NEAR(h.u[2 * 2], 1.5 * THREE_H / 0.385, ROUNDING);
     free_heap(&h);
+}
+
+/* Disks apart on wells of stiffness mu N/a = N/4: the softest belongs to the lightest. */
+static void test_softest_disk(void)
+{
+    for (size_t light = 0; light < 4; light++) {
+        dem_pile_disk disks[4];
+        for (size_t i = 0; i < 4; i++)
+            disks[i] = (dem_pile_disk){3 * (double)i, 0.5, 0.5, i == light ? 0.7 : 1.1 + 0.1 * (double)i};
+        dem_pile_definition def = friction(1e-4, 0.5, 2);
+        def.n = 4;
+        def.disks = disks;
+        dem_pile *pile = NULL;
+        dem_pile_result r;
+        CHECK_OK(dem_pile_create(&def, &pile));
+        CHECK_OK(dem_pile_solve(pile, &r));
+        CHECK_NEAR(r.smallest_pivot, 0.7 / 4, ROUNDING);
+        CU_ASSERT(r.pivot_disk == light && r.contacts == 0 && r.negative_modes == 0);
+        dem_pile_free(pile);
+    }
 }
 
 static void test_friction_wells(void)
@@ -163,9 +188,18 @@ static void test_friction_wells(void)
     CHECK_OK(solve(&h, friction(0, 0.25, 3.7)));
     CHECK_NEAR(h.u[4], THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
-    CHECK_FAILS(solve(&h, friction(0, 0.19, 3.7)), RP_NO_RESULT,
-                "spreads: 2 of 2 wells broken, first that of disk 1");
-    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
+    /* the same way again from where half the load had brought it, though that is beyond a in all */
+    dem_pile_definition anew = friction(0, 0.25, 3.7);
+    anew.set_load = 0.5;
+    CHECK_OK(solve(&h, anew));
+    CHECK_NEAR(h.u[4], 2 * THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
+    CU_ASSERT(h.result.broken == 0);
+    CHECK_FAILS(solve(&h, friction(0, 0.19, 3.7)), RP_NO_RESULT, "spreads: 2 of 2 wells broken");
+    for (int again = 0; again < 2; again++) { /* wells that broke are whole when it is solved anew */
+        CHECK_FAILS(dem_pile_solve(h.pile, &h.result), RP_NO_RESULT,
+                    "spreads: 2 of 2 wells broken, first that of disk 1");
+        CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
+    }
     CHECK_FAILS(solve(&h, friction(1e-4, 0.19, 3.7)), RP_NO_RESULT, "spreads");
     dem_pile_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
     again.set_again = true;
@@ -230,7 +264,7 @@ static void test_primary(void)
     CHECK_OK(solve(&h, soft(1e-4)));
     CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
     CHECK_NEAR(most, 4.8e-3, 0.05e-3);
-    CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0);
+    CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0 && h.result.jumps == 0);
     double *direct = malloc(2 * h.n * sizeof *direct);
     memcpy(direct, h.u, 2 * h.n * sizeof *direct);
     dem_pile_definition ramp = soft(1e-4); /* the same branch in small steps */
@@ -245,6 +279,19 @@ static void test_primary(void)
         if (last > 0) CHECK_NEAR(last / error, 10, 0.02);
         last = error;
     }
+    free_heap(&h);
+}
+
+/* A branch that ends under load: the pile goes over to another, once, with all its load. */
+static void test_jump(void)
+{
+    heap h = make_disks(12, 50, 0);
+    dem_pile_definition def = soft(1e-2);
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
+    def.branch = DEM_BRANCH_MINIMUM; /* is not followed, and so does not end */
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.jumps == 0 && h.result.load == 1 && h.result.negative_modes == 0);
     free_heap(&h);
 }
 
@@ -832,11 +879,13 @@ static void test_program(void)
 void suite_equilibrium(void)
 {
     static const check_case cases[] = {{"three disks by hand", test_three_disks},
+                                       {"the softest disk", test_softest_disk},
                                        {"wells of friction", test_friction_wells},
                                        {"linearised piles against diagonals alone", test_linearised},
                                        {"soft wells", test_soft_wells},
                                        {"45 layers: primary state", test_primary},
                                        {"45 layers: minimum", test_minimum},
+                                       {"a branch that ends", test_jump},
                                        {"stability threshold", test_threshold},
                                        {"plain forces and modes", test_plain_forces_and_modes},
                                        {"horizontal force of slopes", test_horizontal_force},
