@@ -211,6 +211,9 @@ $(T)/lh_tilt_rate_%.tsv: $(T)/lh_tilt_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt_rate_deg --scale log --by mu,tilt --pair >$@
 $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
+# What a standard error of a degree costs.
+$(T)/%_degree.tsv: $(T)/%_runs.tsv sweeps/cost.awk
+	@awk -f sweeps/cost.awk $< >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
 # Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
@@ -257,6 +260,7 @@ STUDY_li_disorder := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
 STUDY_val_dt := 2000
 STUDY_val_integrator := 1400
+STUDY_val_cost := 200
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
@@ -358,7 +362,7 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.
 REPORT := figures/paper-repro.md.in
-SHOWN := lh1a lh1c lh3 lh7b li13
+SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
 REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)

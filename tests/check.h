@@ -46,7 +46,8 @@
     X(suite_stability)                                                                                       \
     X(suite_extreme)                                                                                         \
     X(suite_chaos)                                                                                           \
-    X(suite_implicit)
+    X(suite_implicit)                                                                                        \
+    X(suite_precision)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)
