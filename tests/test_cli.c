@@ -720,6 +720,36 @@ static void test_stress_tables(void)
 
 /* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
  */
+/* A flat profile, against the continuum under 30 degrees: N rises to x = B/3 and is constant to the middle.
+ * Of the base that holds 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly;
+ * within what the 2000 strips of the sum resolve. */
+static void test_angle_dip(void)
+{
+    enter();
+    char path[256];
+    path_of("piles.tsv", path);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "# status\tleft_deg\tright_deg");
+    for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
+    for (int i = 0; i < 4; i++) {
+        fprintf(file, "\n%s\t%d\t30", i == 3 ? "not_at_rest" : "ok", i == 3 ? 10 : 30);
+        for (int k = 0; k < 20; k++) fprintf(file, "\t1");
+    }
+    fclose(file);
+    GOOD("angle dip piles.tsv");
+    rp_table t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "D_raw"), 0.0, 1e-15);
+    CHECK_NEAR(cell(&t, 0, "D_reference"), 0.1, 1.0 / 2000);
+    CHECK_NEAR(cell(&t, 0, "D"), -0.1, 1.0 / 2000);
+    rp_table_free(&t);
+    GOOD("angle dip piles.tsv --against zero");
+    t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "D_reference"), 0.0, 1e-15);
+    rp_table_free(&t);
+    leave();
+}
+
 static void test_angle_trends(void)
 {
     enter();
@@ -1278,6 +1308,7 @@ void suite_cli(void)
                                        {"angle slope, fit, phi", test_angle_tables},
                                        {"angle stress, critical", test_stress_tables},
                                        {"report", test_report},
+                                       {"angle dip", test_angle_dip},
                                        {"angle trend, size, fit --successive", test_angle_trends},
                                        {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analytic/analytic.h"
 #include "angle/dip.h"
 #include "cli/cli.h"
 #include "cli/cmd_angle.h"
@@ -13,58 +14,91 @@
 typedef struct {
     double margin, level;
     long resamples, seed;
+    int against;
     bool profile;
 } options;
+
+enum { TRIANGLE, ZERO };
 
 static const rp_param params[] = {
     {"margin", "", RP_REAL, offsetof(options, margin), "0.1", "(0, inf)", "largest |D| that counts as none"},
     {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
     {"resamples", "", RP_INT, offsetof(options, resamples), "10000", "[2, 10000000]", "of the piles"},
     {"seed", "", RP_INT, offsetof(options, seed), "1992", "[0, 2147483647]", "seed of the resamples"},
+    {"against", "", RP_CHOICE, offsetof(options, against), "triangle", "triangle | zero",
+     "what a pile without a dip has"},
     {"profile", "", RP_BOOL, offsetof(options, profile), "false", "", "print the mean profile"},
     {0}};
 
 static const cli_command command = {
     "angle dip",
     "TABLE [options]",
-    "Mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B, over the "
-    "mean\n"
-    "N: D, negative for a dip, with SE and 95 % interval over piles. null_lo, null_hi: 95 % of the mean D "
-    "of\n"
-    "such piles without dip; p_value, p_dip: chance of a D as far from 0, as low, in these; p_margin: TOST,\n"
-    "chance of so small a D if it were the margin. verdict: dip or peak if p_value < level; "
-    "none_within_margin\n"
-    "if p_margin < level; dip_within_margin or peak_within_margin if both; undecided. With --profile the "
-    "mean\n"
-    "of both sides, outwards: distance over B, N over the mean, SE. TABLE (- for standard input): one row a\n"
-    "pile, columns n_01 to n_20, status, as repose sweep export writes for protocol drop; rows whose status\n"
-    "is not ok are left out.",
+    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B, "
+    "over\n"
+    "the mean N. It reaches down the flanks, so that without a dip it is not 0 but D_reference, that of the\n"
+    "continuum triangle of the pile's own mean slope (--against zero: 0). D = D_raw - D_reference, negative\n"
+    "for a dip, with SE and 95 % interval over piles. null_lo, null_hi: 95 % of the mean D of such piles\n"
+    "without dip; p_value, p_dip: chance of a D as far from 0, as low, in these; p_margin: TOST, chance of "
+    "so\n"
+    "small a D if it were the margin. verdict: dip or peak if p_value < level; none_within_margin if\n"
+    "p_margin < level; dip_within_margin or peak_within_margin if both; undecided. With --profile the mean\n"
+    "N of both sides, outwards: distance over B, N over the mean, SE. TABLE (- for standard input): one row "
+    "a\n"
+    "pile, columns n_01 to n_20, left_deg, right_deg, status, as repose sweep export writes for protocol "
+    "drop;\n"
+    "rows whose status is not ok are left out.",
     "repose angle dip build/tables/li20_point_runs.tsv",
     params,
     1,
     1};
 
-/* Profiles of the rows that count, one after the other. */
-static rp_status read_profiles(const rp_table *t, double **profiles, size_t *n)
+/* Profile of the continuum triangle of slope alpha, eqs (50), (54), over its own B. */
+static rp_status triangle_profile(double alpha, double N[ANG_DIP_BINS])
+{
+    enum { POINTS = 2000 };
+    static double x[POINTS], r[POINTS], pressure[POINTS];
+    for (int i = 0; i < POINTS; i++) {
+        an_force force;
+        x[i] = (i + 0.5) / POINTS;
+        r[i] = 0.5 / POINTS;
+        rp_status status = an_continuum(alpha, x[i], &force);
+        if (status) return status;
+        pressure[i] = force.N;
+    }
+    ang_base base;
+    rp_status status = ang_base_profile(POINTS, x, r, pressure, &base);
+    for (int k = 0; k < ANG_DIP_BINS && !status; k++) N[k] = base.N[k];
+    return status;
+}
+
+enum { LEFT = ANG_DIP_BINS, RIGHT, COLUMNS };
+
+/* Profiles of the rows that count, one after the other, and what each has without a dip. */
+static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
 {
     char names[ANG_DIP_BINS][16];
-    const char *columns_of[ANG_DIP_BINS];
-    int columns[ANG_DIP_BINS], status_column;
+    const char *columns_of[COLUMNS];
+    int columns[COLUMNS], status_column;
     double *block = NULL;
     for (int k = 0; k < ANG_DIP_BINS; k++) {
         snprintf(names[k], sizeof names[k], "n_%02d", k + 1);
         columns_of[k] = names[k];
     }
+    columns_of[LEFT] = "left_deg", columns_of[RIGHT] = "right_deg";
     *n = 0;
     *profiles = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **profiles);
-    if (!*profiles) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    rp_status status = cli_find_columns(t, ANG_DIP_BINS, columns_of, columns);
+    *without = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **without);
+    if (!*profiles || !*without) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    rp_status status = cli_find_columns(t, COLUMNS, columns_of, columns);
     if (!status) status = cli_find_columns(t, 1, (const char *const[]){"status"}, &status_column);
-    if (!status) status = cli_read_columns(t, ANG_DIP_BINS, columns, 1, &block);
+    if (!status) status = cli_read_columns(t, COLUMNS, columns, 1, &block);
     for (size_t i = 0; i < t->n_rows && !status; i++) {
         if (strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") != 0) continue;
-        for (size_t k = 0; k < ANG_DIP_BINS; k++)
-            (*profiles)[*n * ANG_DIP_BINS + k] = block[k * t->n_rows + i];
+        double *N = *profiles + *n * ANG_DIP_BINS, *flat = *without + *n * ANG_DIP_BINS;
+        const double slope = 0.5 * (block[LEFT * t->n_rows + i] + block[RIGHT * t->n_rows + i]);
+        for (size_t k = 0; k < ANG_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
+        if (against == TRIANGLE) status = triangle_profile(slope * (M_PI / 180), flat);
+        if (status) rp_prefix(status, "%s:%zu: ", t->path, t->lines[i]);
         ++*n;
     }
     free(block);
@@ -79,15 +113,17 @@ static const char *verdict(const ang_dips *d, double level)
     return within ? "peak_within_margin" : "peak";
 }
 
-static void print_dip(const ang_dips *d, double level)
+static void print_dip(const ang_dips *d, double raw, double level)
 {
     static const char *const columns[][2] = {
-        {"n", ""},       {"D", ""},       {"D_se", ""},    {"D_sd", ""},  {"D_lo", ""},     {"D_hi", ""},
-        {"null_lo", ""}, {"null_hi", ""}, {"p_value", ""}, {"p_dip", ""}, {"p_margin", ""}, {"verdict", ""}};
+        {"n", ""},       {"D_raw", ""}, {"D_reference", ""}, {"D", ""},       {"D_se", ""},
+        {"D_sd", ""},    {"D_lo", ""},  {"D_hi", ""},        {"null_lo", ""}, {"null_hi", ""},
+        {"p_value", ""}, {"p_dip", ""}, {"p_margin", ""},    {"verdict", ""}};
     rp_table_columns(stdout, N_OF(columns), columns);
     rp_table_row_word(stdout, N_OF(columns) - 1,
-                      (double[]){(double)d->dip.n, d->dip.mean, d->dip.se, d->dip.sd, d->dip.lo, d->dip.hi,
-                                 d->null_lo, d->null_hi, d->p_value, d->p_dip, d->p_margin},
+                      (double[]){(double)d->dip.n, raw, raw - d->dip.mean, d->dip.mean, d->dip.se, d->dip.sd,
+                                 d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
+                                 d->p_margin},
                       verdict(d, level));
 }
 
@@ -99,17 +135,31 @@ static void print_profile(const ang_dips *d)
         rp_table_row(stdout, 3, (double[]){(k + 0.5) / ANG_DIP_BINS, d->N[k], d->N_se[k]});
 }
 
+/* D is linear in the profile: that of the excess over a profile without dip, about the same mean of 1. */
+static rp_status measure(const options *o, size_t n, double profiles[], const double without[], double *raw,
+                         ang_dips *dips)
+{
+    double *means = malloc((size_t)o->resamples * sizeof *means);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    rp_status status = means && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "dip: out of memory");
+    *raw = 0.0;
+    for (size_t i = 0; i < n; i++) *raw += ang_dip(profiles + i * ANG_DIP_BINS) / (double)n;
+    for (size_t k = 0; k < n * ANG_DIP_BINS && !o->profile; k++) profiles[k] += 1.0 - without[k];
+    if (!status) status = ang_dip_ensemble(n, profiles, o->margin, (size_t)o->resamples, rng, means, dips);
+    if (rng) gsl_rng_free(rng);
+    free(means);
+    return status;
+}
+
 static rp_status dip_of_table(rp_table *table, const void *values)
 {
     const options *o = values;
-    double *profiles = NULL, *means = malloc((size_t)o->resamples * sizeof *means);
+    double *profiles = NULL, *without = NULL, raw;
     size_t n;
     ang_dips dips;
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    rp_status status = means && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "dip: out of memory");
-    if (!status) status = read_profiles(table, &profiles, &n);
+    rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
     if (!status) {
-        status = ang_dip_ensemble(n, profiles, o->margin, (size_t)o->resamples, rng, means, &dips);
+        status = measure(o, n, profiles, without, &raw, &dips);
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     if (!status) {
@@ -118,11 +168,10 @@ static rp_status dip_of_table(rp_table *table, const void *values)
         if (o->profile)
             print_profile(&dips);
         else
-            print_dip(&dips, o->level);
+            print_dip(&dips, raw, o->level);
     }
-    if (rng) gsl_rng_free(rng);
-    free(means);
     free(profiles);
+    free(without);
     return status;
 }
 
