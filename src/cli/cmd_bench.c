@@ -260,7 +260,7 @@ rp_status cmd_bench(int argc, char **argv)
     if (!status && o.repeat > 1) status = run_once(&o, from, &times, &timed);
     if (!status) {
         cli_table(stdout, options, &o);
-        rp_table_note(stdout, "kernel", "%s", dem_kernel_name(sim));
+        rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
         write_row(&o, rates, &run, &times, memory, rp_clock() - begun);
     }
     dem_free(sim);
