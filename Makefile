@@ -210,9 +210,9 @@ $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
-# Static piles of growing size: the limits of N and H.
+# Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
 $(T)/li_size_limit_%.tsv: $(T)/li_size_runs.tsv
-	@$(REPOSE) angle size $< --x base --y $* --by well --from 45 >$@
+	@$(REPOSE) angle size $< --x base --y $* --by well --from 90 >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@

@@ -35,6 +35,7 @@
     X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
+    X(suite_models)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \
