@@ -115,6 +115,8 @@ static rp_status begin(bench_options *o, dem_sim **sim)
         def.grains = grains;
         def.n_grains = (size_t)o->n;
         def.kernel = o->kernel;
+        def.dt =
+            fmin(def.dt, dem_time_step_limit(&def, NULL)); /* less from some 50 000 grains on: a high fall */
         status = dem_create(&def, sim);
     }
     free(grains);

@@ -1,7 +1,7 @@
 #!/bin/bash
 # How cost and memory grow with the number of grains, and what two workers give: tables growth and workers.
 # usage: growth.sh REPOSE WORK growth "1000 10000 ..." | growth.sh REPOSE WORK workers PAIRS
-set -eu
+set -eu -o pipefail
 export LC_ALL=C
 repose=$(realpath "$1") work=$2 table=$3 argument=$4 here=$(realpath "$(dirname "$0")")
 mkdir -p "$work"

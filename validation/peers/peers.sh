@@ -6,7 +6,7 @@
 # machine slows both. At rest and flowing the time is that of the timed steps alone, 2000 steps after the start;
 # of a sample that of the whole process. Particle-steps are summed over the grains present at each step (in LAMMPS
 # every 50th). A peer that is not installed gets a note instead of rows.
-set -eu
+set -eu -o pipefail
 export LC_ALL=C OMP_NUM_THREADS=1
 repose=$(realpath "$1") work=$2 settled=$3 flowing=$4 pairs=$5
 here=$(realpath "$(dirname "$0")")

@@ -16,7 +16,7 @@ provenance() {
 # A scene as of `repose bench`, all but the grains.
 box() { # N steps
     awk -v n="$1" -v steps="$2" 'BEGIN {
-        printf "steps = %d; tangential = { law = \"spring\"; mu = 0.2; };\n", steps
+        printf "steps = %d; dt = %s; tangential = { law = \"spring\"; mu = 0.2; };\n", steps, (n > 20000 ? "4e-5" : "5e-5") # a high fall
         print "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },"
         print "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },"
         printf "          { point = [%.17f, 0.0]; direction = [-1.0, 0.0]; } );\n", 0.2 * sqrt(n) }'
@@ -33,4 +33,4 @@ filled() { # NAME N steps
     mv "$1_$2.new" "$1_$2.tsv"
 }
 dilute() { filled dilute "$1" 0; }
-settle() { filled settled "$1" "$(awk -v n="$1" 'BEGIN { printf "%.0f", 30000 * sqrt(0.05 * sqrt(n)) + 10000 }')"; }
+settle() { filled settled "$1" "$(awk -v n="$1" 'BEGIN { printf "%.0f", (30000 * sqrt(0.05 * sqrt(n)) + 10000) * (n > 20000 ? 1.25 : 1) }')"; }
