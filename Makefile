@@ -122,7 +122,7 @@ REPOSE := $(B)/repose
 # A table is stale when any code but the commit's name has changed.
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
 # of ensembles that only `make studies` makes
-STUDY_FIGURES := lh_forensics li_size
+STUDY_FIGURES := lh_forensics li_size li20a li20b
 # of this machine's times, that only `make bench` measures
 BENCH_FIGURES := bench
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
@@ -160,6 +160,11 @@ $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
+# Dropped piles: the dip of the mean pressure on their bases, and that pressure.
+$(T)/%_dip.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< >$@
+$(T)/%_profile.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< --profile >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 $(T)/%_fit_theta_t.tsv: $(T)/%.tsv
@@ -208,6 +213,9 @@ $(T)/lh_tilt_rate_%.tsv: $(T)/lh_tilt_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt_rate_deg --scale log --by mu,tilt --pair >$@
 $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
+# What a standard error of a degree costs.
+$(T)/%_degree.tsv: $(T)/%_runs.tsv sweeps/cost.awk
+	@awk -f sweeps/cost.awk $< >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
 # Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
@@ -244,11 +252,17 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+STUDY_li20_point := 100
+STUDY_li20_broad := 100
+STUDY_li20_sizes := 100
+STUDY_li20_rest := 40
+STUDY_li20_choices := 20
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
 STUDY_val_dt := 2000
 STUDY_val_integrator := 1400
+STUDY_val_cost := 200
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
@@ -366,9 +380,9 @@ bench: $(B)/figures/bench.svg ## speed against LAMMPS, instructions, growth, two
 
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.
 REPORT := figures/paper-repro.md.in
-SHOWN := lh1a lh1c lh3 lh7b li13
+SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"

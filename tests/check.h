@@ -28,6 +28,7 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_flux)                                                                                            \
+    X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
@@ -45,7 +46,8 @@
     X(suite_stability)                                                                                       \
     X(suite_extreme)                                                                                         \
     X(suite_chaos)                                                                                           \
-    X(suite_implicit)
+    X(suite_implicit)                                                                                        \
+    X(suite_precision)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

@@ -3,12 +3,11 @@
  * that is solved for. Lengths in diameters, masses in those of a disk, g = 1. */
 #include <stdlib.h>
 
-#include "analytic/analytic.h"
 #include "core/table.h"
 #include "dem/dem.h"
-#include "dem/equilibrium.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "validation/heap.h"
 
 static const double R = 0.5, K = 1e5;
 
@@ -237,59 +236,6 @@ static void cost(void)
  */
 
 typedef struct {
-    size_t n, k; /* disks; in the base */
-    double eps;
-    dem_grain *grains;
-    dem_pile *pile;
-    double *N, *H, *u;
-} heap;
-
-static const double MU = 1.0, WELL = 1.0; /* half-width in eps sigma */
-
-static heap solved_heap(long k, double alpha_deg, double eps)
-{
-    heap h = {.k = (size_t)k, .eps = eps};
-    const double theta = M_PI / 6.0;
-    long *up = malloc((size_t)k * sizeof *up);
-    CHECK_OK(an_lattice_cut(k, theta, alpha_deg * (M_PI / 180.0), up));
-    for (long s = 0; s < k; s++) h.n += (size_t)up[s];
-    h.grains = calloc(h.n, sizeof *h.grains);
-    dem_pile_disk *list = calloc(h.n, sizeof *list);
-    size_t n = 0;
-    for (long s = 0; s < k; s++)
-        for (long j = 0; j < up[s]; j++, n++) {
-            list[n] = (dem_pile_disk){(double)s + 0.5 * (double)j, R + (double)j * sqrt(0.75), R, 1.0};
-            /* so deep that the base has its wells from the start */
-            h.grains[n] = (dem_grain){.x = list[n].x, .y = list[n].y - 1e-13, .r = R, .m = 1.0};
-        }
-    dem_pile_definition def = dem_pile_definition_default();
-    dem_pile_result result;
-    def.n = h.n;
-    def.disks = list;
-    def.eps = eps;
-    def.well = DEM_WELL_FRICTION;
-    def.mu = MU;
-    def.a = WELL;
-    CHECK_OK(dem_pile_create(&def, &h.pile));
-    CHECK_OK(dem_pile_solve(h.pile, &result));
-    CU_ASSERT(result.wells == h.k && result.broken == 0 && result.negative_modes == 0);
-    h.N = calloc(h.k, sizeof *h.N);
-    h.H = calloc(h.k, sizeof *h.H);
-    h.u = calloc(2 * h.n, sizeof *h.u);
-    dem_pile_base(h.pile, NULL, h.N, h.H);
-    dem_pile_displacements(h.pile, h.u);
-    free(list);
-    free(up);
-    return h;
-}
-
-static void free_heap(heap *h)
-{
-    dem_pile_free(h->pile);
-    free(h->grains), free(h->N), free(h->H), free(h->u);
-}
-
-typedef struct {
     double N, H, contact, place; /* largest differences: m g, m g, m g, eps sigma */
     size_t missing;              /* contacts of one that the other has not, of more than 1e-3 m g */
 } heap_difference;
@@ -338,21 +284,9 @@ static heap_difference compare(const heap *h, const dem_sim *sim)
 /* Let go under a weight that is raised slowly; gamma and 1/dt in units of sqrt(K_s/m). */
 static heap_difference relaxed(const heap *h, int integrator, double gamma, double dt, long steps)
 {
-    const double omega = sqrt(1.0 / h->eps);
-    dem_definition def = disks(h->grains, h->n);
-    def.integrator = integrator;
-    def.gravity[1] = 0.0;
-    def.tension = false;
-    def.dt = dt / omega;
-    def.material = (dem_material){.k_n = 1.0 / h->eps, .gamma_n = gamma * omega};
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    def.ground = (dem_ground){.wall = 1, .mu_static = MU, .a = WELL * h->eps, .set = DEM_WELL_TOUCH};
+    const dem_definition def = heap_scene(h, integrator, gamma, dt);
     dem_sim *sim = grains_start(&def);
-    for (int k = 1; k <= 20; k++) {
-        dem_gravity_set(sim, (double[]){0.0, -0.05 * k});
-        CHECK_OK(dem_run(sim, steps / 40));
-    }
+    heap_load(sim, steps / 2);
     CHECK_OK(dem_run(sim, steps / 2));
     const heap_difference d = compare(h, sim);
     dem_free(sim);
@@ -374,7 +308,7 @@ static void pile_at_rest(void)
     FILE *out = check_table("implicit_pile");
     if (out) rp_table_columns(out, 8, columns);
     for (int k = 0; k < (check_full() ? 2 : 1); k++) {
-        heap h = solved_heap(bases[k], 30.0, eps[k]);
+        heap h = heap_solved(bases[k], 30.0, eps[k], 1);
         const double b = (double)bases[k];
         for (int verlet = 0; verlet < 2; verlet++) {
             /* the slowest motion, of a wave length of some four times the height, is damped most */
@@ -387,7 +321,7 @@ static void pile_at_rest(void)
                 rp_table_row_word(out, 7, (double[]){b, (double)h.n, h.eps, d.N, d.H, d.contact, d.place},
                                   verlet ? "verlet" : "implicit");
         }
-        free_heap(&h);
+        heap_free(&h);
     }
     check_table_close(out, "implicit_pile");
 }
