@@ -45,7 +45,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures studies report check validate mutate asan lint setup help clean FORCE
+.PHONY: all figures studies bench report check validate mutate asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -123,7 +123,9 @@ REPOSE := $(B)/repose
 CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(DIR_$(m))))) | $(REPOSE)
 # of ensembles that only `make studies` makes
 STUDY_FIGURES := lh_forensics li_size li20a li20b
-FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
+# of this machine's times, that only `make bench` measures
+BENCH_FIGURES := bench
+FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
 figures: $(B)/paper-repro.md ## every figure, into build/figures, and build/paper-repro.md
@@ -137,7 +139,7 @@ $(B)/figures/$(1).svg: figures/$(1).gp figures/style.gp $(call figure_tables,$(1
 	  figures/style.gp figures/$(1).gp || exit 1; done
 	@echo "figure  $(1)"
 endef
-$(foreach f,$(FIGURES) $(STUDY_FIGURES),$(eval $(call figure_rule,$(f))))
+$(foreach f,$(FIGURES) $(STUDY_FIGURES) $(BENCH_FIGURES),$(eval $(call figure_rule,$(f))))
 
 # A sweep's tables: one row a grid point, and one row a run. Only runs that are not stored are made. Argument:
 # further options of `repose sweep plan`.
@@ -359,6 +361,22 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@mkdir -p $(T)
 	@echo "bench   1372 grains"
 	@$(REPOSE) bench --n 1372 >$@
+
+# Speed, against LAMMPS where it is installed, and what it depends on; for a quiet machine, an hour. Starts are kept.
+BENCH_SETTLED := 400 1600 10000 100000
+BENCH_FLOWING := 400 1600 10000
+BENCH_PAIRS := 5
+BENCH_GROWTH := 1000 10000 100000 1000000
+$(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
+	@mkdir -p $(T)
+	@echo "bench   $*"
+	@bash validation/peers/$(BENCH_$*) >$@
+BENCH_peers = peers.sh $(REPOSE) $(B)/bench '$(BENCH_SETTLED)' '$(BENCH_FLOWING)' $(BENCH_PAIRS)
+BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
+BENCH_growth = growth.sh $(REPOSE) $(B)/bench growth '$(BENCH_GROWTH)'
+BENCH_workers = growth.sh $(REPOSE) $(B)/bench workers $(BENCH_PAIRS)
+bench: $(B)/figures/bench.svg ## speed against LAMMPS, instructions, growth, two workers; tables and a figure, one at a time
+	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv
 
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.
 REPORT := figures/paper-repro.md.in

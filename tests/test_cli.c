@@ -186,7 +186,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 static const char *const without_default[] = {
     "--help ",    "--set ",       "--box ",     "--reduce ",  "--base ",    "--pair ",   "--successive ",
     "-o ",        "--runs ",      "--missing ", "--outline ", "--disks ",   "--linear ", "--set-again ",
-    "--summary ", "--threshold ", "--map ",     "--ledger ",  "--profile ", NULL};
+    "--summary ", "--threshold ", "--map ",     "--ledger ",  "--profile ", "--start ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -372,6 +372,27 @@ static void test_bad_values(void)
     write_text("short.tsv", "1 2 0.1\n1 2\n");
     write_text("empty.tsv", "# units: cm\tcm\n# x\ty\n");
     CHECK_FAILURES(list);
+    leave();
+}
+
+/* A bench counts what a run of the same scene has. */
+static void test_bench(void)
+{
+    enter();
+    write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
+    GOOD("bench --start start.tsv --steps 100 --repeat 2");
+    rp_table t = read_table("out");
+    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 100.0);
+    CHECK_NEAR(cell(&t, 0, "share_contacts") + cell(&t, 0, "share_lists") + cell(&t, 0, "share_integration") +
+                   cell(&t, 0, "share_walls"),
+               1.0, 1e-14);
+    write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
+    /* the upper one presses the other two apart, against the walls */
+    CHECK_NEAR(cell(&t, 0, "contacts"), 2.0 / 3.0, 1e-15);
+    CU_ASSERT(cell(&t, 0, "bound") > cell(&t, 0, "median"));
+    rp_table_free(&t);
+    FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
+    FAILS(65, "no column \"r\"", "bench --start short.tsv");
     leave();
 }
 
@@ -1300,6 +1321,7 @@ void suite_cli(void)
                                        {"params", test_params},
                                        {"wrong usage: 64", test_wrong_usage},
                                        {"bad values: 65", test_bad_values},
+                                       {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},
                                        {"broken output: 74", test_broken_output},

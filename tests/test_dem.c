@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "core/random.h"
 #include "dem/dem.h"
 #include "tests/check.h"
@@ -292,7 +293,12 @@ static void determinism_of(bool rotation)
     CHECK_OK(dem_run(cut, 2500));
     CHECK_OK(dem_clone(cut, &copy));
     dem_free(cut);
-    CHECK_OK(dem_run(copy, 2500));
+    dem_phases t = {0};
+    const double started = rp_clock();
+    CHECK_OK(dem_run_timed(copy, 2500, &t));
+    const double elapsed = rp_clock() - started, all = t.integration + t.lists + t.contacts + t.walls;
+    CU_ASSERT(t.integration > 0.0 && t.lists > 0.0 && t.contacts > 0.0 && t.walls > 0.0);
+    CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
     CU_ASSERT(grains_same_bits(whole, copy));
     CU_ASSERT(dem_count(copy) == 90);
     dem_free(whole);

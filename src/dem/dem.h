@@ -184,6 +184,14 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
+/* The same to the bit, and adds to `times` where the time went, in seconds: the neighbour list, the pair
+ * loop, the walls' forces, and all the rest, which is the integration with its test of the list where a scene
+ * has no more. Reads the clock four times a step, which is some 0.1 us. Errors: as dem_run. */
+typedef struct {
+    double integration, lists, contacts, walls;
+} dem_phases;
+rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times);
+
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
  * a step (0 stops it), |angle| < 1; let gravity be g, which a turn then goes on from. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);

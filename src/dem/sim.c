@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "dem/sim.h"
 
 dem_definition dem_definition_default(void)
@@ -813,9 +814,18 @@ void dem_free(dem_sim *sim)
     free(sim->spin), free(sim->roll), free(sim);
 }
 
-rp_status dem_run(dem_sim *sim, long steps)
+static inline void lap(double *phase, double *clock)
+{
+    const double now = rp_clock();
+    *phase += now - *clock;
+    *clock = now;
+}
+
+/* With `times` NULL, as the compiler knows, no more than the steps. */
+static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     const double h = sim->def.dt;
+    double clock = times ? rp_clock() : 0.0;
     rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
     if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
@@ -830,15 +840,29 @@ rp_status dem_run(dem_sim *sim, long steps)
             stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
         }
         sim->step++;
+        if (times) lap(&times->integration, &clock);
         if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
+        if (times) lap(&times->lists, &clock);
         sim->kernel(sim, h);
+        if (times) lap(&times->contacts, &clock);
         dem_walls_apply(sim, h);
         if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;
+        if (times) lap(&times->walls, &clock);
         if (sim->book && (status = dem_ledger_forces(sim, h)) != RP_OK) return status;
         if (sim->gear) dem_integrate_correct(sim);
         if (sim->book) dem_ledger_step(sim);
     }
     return RP_OK;
+}
+
+rp_status dem_run(dem_sim *sim, long steps)
+{
+    return advance(sim, steps, NULL);
+}
+
+rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times)
+{
+    return advance(sim, steps, times);
 }
 
 void dem_wall_open(dem_sim *sim, size_t wall, double speed)

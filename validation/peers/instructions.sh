@@ -1,0 +1,50 @@
+#!/bin/bash
+# What a scene pays for what it has: instructions a particle-step of the box of 400 grains at rest, counted by
+# valgrind's callgrind, a table on standard output. usage: instructions.sh REPOSE WORK
+#
+# The count of $to steps less that of $from, so that start and end cancel; of AVX2's pair loop and the baseline's,
+# as valgrind knows no AVX-512.
+set -eu -o pipefail
+export LC_ALL=C
+repose=$(realpath "$1") work=$2 here=$(realpath "$(dirname "$0")")
+mkdir -p "$work"
+cd "$work"
+. "$here/start.sh"
+
+count() { # options of `repose run`
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$repose" run "$@" 2>&1 >counted.tsv |
+        sed -n 's/.*Collected : *//p'
+}
+
+row() { # words of the row, scene, options
+    local name=$1 scene=$2 kernel per=
+    shift 2
+    for kernel in avx2 baseline; do
+        per="$per	$(echo "$(count "$scene" "$@" --set kernel=$kernel --set steps=$to) \
+            $(count "$scene" "$@" --set kernel=$kernel --set steps=$from)" | awk -v steps=$((to - from)) '!($1 > $2) { exit 1 } { print ($1 - $2) / steps / 400 }')"
+    done
+    "$repose" run "$scene" "$@" --set steps=$to | columns step contacts |
+        awk -v row="$name$per" -v to=$to '$1 == to { n++; sum += $2 } END { print row "\t" sum / n }'
+}
+
+provenance
+echo "# contacts: of a grain, of two grains counted at both; without walls the grains beside them are fixed instead"
+printf '# units: \t\t\t\n# scene\tavx2\tbaseline\tcontacts\n'
+if ! command -v valgrind >/dev/null; then echo "instructions.sh: valgrind is not installed" >&2; exit 0; fi
+settle 400
+{ box 400 0; echo 'normal = { law = "hertz"; }; rolling = { mu = 0.0; }; particles_file = "settled_400.tsv";'; } >rest.cfg
+# grains within 0.2 of where the walls are, fixed
+{ printf '# x\ty\tr\tfixed\n'
+  columns x y r <settled_400.tsv |
+      awk '{ print $1, $2, $3, ($1 < 0.2 || $1 > 3.8 || $2 < 0.2 ? 1 : 0) }' OFS='\t'; } >fixed_400.tsv
+echo 'normal = { law = "hertz"; }; tangential = { law = "spring"; mu = 0.2; }; particles_file = "fixed_400.tsv";' >fixed.cfg
+from=1000 to=1400
+row 'all of the box' rest.cfg
+row 'without friction' rest.cfg --set tangential.law=none --set tangential.mu=0
+row 'without damping' rest.cfg --set normal.gamma_n=0
+row 'without walls' fixed.cfg
+row 'with rotation' rest.cfg --set rotation=true
+row 'with rolling resistance' rest.cfg --set rotation=true --set rolling.mu=0.05
+row 'with the energy ledger' rest.cfg --ledger
+from=10 to=20
+row 'with output every step' rest.cfg --every 1
