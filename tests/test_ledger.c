@@ -354,6 +354,38 @@ static void hit_and_gone(void)
     CHECK_NEAR(l.hard, 0.25 * 0.004 * 0.75 * v * v, CLOSES * l.turnover);
 }
 
+/* A hard collision with a sloping belt, whose speed is along it: its work is that of the impulse mu P_n of
+ * sliding, with P_n = m (1 + e) v_n, and the rest of what the grain lacks is lost. */
+static void hit_by_a_belt(void)
+{
+    const double m = 0.004, r = 0.1, e = 0.5, mu = 0.3, belt = 70.0, v_n = 30.0, v_t = -11.0;
+    const double n[2] = {-0.6, 0.8}, t[2] = {0.8, 0.6};
+    dem_grain grain = {.x = 1.0 + 1.0001 * r * n[0], .y = 2.0 + 1.0001 * r * n[1], .r = r, .m = m};
+    grain.vx = -v_n * n[0] + v_t * t[0];
+    grain.vy = -v_n * n[1] + v_t * t[1];
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.dt = 1e-4;
+    def.tangential = DEM_NONE;
+    def.tension = false;
+    def.rotation = true;
+    def.material = (dem_material){.k_n = 1e5};
+    def.hard = (dem_hard){true, e, mu};
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(1.0, 2.0, n[0], n[1], &def.material);
+    def.walls[0].extent[0] = -1.0;
+    def.walls[0].open_at_step = 0;
+    def.walls[0].open_speed = belt;
+    const dem_ledger l = run_closed("belt", &def, 4, 4);
+    const double impulse = m * (1.0 + e) * v_n, slid = mu * impulse, turned = slid * r;
+    const double gain = 0.5 * m * (e * e - 1.0) * v_n * v_n + slid * v_t + 0.5 * slid * slid / m +
+                        0.5 * turned * turned / dem_inertia(def.shape, m, r);
+    CHECK_NEAR(l.wall_work, slid * belt, CLOSES * l.turnover);
+    CHECK_NEAR(l.hard, slid * belt - gain, CLOSES * l.turnover);
+}
+
 void suite_ledger(void)
 {
     static const check_case cases[] = {{"impacts", impacts},
@@ -362,6 +394,7 @@ void suite_ledger(void)
                                        {"viscous slip", slip_roll},
                                        {"work of a wall", work_of_a_wall},
                                        {"hit and gone", hit_and_gone},
+                                       {"hit by a belt", hit_by_a_belt},
                                        {"avalanches", avalanche},
                                        {"gravity or the box turns", turns},
                                        {"grains put in, clone", grains_put_in},

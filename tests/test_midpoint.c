@@ -375,6 +375,38 @@ static void what_is_not_solved(void)
     dem_free(sim);
 }
 
+/* The tolerance holds against the step that the residual of a grain asks of it alone, over its radius. A
+ * contact at rest with overlap d begins with the residual c K d, c = dt^2/2, and has the stiffness K/2 +
+ * gamma m_eff/dt; one of two grains at distance r has K d/(2 r) less, as it turns. */
+static void what_the_tolerance_asks(void)
+{
+    const double d = 5e-4, soft = 1.0, gamma = 0.7, dt = 1.3, c = 0.5 * dt * dt;
+    for (int k = 0; k < 8; k++) {
+        const bool pair = k & 1, enough = k & 2;
+        const dem_grain grains[2] = {{.x = 0.3, .y = R - d, .r = R, .m = 1.7},
+                                     {.x = 0.3 + R + 0.4 - d, .y = R - d, .r = 0.4, .m = 0.6}};
+        const dem_grain *worst = &grains[pair];
+        dem_definition def = on_floor(grains, pair ? 2 : 1, 1.0);
+        if (pair) def.n_walls = 0;
+        def.gravity[1] = 0.0;
+        def.dt = dt;
+        def.material.k_n = def.walls[0].material.k_n = soft;
+        def.material.gamma_n = def.walls[0].material.gamma_n = gamma;
+        def.implicit.solver = k / 4;
+        const double m_eff = pair ? 1.7 * 0.6 / 2.3 : worst->m,
+                     turn = pair ? soft * d / (2.0 * (0.9 - d)) : 0.0;
+        const double stiffness = 0.5 * soft + gamma * m_eff / dt - turn;
+        const double asked = c * soft * d / (worst->r * (worst->m + c * stiffness));
+        def.implicit.tolerance = asked * (enough ? 1.0 + 1e-9 : 1.0 - 1e-9);
+        dem_sim *sim = grains_start(&def);
+        dem_counts counts;
+        CHECK_OK(dem_run(sim, 1));
+        dem_count_work(sim, &counts);
+        CU_ASSERT(enough == (counts.iterations == 0.0));
+        dem_free(sim);
+    }
+}
+
 /* A copy, another instance of the pair loop, a new list and a grain that comes later. */
 static void same_bits(void)
 {
@@ -445,6 +477,7 @@ void suite_midpoint(void)
                                        {"(24) as printed does not keep energy", printed_form_loses_energy},
                                        {"sweeps match direct solves", sweeps_match_direct},
                                        {"a linear contact on a slope", newton_is_exact_on_a_slope},
+                                       {"what the tolerance asks", what_the_tolerance_asks},
                                        {"what is not solved", what_is_not_solved},
                                        {"same bits", same_bits},
                                        {"what is refused", refusals},
