@@ -88,7 +88,6 @@ static void choose_wide(dem_sim *sim)
     if (!avx512 && !avx2) return;
     sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
     if (def->integrator == DEM_VERLET) sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
-    if (def->tangential == DEM_SLIP_ROLL || (def->rotation && def->tangential == DEM_SPRING)) return;
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
 #else

@@ -11,8 +11,14 @@
 typedef struct {
     dem_material c;
     double mu;
-    bool hertz, tension, shear, truncated, inside;
+    bool hertz, tension, shear, slip_roll, truncated, inside;
 } laws;
+
+/* A spring and a dashpot under a limit: shear, or rolling. */
+typedef struct {
+    double k, gamma, mu;
+    bool truncated, inside;
+} slider;
 
 /* law_normal.h */
 INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
@@ -23,29 +29,43 @@ INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
     return law->tension ? f : wide_max(f, (wide){0});
 }
 
-/* law_shear.h; the division only where a contact slides. */
-INLINE wide law_shear(const laws *law, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
+/* dem_law_shear; the division only where a contact slides. */
+INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
 {
-    wide ds = *spring + v_s * h, dashpot = law->c.gamma_s * m_eff * v_s;
-    wide cap = law->mu * wide_max(f_n, (wide){0});
-    wide pull = law->c.k_s * ds;
-    if (law->inside) pull += dashpot;
+    wide ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
+    wide cap = c.mu * wide_max(f_n, (wide){0});
+    wide pull = c.k * ds;
+    if (c.inside) pull += dashpot;
     lanes slides = wide_less(cap, wide_abs(pull));
     wide held = wide_choose(slides, wide_copysign(cap, pull), pull), of_spring = held, force = -held;
-    if (law->inside)
+    if (c.inside)
         of_spring -= dashpot;
     else
         force = -dashpot - held;
-    if (law->truncated && wide_bits(slides) & wide_bits(touch))
-        ds = wide_choose(slides, of_spring / law->c.k_s, ds);
+    if (c.truncated && wide_bits(slides) & wide_bits(touch)) ds = wide_choose(slides, of_spring / c.k, ds);
     *spring = ds;
     return force;
+}
+
+/* dem_law_slip_roll */
+INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
+{
+    wide slip = law->c.gamma_s * m_eff * v_s, cap = law->mu * wide_max(f_n, (wide){0});
+    return wide_choose(wide_less(cap, wide_abs(slip)), -wide_copysign(cap, v_s), -slip);
+}
+
+/* Rolling resistance: the couple on grain i. */
+INLINE wide law_rolling(const laws *law, wide r_eff, wide m_eff, wide omega, wide f_n, double h, lanes touch,
+                        wide *roll)
+{
+    const slider c = {law->c.k_roll, law->c.gamma_roll, law->c.mu_roll, true, true};
+    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, touch, roll);
 }
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
  * since it starts from +0. The list ends in pairs that never touch. */
-void WIDE_KERNEL(dem_sim *sim, double h)
+INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
 {
     const dem_definition *def = &sim->def;
     const laws law = {def->material,
@@ -53,11 +73,14 @@ void WIDE_KERNEL(dem_sim *sim, double h)
                       def->normal == DEM_HERTZ,
                       def->tension,
                       def->tangential == DEM_SPRING,
+                      def->tangential == DEM_SLIP_ROLL,
                       def->slip == DEM_TRUNCATED,
                       def->damping == DEM_DAMPING_INSIDE};
+    const slider shear = {law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside};
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
-    double *restrict spring = sim->spring;
+    dem_spin *restrict spin = sim->spin;
+    double *restrict spring = sim->spring, *restrict roll = sim->roll;
     uint32_t *restrict touching = sim->touching;
     const wide zero = {0}, limit = zero + sim->r_min;
     size_t n = 0;
@@ -70,6 +93,7 @@ void WIDE_KERNEL(dem_sim *sim, double h)
         const lanes touch = wide_less(r2, radii * radii);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
+            if (rolling) wide_store(roll + k, zero);
             continue;
         }
         n = wide_append(touching, n, wide_bits(touch), k);
@@ -78,13 +102,40 @@ void WIDE_KERNEL(dem_sim *sim, double h)
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (law.shear) {
+        if (law.shear || law.slip_roll) {
             /* along s = (ny, -nx), the normal turned clockwise */
-            wide ds = wide_load(spring + k);
-            wide f_s = law_shear(&law, m_eff, vx * ny - vy * nx, f_n, h, touch, &ds);
-            wide_store(spring + k, wide_choose(touch, ds, zero));
+            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
+            if (rotation) {
+                r_i = wide_gather(sim->radius, i, 1), r_j = wide_gather(sim->radius, j, 1);
+                omega_i = wide_gather(&spin->omega, i, sizeof *spin / sizeof(double));
+                omega_j = wide_gather(&spin->omega, j, sizeof *spin / sizeof(double));
+                v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
+            }
+            if (law.shear) {
+                wide ds = wide_load(spring + k);
+                f_s = law_shear(shear, m_eff, v_s, f_n, h, touch, &ds);
+                wide_store(spring + k, wide_choose(touch, ds, zero));
+            } else {
+                f_s = law_slip_roll(&law, m_eff, v_s, f_n);
+            }
             fx = fx + f_s * ny;
             fy = fy - f_s * nx;
+            if (rotation) {
+                wide couple = zero;
+                if (rolling) {
+                    wide xi = wide_load(roll + k);
+                    couple =
+                        law_rolling(&law, r_i * r_j / radii, m_eff, omega_i - omega_j, f_n, h, touch, &xi);
+                    wide_store(roll + k, wide_choose(touch, xi, zero));
+                }
+                double on_i[WIDTH], on_j[WIDTH];
+                wide_store(on_i, wide_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
+                wide_store(on_j, wide_choose(touch, (r_j - 0.5 * overlap) * f_s - couple, zero));
+                for (int p = 0; p < WIDTH; p++) {
+                    spin[i[p]].torque += on_i[p];
+                    spin[j[p]].torque += on_j[p];
+                }
+            }
         }
         dem_vec f[WIDTH];
         wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));
@@ -95,6 +146,16 @@ void WIDE_KERNEL(dem_sim *sim, double h)
     }
     sim->n_touching = n;
     sim->alarm |= alarm != 0;
+}
+
+void WIDE_KERNEL(dem_sim *sim, double h)
+{
+    if (!sim->def.rotation)
+        wide_loop(sim, h, false, false);
+    else if (!sim->rolling)
+        wide_loop(sim, h, true, false);
+    else
+        wide_loop(sim, h, true, true);
 }
 
 /* As dem_integrate; returns for how many grains. */

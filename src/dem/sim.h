@@ -46,8 +46,7 @@ typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
-/* Where processors have the instructions; the pair loop for grains that do not rotate, and no Gear springs;
- * kernels_wide.inl. */
+/* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_near dem_near_avx512, dem_near_avx2;

@@ -75,6 +75,13 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
+/* from[stride index[]] */
+static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
+{
+    __m256i at = _mm256_mullo_epi32(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32(stride));
+    return _mm512_i32gather_pd(at, from, 8);
+}
+
 /* Positions and velocities of grains i[] relative to grains j[]. */
 static inline void wide_difference(const dem_record *grain, const uint32_t *i, const uint32_t *j, wide *x,
                                    wide *y, wide *vx, wide *vy)
@@ -207,6 +214,12 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
         n += bits >> p & 1;
     }
     return n;
+}
+
+static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
+{
+    __m128i at = _mm_mullo_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32(stride));
+    return _mm256_i32gather_pd(from, at, 8);
 }
 
 static inline void wide_difference(const dem_record *grain, const uint32_t *i, const uint32_t *j, wide *x,
