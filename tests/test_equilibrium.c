@@ -490,14 +490,21 @@ static void test_relabelled(void)
 {
     heap h = make_disks(20, 35, 0);
     CHECK_OK(solve(&h, soft(1e-3)));
-    double *u = malloc(2 * h.n * sizeof *u);
+    double *u = malloc(2 * h.n * sizeof *u), N[20];
     memcpy(u, h.u, 2 * h.n * sizeof *u);
+    memcpy(N, h.N, sizeof N);
     dem_pile_disk *disks = malloc(h.n * sizeof *disks);
     memcpy(disks, h.disks, h.n * sizeof *disks);
     for (size_t i = 0; i < h.n; i++) h.disks[i] = disks[(i * 11 + 3) % h.n];
     CU_ASSERT_FATAL(h.n % 11 != 0);
     CHECK_OK(solve(&h, soft(1e-3)));
     for (size_t i = 0; i < h.n; i++) CHECK_NEAR(h.u[2 * i], u[2 * ((i * 11 + 3) % h.n)], 1e-9);
+    size_t base[20]; /* by x, whatever the order */
+    dem_pile_base(h.pile, base, h.N, h.H);
+    for (size_t i = 0; i < h.k; i++) {
+        CHECK_NEAR(h.disks[base[i]].x, (double)i, 1e-12);
+        CHECK_NEAR(h.N[i], N[i], 1e-9);
+    }
     free(disks);
     free(u);
     free_heap(&h);

@@ -291,6 +291,29 @@ static void sticking(void)
     }
 }
 
+/* Of many contacts that last, each is found again after a step, also where others begin or end: in a heap at
+ * rest, whose springs a turn of gravity moves, nothing slides while two meet above it. */
+static void heap_sticks(void)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(20, 0.8, 5, &grains);
+    def.ledger = true;
+    def.material.mu = INFINITY;
+    for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 30000));
+    const dem_ledger before = ledger_of(sim);
+    const dem_grain two[2] = {{0.4, 4.0, 0.1, 0.004, 0.0, 0.0}, {0.4, 4.25, 0.1, 0.004, 0.0, -40.0}};
+    for (int i = 0; i < 2; i++) CHECK_OK(dem_add(sim, &two[i], NULL));
+    dem_gravity_set(sim, (double[]){9.81, -981.0});
+    CHECK_OK(dem_run(sim, 100));
+    const dem_ledger after = ledger_of(sim);
+    CHECK_NEAR(after.sliding, before.sliding, CLOSES * after.turnover);
+    CU_ASSERT(after.normal_damping > before.normal_damping + 1e-3);
+    dem_free(sim);
+    free(grains);
+}
+
 /* Work of a floor that turns under a grain: its force, as it is read, over the way of the contact's point,
  * and the rolling torque over the angle. */
 static void work_of_a_wall(void)
@@ -392,6 +415,7 @@ void suite_ledger(void)
                                        {"block that slides", sliding_block},
                                        {"what sticks", sticking},
                                        {"viscous slip", slip_roll},
+                                       {"a heap that sticks", heap_sticks},
                                        {"work of a wall", work_of_a_wall},
                                        {"hit and gone", hit_and_gone},
                                        {"hit by a belt", hit_by_a_belt},

@@ -79,6 +79,31 @@ static void phase_of_oscillator(void)
     }
 }
 
+/* A disk that slides on a floor, N = m g: slowed by mu g, then creeping by (1 - h)/(1 + h) in a step, h =
+ * gamma dt/2, once that asks for less. */
+static void slides_and_creeps(void)
+{
+    const double mu = 0.4, gamma = 20.0, m = 0.3;
+    const dem_grain grain = {.x = 0.3, .y = R - m / K, .r = R, .m = m, .vx = 0.2};
+    dem_definition def = on_floor(&grain, 1, 0.5);
+    def.tangential = DEM_SLIP_ROLL;
+    def.material.gamma_s = def.walls[0].material.gamma_s = gamma;
+    def.material.mu = def.walls[0].material.mu = mu;
+    dem_sim *sim = grains_start(&def);
+    const double h = 0.5 * gamma * def.dt;
+    double v = 0.2;
+    int slid = 0;
+    for (int n = 0; n < 100; n++) {
+        const double creeps = v * (1.0 - h) / (1.0 + h), slides = v - mu * def.dt;
+        slid += slides > creeps;
+        v = fmax(creeps, slides);
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_NEAR(grains_state_of_one(sim).vx, v, 1e-12); /* N is good to 1e-11 */
+    }
+    CU_ASSERT(slid > 30 && slid < 60);
+    dem_free(sim);
+}
+
 /* A disk pushed in its well: the depth is that of N = m g all the time, as it is at rest in the vertical. */
 static void well_conserves(void)
 {
@@ -116,6 +141,9 @@ static double height_after(double time, double dt)
     dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, lround(time / dt)));
     const double y = grains_state_of_one(sim).y;
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.iterations <= 2.0 * time / dt); /* the slope is exact: digits double with each */
     dem_free(sim);
     return y;
 }
@@ -467,6 +495,7 @@ static void refusals(void)
 void suite_midpoint(void)
 {
     static const check_case cases[] = {{"phase of an oscillator", phase_of_oscillator},
+                                       {"sliding and creeping", slides_and_creeps},
                                        {"energy of a well", well_conserves},
                                        {"order", second_order},
                                        {"energy of a gas", energy_of_gas},
