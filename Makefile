@@ -158,6 +158,11 @@ $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
+# Dropped piles: the dip of the mean pressure on their bases, and that pressure.
+$(T)/%_dip.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< >$@
+$(T)/%_profile.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< --profile >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
 	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 $(T)/%_fit_theta_t.tsv: $(T)/%.tsv
@@ -208,9 +213,9 @@ $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
-# Static piles of growing size: the limits of N and H.
+# Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
 $(T)/li_size_limit_%.tsv: $(T)/li_size_runs.tsv
-	@$(REPOSE) angle size $< --x base --y $* --by well --from 45 >$@
+	@$(REPOSE) angle size $< --x base --y $* --by well --from 90 >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
@@ -242,6 +247,11 @@ STUDY_lh_gear := 60
 STUDY_lh_tilt := 20
 STUDY_lh_tilt_static := 12
 STUDY_lh_rotation := 10
+STUDY_li20_point := 100
+STUDY_li20_broad := 100
+STUDY_li20_sizes := 100
+STUDY_li20_rest := 40
+STUDY_li20_choices := 20
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.

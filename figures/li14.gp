@@ -17,6 +17,6 @@ do for [angle in '30 45 50 55'] {
     if (angle eq '30') { set key top left Left reverse font ',9' } else { unset key }
     plot t('continuum_'.angle.'.tsv') using (column('x/B')):(column('H/(chi*g*B)')/S_max) with lines lw 1.5 lc 1 title 'continuum', \
          t(soft) using (column('x/B')):(column('H/(chi*g*B)')/S_max) with points pt 6 ps 0.6 lc 7 title 'soft disks', \
-         t(soft) using (column('x/B')):(column('H_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 1 ps 0.6 lc 3 title 'diagonal contacts alone'
+         t(soft) using (column('x/B')):(column('H_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone'
 }
 unset multiplot

@@ -13,8 +13,8 @@ set yrange [0:0.33]
 set title '(a)'
 curves = "t('continuum_30.tsv') using (column('x/B')):(column(q)) with lines lw 2 lc 1 title 'continuum', ".\
          "t('pile_45_30_1e-4.tsv') using (column('x/B')):(column(q)) with points pt 6 ps 0.6 lc 7 title '360 disks', ".\
-         "t('pile_180_30_1e-4.tsv') using (column('x/B')):(column(q)) with lines lw 1.2 dt 2 lc 3 title '5490 disks', ".\
-         "t('pile_360_30_0.tsv') using (column('x/B')):(column(q)) with lines lw 1 lc 4 title '21780 disks, ε → 0'"
+         "t('pile_360_30_0.tsv') using (column('x/B')):(column(q)) with lines lw 2.5 lc 2 title '21780 disks, ε → 0', ".\
+         "t('pile_180_30_1e-4.tsv') using (column('x/B')):(column(q)) with lines lw 0.8 dt (8,5) lc 6 title '5490 disks'"
 q = 'N/(chi*g*B)'
 eval 'plot '.curves
 set ylabel '{/:Italic H} / ({/:Italic χgB})'

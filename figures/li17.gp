@@ -20,7 +20,7 @@ do for [q in 'H N'] {
     }
     plot t('continuum_32.6.tsv') using (column('x/B')):(column(col)/S_max) with lines lw 1.5 lc 1 title 'continuum', \
          t(soft) using (column('x/B')):(column(col)/S_max) with points pt 6 ps 0.6 lc 7 title note(soft, 'n_disks').' soft disks', \
-         t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 1 ps 0.6 lc 3 title 'diagonal contacts alone', \
+         t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone', \
          (q eq 'N' ? NaN : 1/0) with boxes fc rgb '#e69f00' fs solid 0.5 noborder title (q eq 'N' ? 'experiment, middle' : '')
 }
 unset multiplot

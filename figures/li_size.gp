@@ -1,5 +1,5 @@
 # Piles of 30 degrees of growing size in the limit of hard disks: largest H over that of diagonal contacts alone, and the
-# deviation of N and H from the continuum. `make studies`.
+# deviation of N and H from the continuum, root mean square. `make studies`.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
@@ -17,7 +17,7 @@ set yrange [0.6:1.05]
 set title '(a)'
 set key top right
 plot for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title word(names, k)
-set ylabel 'rms deviation from the continuum / its maximum'
+set ylabel 'deviation from the continuum / its maximum'
 set yrange [0:0.15]
 set title '(b)'
 set key center right font ',9'

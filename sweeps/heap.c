@@ -41,6 +41,9 @@ static rp_status fill_outline(sweep_heap *h, const long up[], double theta)
 {
     h->n = 0;
     for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
+    if (h->n > DEM_PILE_MAX) /* before there is memory for them */
+        return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
+                       DEM_PILE_MAX);
     h->disks = malloc(h->n * sizeof *h->disks);
     h->exact = malloc(h->k * sizeof *h->exact);
     if (!h->disks || !h->exact) return no_memory();

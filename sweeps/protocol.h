@@ -59,7 +59,7 @@ typedef struct {
 } sweep_protocol;
 
 /* One list: every protocol. */
-#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile)
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)
 
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)

@@ -28,6 +28,7 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_flux)                                                                                            \
+    X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
@@ -35,6 +36,7 @@
     X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_growth)                                                                                          \
+    X(suite_models)                                                                                          \
     X(suite_impact)                                                                                          \
     X(suite_statics)                                                                                         \
     X(suite_incline)                                                                                         \

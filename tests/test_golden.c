@@ -59,6 +59,9 @@ static const char *const stress_hashed[] = {"n_0",    "n_1",   "h_0",          "
 /* Counts: the forces of a static solve depend on the order of its operations in the last digits. */
 static const char *const pile_hashed[] = {"n_disks", "contacts", "horizontal", "negative_modes",
                                           "broken",  "jumps",    "load",       NULL};
+static const char *const drop_hashed[] = {"disks", "base_disks", "height",      "width",    "centroid",
+                                          "dip",   "balance",    "psi6",        "contacts", "moved_mean",
+                                          "steps", "settled",    "relax_steps", NULL};
 
 /* Of `repose`, the second: the other floor, spring and mass, a gate that is lifted, contacts that do not
  * pull. */
@@ -111,6 +114,12 @@ static const golden_run runs[] = {
      "ok",
      0xcab3e0e9969e5a49,
      {{"theta_r3_deg", 9.0404669867745451}, {"floor_tilt_deg", 13.965864750379495}}},
+    {"drop",
+     {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
+     drop_hashed,
+     "ok",
+     0x270d8e3e85b98d8b,
+     {{"left_deg", 19.222360098316361}, {"right_deg", 35.789590133689615}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

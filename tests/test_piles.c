@@ -210,6 +210,7 @@ static void against_continuum(void)
     CHECK_OK(RUN(0, &r, "base=120", "alpha_deg=30", "eps=0"));
     CU_ASSERT(output(&r, "weakest_level") > 0.5 && output(&r, "strongest_level") < 0.05);
     CU_ASSERT(output(&r, "H_continuum_rms") > 0.1 && output(&r, "N_continuum_rms") > 0.02);
+    CU_ASSERT(output(&r, "H_slope_ratio") > 0.95 && output(&r, "H_slope_ratio") < 0.99);
     CHECK_OK(RUN(0, &r, "base=20")); /* no continuum at 60 degrees */
     CU_ASSERT(isnan(output(&r, "N_continuum_rms")) && output(&r, "n_disks") == 210);
 }

@@ -15,7 +15,8 @@
 #include "tests/grains.h"
 
 static const double R = 0.1, M = 0.004, G = 981.0;
-static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5"};
+static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5",
+                                                                                     "implicit"};
 static const double stiffnesses[] = {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
@@ -91,11 +92,19 @@ static void with_floor(dem_definition *def)
     def->walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def->material);
 }
 
+/* The limit of the time step; of the implicit scheme, which has none, that of Verlet's. */
+static double step_limit(const dem_definition *def)
+{
+    dem_definition as = *def;
+    if (as.integrator == DEM_IMPLICIT) as.integrator = DEM_VERLET;
+    return dem_time_step_limit(&as, NULL);
+}
+
 /* A grain put on a floor presses it in by what carries its weight; one too heavy for the floor goes through
  * it, and the run ends with that reason. */
 static void static_overlaps(void)
 {
-    for (int scheme = 0; scheme < 2; scheme++)
+    for (int scheme = 0; scheme < 3; scheme++)
         for (int law = 0; law < 2; law++)
             for (size_t i = 0; i < COUNT(stiffnesses); i++) {
                 dem_definition def = bare(law, scheme);
@@ -108,7 +117,7 @@ static void static_overlaps(void)
                 def.grains = &grain;
                 def.n_grains = 1;
                 with_floor(&def);
-                def.dt = 0.5 * fmin(dem_time_step_limit(&def, NULL), 0.1 / omega);
+                def.dt = 0.5 * fmin(step_limit(&def), 0.1 / omega);
                 PARAMETERS("k_n = %g, %s, %s", k, law_names[law], scheme_names[scheme]);
                 dem_sim *sim = grains_start(&def);
                 rp_status status = dem_run(sim, lround(40.0 / (omega * def.dt)));
@@ -139,7 +148,7 @@ static outcome collide(dem_definition *def, dem_grain grains[2], double v, doubl
     grains[1].vx = -v;
     def->grains = grains;
     def->n_grains = 2;
-    def->dt = dem_time_step_limit(def, NULL) / steps;
+    def->dt = step_limit(def) / steps;
     grains[1].x += 0.381 * v * def->dt;
     outcome o = {.status = RP_OK};
     dem_sim *sim = grains_start(def);
@@ -182,7 +191,7 @@ static void elastic(const char *name, int law, int scheme, double k, dem_grain a
 static void elastic_impacts(void)
 {
     const dem_grain one = {.r = R, .m = M};
-    for (int scheme = 0; scheme < 2; scheme++)
+    for (int scheme = 0; scheme < 3; scheme++)
         for (int law = 0; law < 2; law++) {
             for (size_t i = 0; i < COUNT(stiffnesses); i++)
                 elastic("elastic impact", law, scheme, stiffnesses[i], one, one, 31.7);
@@ -227,7 +236,7 @@ static void damped_impacts(void)
                 dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.0 * R, .r = R, .m = 2.0 * M, .vx = -v}};
                 def.grains = pair;
                 def.n_grains = 2;
-                def.dt = dem_time_step_limit(&def, NULL);
+                def.dt = step_limit(&def);
                 pair[1].x += 0.5 * v * def.dt;
                 dem_sim *sim = grains_start(&def);
                 dem_state s[2];
@@ -334,7 +343,7 @@ static void single_grains(void)
                                    {0.0, 1e9}, {0.0, -1e-12}, {1e-300, 0.0}, {-3.0, 4.0}};
     const double speeds[] = {0.0, 100.0};
     const long steps = 1000;
-    for (int scheme = 0; scheme < 2; scheme++)
+    for (int scheme = 0; scheme < 3; scheme++)
         for (size_t g = 0; g < COUNT(gravities); g++)
             for (size_t v = 0; v < COUNT(speeds); v++) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
@@ -367,7 +376,7 @@ static void single_grains(void)
 static void far_apart(void)
 {
     for (double distance = 10.0; distance < 1e308; distance *= distance < 1e15 ? 1e3 : 1e60)
-        for (int scheme = 0; scheme < 2; scheme++)
+        for (int scheme = 0; scheme < 3; scheme++)
             for (int walls = 0; walls < 2; walls++) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
                 dem_grain pair[2] = {{0.0, R, R, M, 1.0, 0.0}, {distance, R, R, M, 1.0, 0.0}};
@@ -418,7 +427,7 @@ static void scaled_units(void)
 /* Grains at rest that touch nothing, or exactly touch, stay where they are, to the bit. */
 static void zero_velocities(void)
 {
-    for (int scheme = 0; scheme < 2; scheme++)
+    for (int scheme = 0; scheme < 3; scheme++)
         for (int law = 0; law < 2; law++)
             for (int n = 1; n <= 100; n *= 10) {
                 dem_grain grains[100];
@@ -427,7 +436,7 @@ static void zero_velocities(void)
                     grains[i] = (dem_grain){.x = 0.25 * (i % 10), .y = 0.25 * (i / 10), .r = 0.125, .m = M};
                 def.grains = grains;
                 def.n_grains = (size_t)n;
-                def.dt = dem_time_step_limit(&def, NULL) < 1.0 ? dem_time_step_limit(&def, NULL) : def.dt;
+                def.dt = step_limit(&def) < 1.0 ? step_limit(&def) : def.dt;
                 PARAMETERS("%d grains that just touch, %s, %s", n, law_names[law], scheme_names[scheme]);
                 dem_sim *sim = grains_start(&def);
                 dem_state s[100];
@@ -566,7 +575,7 @@ static void step_limits(void)
                 def.grains = &grain;
                 def.n_grains = 1;
                 with_floor(&def);
-                const double limit = dem_time_step_limit(&def, NULL);
+                const double limit = step_limit(&def);
                 def.dt = 1.001 * limit;
                 PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,
                            scheme_names[scheme], def.dt);
@@ -589,7 +598,7 @@ static void hard_collisions(void)
             def.hard = (dem_hard){true, e, 0.0};
             def.grains = pair;
             def.n_grains = 2;
-            def.dt = fmin(5e-5, 0.9 * dem_time_step_limit(&def, NULL));
+            def.dt = fmin(5e-5, 0.9 * step_limit(&def));
             dem_sim *sim = grains_start(&def);
             dem_state s[2];
             CHECK_OK(dem_run(sim, lround(1e-3 / def.dt)));

@@ -1,5 +1,5 @@
 /* Validation of the normal laws and the integrator: head-on impacts, elastic and damped, of grains and on
- * walls, in both readings of the damped force, and the observed order. */
+ * walls, in both readings of the damped force. */
 #include <float.h>
 #include <gsl/gsl_sf_gamma.h>
 #include <string.h>
@@ -350,42 +350,6 @@ static void damping_range(void)
     }
 }
 
-/* Least-squares slope of log error against log n. */
-static double observed_order(const impact *p, double exact_time, double exact_overlap)
-{
-    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-    const int sizes = 8;
-    for (int k = 0; k < sizes; k++) {
-        const double n = 40.37 * pow(1.7, k); /* no whole number of steps a contact */
-        const outcome o = simulate(p, exact_time / n, 2.0 * exact_time);
-        double error = fabs(o.time / exact_time - 1.0) + fabs(o.overlap / exact_overlap - 1.0);
-        double x = log(n), y = log(error);
-        sx += x, sy += y, sxx += x * x, sxy += x * y;
-    }
-    return -(sizes * sxy - sx * sy) / (sizes * sxx - sx * sx);
-}
-
-static void order_elastic(void)
-{
-    const impact hertz = {DEM_HERTZ, 2.385e6, 0.0, 31.7, false, M_A, M_B, 0.381},
-                 linear = {DEM_LINEAR, 3.19e4, 0.0, 23.85, false, M_A, M_B, 0.381};
-    dem_collision_result exact;
-    CHECK_OK(dem_collision(DEM_HERTZ, true, hertz.k_n, 0.0, M_EFF, hertz.v, &exact));
-    CHECK_NEAR(observed_order(&hertz, exact.time, exact.overlap), 2.0, 0.25);
-    const double w = sqrt(linear.k_n / M_EFF);
-    /* a force with a kink at touch: between first and second order from phase to phase, second on average */
-    CHECK_NEAR(observed_order(&linear, M_PI / w, linear.v / w), 2.0, 0.4);
-}
-
-/* The damped force jumps at touch: first order (the rebound depends on where in a step the touch falls). */
-static void order_damped(void)
-{
-    const impact p = {DEM_HERTZ, 1e6, 500.0, 12.3, false, M_A, M_B, 0.381};
-    dem_collision_result exact;
-    CHECK_OK(dem_collision(DEM_HERTZ, true, p.k_n, p.gamma_n, M_EFF, p.v, &exact));
-    CHECK_NEAR(observed_order(&p, exact.time, exact.overlap), 1.0, 0.35);
-}
-
 static void cases(void)
 {
     case_problem *const problems[] = {&elastic_problem, &damped_problem, &sticking_problem, &solver_problem};
@@ -399,8 +363,6 @@ void suite_impact(void)
                                       {"sticking threshold", sticking},
                                       {"solver of single impacts", single_impacts},
                                       {"range of damping", damping_range},
-                                      {"observed order, elastic", order_elastic},
-                                      {"observed order, damped", order_damped},
                                       {"cases", cases},
                                       {NULL, NULL}};
     check_register("validation: impacts", list);

@@ -860,6 +860,7 @@ static const struct {
     {"maximum", maximum, "expected largest of a number of values"},
     {"trend", cmd_angle_trend, "does a column of a table of runs depend on another?"},
     {"size", cmd_angle_size, "limit of infinite size, from a table of runs"},
+    {"dip", cmd_angle_dip, "does the pressure on the base of dropped piles dip in the middle?"},
 };
 
 rp_status cmd_angle(int argc, char **argv)

@@ -12,4 +12,7 @@ rp_status cmd_angle_size(int argc, char **argv);
 rp_status cmd_angle_stress(int argc, char **argv);
 rp_status cmd_angle_critical(int argc, char **argv);
 
+/* cmd_angle_dip.c */
+rp_status cmd_angle_dip(int argc, char **argv);
+
 #endif

@@ -309,8 +309,8 @@ static rp_status check_usage(const options *o)
     if (o->threshold && (o->linear || o->branch || o->summary || *o->directory || *o->disks))
         return rp_fail(RP_USAGE,
                        "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
-    if (o->disorder > 0 && *o->disks)
-        return rp_fail(RP_USAGE, "--disks has radii of its own: no --disorder; see repose pile --help");
+    if ((o->disorder > 0 || o->gap > 0) && *o->disks)
+        return rp_fail(RP_USAGE, "--disks says it all: no --disorder, no --gap; see repose pile --help");
     if (o->piles > 1 && (!(o->disorder > 0) || o->threshold || o->summary || *o->directory))
         return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
     if (o->mu > 0 && !(o->well > 0))
@@ -362,11 +362,15 @@ static rp_status find_threshold(const options *o, const sweep_heap *h)
     while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
         bool stable = false;
         rp_status status = is_stable(o, h, eps, &stable);
+        if (status == RP_NO_RESULT) {
+            char why[1024];
+            snprintf(why, sizeof why, "%s", rp_message());
+            return rp_fail(status, "stable up to eps = %g; at eps = %g %s", lo, eps, why);
+        }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
-        if (!(hi > 0) && lo * WIDEN > EPS_MAX)
-            return rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below %g", lo, EPS_MAX);
-        eps = !(hi > 0) ? lo * WIDEN : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
+        if (!(lo < EPS_MAX)) return rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
+        eps = !(hi > 0) ? fmin(lo * WIDEN, EPS_MAX) : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
     }
     cli_table(stdout, schema, o);
     rp_table_columns(stdout, 4, columns);

@@ -119,6 +119,10 @@ typedef struct {
     dem_wall walls[DEM_MAX_WALLS];
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
+    /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
+     * springs, rolling springs and wells go on. Those that do not touch are passed over. Borrowed too. */
+    size_t n_contacts;
+    const struct dem_contact *contacts;
 } dem_definition;
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
@@ -232,7 +236,7 @@ typedef struct {
 rp_status dem_states(const dem_sim *sim, dem_state *states);
 
 enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN };
-typedef struct {
+typedef struct dem_contact {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */

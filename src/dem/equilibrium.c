@@ -105,8 +105,8 @@ static rp_status check_number(const char *name, double value, double lo, double 
 
 static rp_status check_disks(const dem_pile_definition *def)
 {
-    if (def->n < 1 || def->n > 20000000)
-        return rp_fail(RP_BAD_INPUT, "%zu disks: out of range, allowed: [1, 20000000]", def->n);
+    if (def->n < 1 || def->n > DEM_PILE_MAX)
+        return rp_fail(RP_BAD_INPUT, "%zu disks: out of range, allowed: [1, %d]", def->n, DEM_PILE_MAX);
     for (size_t i = 0; i < def->n; i++) {
         const dem_pile_disk *p = &def->disks[i];
         const double overlap = p->r - p->y;
@@ -780,6 +780,15 @@ static void count_contacts(dem_pile *pile)
     }
 }
 
+/* The disk with the largest net force. */
+static size_t worst_disk(const dem_pile *pile)
+{
+    size_t worst = 0;
+    for (size_t i = 0; i < 2 * pile->n; i++)
+        if (fabs(pile->g[i]) > fabs(pile->g[worst])) worst = i;
+    return worst / 2;
+}
+
 /* The message of a solve without a result: what is known. */
 static rp_status explain(const dem_pile *pile)
 {
@@ -791,9 +800,11 @@ static rp_status explain(const dem_pile *pile)
     char pivot[80] = "";
     if (r->fault == DEM_PILE_SINGULAR)
         snprintf(pivot, sizeof pivot, "no pivot for disk %zu; ", pile->pivots.disk + 1);
-    return rp_fail(RP_NO_RESULT,
-                   "%s: %s%sequilibrium up to %g of the load, then a residual of %.3g m g after %zu steps",
-                   dem_pile_fault_text(r->fault), wells, pivot, r->load, r->residual, r->steps);
+    return rp_fail(
+        RP_NO_RESULT,
+        "%s: %s%sequilibrium up to %g of the load, then a residual of %.3g m g, on disk %zu, after "
+        "%zu steps",
+        dem_pile_fault_text(r->fault), wells, pivot, r->load, r->residual, worst_disk(pile) + 1, r->steps);
 }
 
 rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)

@@ -33,6 +33,8 @@ enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
  * that. */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
+enum { DEM_PILE_MAX = 20000000 }; /* disks */
+
 struct dem_pile_result;
 typedef struct {
     size_t n;

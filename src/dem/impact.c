@@ -71,6 +71,7 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grain[i].v += gain;
     sim->grain[i].x -= t * gain;
+    sim->way[i] = INFINITY; /* for the rest of the round */
     if (!sim->spin) return;
     sim->spin[i].omega += to->omega - from->omega;
     sim->spin[i].angle -= t * (to->omega - from->omega);
@@ -146,14 +147,15 @@ static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
     return true;
 }
 
-/* Of grains that go no farther than `way` in the step. */
+/* Of grains that go no farther than `way` in the step, each no farther than sim->way says. */
 static bool collide_all(dem_sim *sim, double way)
 {
     bool any = false;
     for (size_t k = 0; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         const dem_vec d = sim->grain[i].x - sim->grain[j].x;
-        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], most = reach + 2.0 * way;
+        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], ways = sim->way[i] + sim->way[j],
+                     most = reach + (ways < 2.0 * way ? ways : 2.0 * way);
         if (r2 >= reach * reach && r2 <= most * most) /* nearer is a soft contact */
             any |= collide_pair(sim, i, j, reach);
     }
@@ -161,8 +163,8 @@ static bool collide_all(dem_sim *sim, double way)
     return any;
 }
 
-/* Longest way of a grain over the coming step; *beyond is a grain that it brings to where the neighbour list
- * may lack a pair of its, n for none. */
+/* Longest way of a grain over the coming step, and in sim->way a little more than each one's; *beyond is a
+ * grain that it brings to where the neighbour list may lack a pair of its, n for none. */
 static double longest_way(const dem_sim *sim, size_t *beyond)
 {
     const double dt = sim->def.dt, reach = 0.25 * sim->skin * sim->skin;
@@ -171,7 +173,9 @@ static double longest_way(const dem_sim *sim, size_t *beyond)
     for (size_t i = 0; i < sim->n; i++) {
         const motion m = motion_of(sim, i);
         const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
-        if (dem_dot(way, way) > most) most = dem_dot(way, way);
+        const double way2 = dem_dot(way, way);
+        sim->way[i] = 1.01 * sqrt(way2) + 1e-9 * sim->radius[i]; /* more than round-off */
+        most = way2 > most ? way2 : most;
         if (!(dem_dot(moved, moved) <= reach)) *beyond = i;
     }
     return sqrt(most);

@@ -510,8 +510,10 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
     if (sim->def.rotation) sim->spin = calloc(room, sizeof *sim->spin);
-    if ((gear && !sim->gear) || (sim->def.rotation && !sim->spin) || !sim->grain || !sim->force ||
-        !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->id || !sim->fixed)
+    if (sim->def.hard.on) sim->way = calloc(room, sizeof *sim->way);
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
+        !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
+        !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -548,11 +550,66 @@ static rp_status check_start_overlaps(const dem_sim *sim)
                          sim->def.dt, limit);
 }
 
-/* Forces of the start, with velocities of the start and springs as they are; then what the integrator
- * makes of them. */
-static rp_status start_forces(dem_sim *sim)
+/* Springs of the contact between the grains at places i and j, if it is listed so; pairs are in the order of i.
+ */
+static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, double roll)
+{
+    size_t lo = 0, hi = sim->n_touching;
+    while (lo < hi) {
+        const size_t middle = (lo + hi) / 2;
+        if (sim->pair_i[sim->touching[middle]] < i)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    for (; lo < sim->n_touching && sim->pair_i[sim->touching[lo]] == i; lo++) {
+        const size_t k = sim->touching[lo];
+        if (sim->pair_j[k] != j) continue;
+        sim->spring[k] = shear;
+        if (sim->rolling) sim->roll[k] = roll;
+        return true;
+    }
+    return false;
+}
+
+static void set_wall_springs(dem_sim *sim, const dem_contact *contact)
+{
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        dem_wall_slot *slot = &sim->wall_slot[k];
+        if (sim->id[slot->grain] != contact->id_a || (int)slot->wall != contact->wall) continue;
+        slot->roll = contact->rolling_spring;
+        slot->well = contact->well;
+        if (contact->well == DEM_WELL_NONE)
+            slot->spring = contact->shear_spring;
+        else
+            slot->rest = dem_ground_displacement(sim, slot) - contact->shear_spring;
+        return;
+    }
+}
+
+static rp_status set_springs(dem_sim *sim, size_t n, const dem_contact *contacts)
+{
+    if (n == 0) return RP_OK;
+    size_t *place = malloc((sim->n + 1) * sizeof *place); /* of each id */
+    if (!place) return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
+    for (size_t i = 0; i < sim->n; i++) place[sim->id[i]] = i;
+    for (size_t k = 0; k < n; k++) {
+        const dem_contact *c = &contacts[k];
+        const double shear = c->shear_spring, roll = c->rolling_spring;
+        if (c->id_b == 0)
+            set_wall_springs(sim, c);
+        else if (!set_pair_springs(sim, place[c->id_a], place[c->id_b], shear, roll))
+            set_pair_springs(sim, place[c->id_b], place[c->id_a], shear, -roll);
+    }
+    free(place);
+    return RP_OK;
+}
+
+/* Forces of the start, with velocities and springs of the start; then what the integrator makes of them. */
+static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
     rp_status status = dem_neighbours_rebuild(sim);
+    if (!status) status = set_springs(sim, def->n_contacts, def->contacts);
     if (status) return status;
     sim->kernel(sim, 0.0);
     dem_walls_apply(sim, 0.0);
@@ -597,6 +654,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 {
     sim->def = *def;
     sim->def.grains = NULL;
+    sim->def.contacts = NULL;
+    sim->def.n_contacts = 0;
     sim->n = sim->room = def->n_grains;
     sim->last_id = (uint32_t)def->n_grains;
     set_gravity(sim, def->gravity);
@@ -622,7 +681,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
     if (!status && def->ledger) status = dem_ledger_alloc(sim);
-    return status ? status : start_forces(sim);
+    return status ? status : start_forces(sim, def);
 }
 
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
@@ -650,7 +709,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     *c = *sim;
     c->room = room;
     c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
@@ -747,7 +806,7 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->gear), free(sim->fixed);
+    free(sim->gear), free(sim->fixed), free(sim->way);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);

@@ -84,7 +84,8 @@ struct dem_sim {
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
-    dem_gear *gear;                       /* NULL for other integrators */
+    double *way;    /* of hard collisions, NULL without: how far each may go in the coming step */
+    dem_gear *gear; /* NULL for other integrators */
     struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     uint32_t *id;

@@ -1,0 +1,316 @@
+/* Dropped piles: contacts that a simulation starts with, protocol `drop`, and the dip. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/dip.h"
+#include "core/random.h"
+#include "sweeps/protocol.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+/* Disks of diameter and mass 1 in unit gravity, above a ground: wells, or shear springs. */
+static dem_definition disks(bool spring)
+{
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -1.0;
+    def.dt = 0.006;
+    def.normal = DEM_LINEAR;
+    def.tension = false;
+    def.rotation = true;
+    def.shape = DEM_DISK;
+    def.damping = DEM_DAMPING_INSIDE;
+    def.tangential = spring ? DEM_SPRING : DEM_SLIP_ROLL;
+    def.material = (dem_material){.k_n = 1000.0,
+                                  .gamma_n = 18.0,
+                                  .k_s = 500.0,
+                                  .gamma_s = 9.0,
+                                  .mu = 0.5,
+                                  .mu_roll = 0.1,
+                                  .k_roll = 500.0,
+                                  .gamma_roll = 9.0};
+    def.hard = (dem_hard){true, 0.5, 0.5};
+    def.n_walls = 1;
+    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    if (!spring) def.ground = (dem_ground){1, 0.5, 0.05, DEM_WELL_AGAIN};
+    return def;
+}
+
+static dem_grain disk(double x, double y, double vx)
+{
+    return (dem_grain){.x = x, .y = y, .r = 0.5, .m = 1.0, .vx = vx};
+}
+
+/* ---- Contacts of the start ---- */
+
+enum { HEAP = 6 };
+
+/* A heap that slides and rolls. */
+static dem_sim *moving_heap(bool spring)
+{
+    const dem_grain grains[HEAP] = {disk(0.0, 0.5, 0.1),  disk(1.01, 0.5, 0.0), disk(2.02, 0.5, -0.2),
+                                    disk(0.52, 1.4, 0.0), disk(1.53, 1.4, 0.3), disk(1.0, 2.4, 0.0)};
+    dem_definition def = disks(spring);
+    def.grains = grains;
+    def.n_grains = HEAP;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 150));
+    return sim;
+}
+
+/* The same state made anew, with its contacts or without, in the order of the ids or against it. */
+static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
+{
+    dem_state states[HEAP];
+    dem_grain grains[HEAP];
+    dem_definition def = disks(spring);
+    dem_contact *contacts;
+    size_t n;
+    CHECK_OK(dem_states(sim, states));
+    CHECK_OK(dem_contacts(sim, &contacts, &n));
+    for (size_t i = 0; i < HEAP; i++) {
+        const dem_state *s = &states[turned ? HEAP - 1 - i : i];
+        grains[i] = (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, false};
+    }
+    for (size_t k = 0; k < n && turned; k++) {
+        const uint32_t a = HEAP + 1 - contacts[k].id_a, b = HEAP + 1 - contacts[k].id_b;
+        contacts[k].id_a = contacts[k].id_b ? b : a; /* seen from the other side */
+        if (!contacts[k].id_b) continue;
+        contacts[k].id_b = a;
+        contacts[k].rolling_spring = -contacts[k].rolling_spring;
+    }
+    def.grains = grains;
+    def.n_grains = HEAP;
+    def.contacts = contacts;
+    def.n_contacts = with ? n : 0;
+    dem_sim *copy = grains_start(&def);
+    free(contacts);
+    return copy;
+}
+
+/* Largest difference of net force or torque of two simulations of the heap. */
+static double differ(const dem_sim *a, const dem_sim *b, bool turned)
+{
+    dem_state s[HEAP], t[HEAP];
+    double most = 0.0;
+    CHECK_OK(dem_states(a, s));
+    CHECK_OK(dem_states(b, t));
+    for (size_t i = 0; i < HEAP; i++) {
+        const dem_state *u = &t[turned ? HEAP - 1 - i : i];
+        most = fmax(most, fabs(s[i].fx - u->fx) + fabs(s[i].fy - u->fy) + fabs(s[i].torque - u->torque));
+    }
+    return most;
+}
+
+/* Springs, rolling springs and wells go on: forces are those of before, but for the damping, which takes
+ * velocities of half a step later: gamma m_eff a dt/2 = 0.027 a a contact, a below g. Without them they are
+ * far off. */
+static void contacts_go_on(void)
+{
+    for (int spring = 0; spring < 2; spring++) {
+        dem_sim *sim = moving_heap(spring);
+        const double before = differ(sim, sim, false);
+        CHECK_NEAR(before, 0.0, 0.0);
+        dem_contact *contacts;
+        size_t n;
+        double sheared = 0.0, rolled = 0.0, wells = 0.0;
+        CHECK_OK(dem_contacts(sim, &contacts, &n));
+        for (size_t k = 0; k < n; k++) {
+            sheared = fmax(sheared, fabs(contacts[k].shear_spring));
+            rolled = fmax(rolled, fabs(contacts[k].rolling_spring));
+            wells += contacts[k].well == DEM_WELL_HOLDS;
+        }
+        free(contacts);
+        CU_ASSERT(sheared > 1e-5 && rolled > 1e-5 && (spring || wells > 0.0));
+        for (int turned = 0; turned < 2; turned++) {
+            dem_sim *with = again(sim, spring, true, turned), *without = again(sim, spring, false, turned);
+            CHECK_NEAR(differ(sim, with, turned), 0.0, 0.1);
+            CU_ASSERT(differ(sim, without, turned) > 5.0 * differ(sim, with, turned));
+            dem_free(with);
+            dem_free(without);
+        }
+        dem_free(sim);
+    }
+}
+
+/* ---- The dip ---- */
+
+static void base_of_known_loads(void)
+{
+    enum { N = 400 };
+    double x[N], r[N], load[N];
+    for (int i = 0; i < N; i++) { /* even load over (3, 7) */
+        x[i] = 3.0 + (i + 0.5) * 4.0 / N;
+        r[i] = 0.5 * 4.0 / N;
+        load[i] = 2.0;
+    }
+    ang_base base;
+    CHECK_OK(ang_base_profile(N, x, r, load, &base));
+    CHECK_NEAR(base.centroid, 5.0, 1e-12);
+    CHECK_NEAR(base.width, 0.98 * 4.0, 2.1 * 4.0 / N);
+    for (int k = 0; k < ANG_DIP_BINS; k++) CHECK_NEAR(base.N[k], 1.0, 1e-9);
+    CHECK_NEAR(ang_dip(base.N), 0.0, 1e-9);
+    for (int i = 0; i < N; i++) load[i] = 2.0 - fabs(x[i] - 5.0); /* triangle: 2 B of the load is 0.98 */
+    CHECK_OK(ang_base_profile(N, x, r, load, &base));
+    const double h = 2.0 * (1.0 - sqrt(0.02)), B = 2.0 * h; /* 1 - (1 - h/2)^2 = 0.98 */
+    CHECK_NEAR(base.width, B, 2.1 * 4.0 / N);
+    CHECK_NEAR(ang_dip(base.N), 0.15 * B / (0.5 * (2.0 + 2.0 - h)),
+               2e-3); /* N(0.05 B) - N(0.2 B), over mean */
+    for (int i = 0; i < N; i++) load[i] = 0.0;
+    CHECK_FAILS(ang_base_profile(N, x, r, load, &base), RP_NO_RESULT, "no load");
+    load[0] = 1.0;
+    CHECK_FAILS(ang_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one place");
+}
+
+/* Flat profiles with a step D in the middle and noise in each bin. */
+static void draw_profiles(gsl_rng *rng, size_t n, double D, double *profiles)
+{
+    for (size_t i = 0; i < n * ANG_DIP_BINS; i++) {
+        const size_t k = i % ANG_DIP_BINS;
+        profiles[i] =
+            1.0 + (k >= 8 && k < 12 ? D : 0.0) + 0.3 * rp_random_cut_normal(rng, 0.0, 1.0, -4.0, 4.0);
+    }
+}
+
+/* The null distribution has its size, the interval its coverage, a planted dip of 10 % is found. Of 200
+ * ensembles 5 % are 10 +- 3.1; bounds at 3.3 of these. */
+static void planted_dips(void)
+{
+    enum { ENSEMBLES = 200, PILES = 60, RESAMPLES = 300 };
+    double *profiles = malloc((PILES * ANG_DIP_BINS + RESAMPLES) * sizeof *profiles);
+    double *means = profiles + PILES * ANG_DIP_BINS;
+    gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_TEST);
+    int false_dips = 0, missed = 0, found = 0, none = 0;
+    for (int e = 0; e < ENSEMBLES; e++) {
+        ang_dips d;
+        draw_profiles(rng, PILES, 0.0, profiles);
+        CHECK_OK(ang_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        false_dips += d.p_value < 0.05;
+        none += d.p_margin < 0.05;
+        draw_profiles(rng, PILES, -0.1, profiles);
+        CHECK_OK(ang_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        /* the mean falls with the dip: D = -0.1/0.98 */
+        missed += !(d.dip.lo <= -0.1 / 0.98 && -0.1 / 0.98 <= d.dip.hi);
+        found += d.p_value < 0.05 && d.dip.mean < 0.0 && d.p_dip < 0.05;
+    }
+    CU_ASSERT(false_dips >= 1 && false_dips <= 20);
+    CU_ASSERT(missed >= 1 && missed <= 20);
+    CU_ASSERT(found > 190); /* SE(D) = 0.3 sqrt(1/4 + 1/8)/sqrt(60) = 0.024: power 0.99 */
+    CU_ASSERT(none > 180);  /* the margin is at 4.2 SE: power 0.99 */
+    gsl_rng_free(rng);
+    free(profiles);
+}
+
+static void dip_of_an_ensemble(void)
+{
+    double profiles[4 * ANG_DIP_BINS], means[50];
+    gsl_rng *rng = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
+    ang_dips d;
+    for (int i = 0; i < 4 * ANG_DIP_BINS; i++) /* two rise to the right, two to the left: 0.5 to 1.5 */
+        profiles[i] = 1.0 + (i / ANG_DIP_BINS % 2 ? 1.0 : -1.0) * ((i % ANG_DIP_BINS + 0.5) / 20.0 - 0.5);
+    CHECK_OK(ang_dip_ensemble(4, profiles, 0.1, 50, rng, means, &d));
+    CHECK_NEAR(d.dip.mean, 0.0, 1e-14);
+    for (int k = 0; k < ANG_DIP_BINS / 2; k++) {
+        CHECK_NEAR(d.N[k], 1.0, 1e-14);
+        CHECK_NEAR(d.N_se[k], 0.0, 1e-14);
+    }
+    CHECK_FAILS(ang_dip_ensemble(2, profiles, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
+    CHECK_FAILS(ang_dip_ensemble(4, profiles, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(ang_dip_ensemble(4, profiles, 0.1, 1, rng, means, &d), RP_BAD_INPUT, "resamples = 1");
+    gsl_rng_free(rng);
+}
+
+/* ---- The protocol ---- */
+
+static double output(const sweep_result *r, const char *name)
+{
+    const sweep_output *o = sweep_protocol_drop.outputs;
+    for (int i = 0; o[i].name; i++)
+        if (strcmp(o[i].name, name) == 0) return r->values[i];
+    CU_FAIL("no such output");
+    return NAN;
+}
+
+static sweep_result run(const char *const changes[])
+{
+    const rp_param *schema = sweep_protocol_drop.schema;
+    void *p = calloc(1, sweep_protocol_drop.params_size);
+    sweep_result result;
+    rp_params_defaults(schema, p);
+    for (; changes[0]; changes += 2)
+        CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[0]), p, changes[1]));
+    CHECK_OK(sweep_protocol_drop.check(p));
+    CHECK_OK(sweep_protocol_drop.run(p, 5, 1, &result));
+    free(p);
+    return result;
+}
+
+/* The pile stands on what it weighs, to the accuracy of rest; a second run has the same bits. */
+static void piles_stand(void)
+{
+    const char *const laws[] = {"slip_roll", "spring"}, *const widths[] = {"0", "0.05"};
+    for (int k = 0; k < 2; k++) {
+        const char *const changes[] = {"N", "40", "law", laws[k], "radius_width", widths[k], NULL};
+        sweep_result a = run(changes), b = run(changes);
+        CU_ASSERT_STRING_EQUAL(a.status, "ok");
+        CU_ASSERT(memcmp(a.values, b.values, sizeof a.values) == 0);
+        CHECK_NEAR(output(&a, "balance"), 0.0, 1e-6);
+        CHECK_NEAR(output(&a, "disks") + output(&a, "away"), 40.0, 0.0);
+        CHECK_NEAR(output(&a, "capped"), 0.0, 0.0);
+        double sum = 0.0;
+        for (int i = 1; i <= 20; i++) {
+            char name[16];
+            snprintf(name, sizeof name, "n_%02d", i);
+            sum += output(&a, name);
+        }
+        CHECK_NEAR(sum, 20.0, 1e-9);
+        CU_ASSERT(output(&a, "height") > 3.0 && output(&a, "height") < 10.0);
+        CU_ASSERT(output(&a, "psi6") > 0.0 && output(&a, "psi6") <= 1.0);
+    }
+}
+
+static void drops_do_not_pass_their_steps(void)
+{
+    const char *const changes[] = {"N", "10", "max_steps", "100", NULL};
+    sweep_result r = run(changes);
+    CU_ASSERT(output(&r, "capped") > 5.0);
+    CHECK_NEAR(output(&r, "steps"), 10.0 * 100.0, 0.0);
+    CU_ASSERT_STRING_EQUAL(r.status, "ok"); /* the relaxation at the end is */
+}
+
+/* The stricter the rest, the more steps a drop takes. */
+static void rest_takes_its_steps(void)
+{
+    static const char *const limits[] = {"0.1", "0.001"};
+    double before = 0.0;
+    for (int k = 0; k < 2; k++) {
+        sweep_result r =
+            run((const char *const[]){"N", "15", "rest_speed", limits[k], "rest_force", limits[k], NULL});
+        CU_ASSERT(output(&r, "steps") > 1.1 * before);
+        CHECK_NEAR(output(&r, "capped"), 0.0, 0.0);
+        before = output(&r, "steps");
+    }
+}
+
+/* Without rolling resistance disks roll away: they count as such, carry nothing and are no part of the pile.
+ */
+static void away_is_no_part(void)
+{
+    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0", "x_limit", "10", NULL});
+    CU_ASSERT(output(&r, "away") > 0.0);
+    CHECK_NEAR(output(&r, "disks") + output(&r, "away"), 30.0, 0.0);
+    CU_ASSERT(output(&r, "width") < 20.0);
+}
+
+void suite_drop(void)
+{
+    static const check_case cases[] = {{"contacts of the start go on", contacts_go_on},
+                                       {"base of known loads", base_of_known_loads},
+                                       {"planted dips", planted_dips},
+                                       {"dip of an ensemble", dip_of_an_ensemble},
+                                       {"piles stand", piles_stand},
+                                       {"drops do not pass their steps", drops_do_not_pass_their_steps},
+                                       {"rest takes its steps", rest_takes_its_steps},
+                                       {"away is no part", away_is_no_part},
+                                       {NULL, NULL}};
+    check_register("drop", cases);
+}
