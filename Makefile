@@ -106,7 +106,7 @@ validate: $(B)/check $(B)/repose ## the validation at full size, with its tables
 	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 # Number of mutants.
-MUTANTS := 220
+MUTANTS := 240
 mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate.sh $(B) $(MUTANTS) $(JOBS)
 

@@ -1,11 +1,13 @@
-# Mutants of C files, one a line, tab-separated. One sign, factor, index or comparison is changed at a time. Comments, strings, messages of errors, the
-# preprocessor, enumerations, named settings (static const NAME) and sizes of memory are left alone; binary
-# operators are known by the blanks that the format puts around them. The lines come in the order in which to
-# take them: by turns from each operator in each file, within these at random, by their text alone.
+# Mutants of C files, one a line, tab-separated. One sign, factor, index or comparison is changed at a time. A
+# comparison is turned round; with a whole number its limit is let in or out too, which among measured numbers
+# changes nothing. Comments, strings, messages of errors, the preprocessor, enumerations, named settings (static
+# const NAME) and sizes of memory are left alone; binary operators are known by the blanks that the format puts
+# around them. The lines come in the order in which to take them: by turns from each operator in each file, within
+# these at random, by their text alone.
 BEGIN {
     FS = "\n"
     for (i = 1; i < 128; i++) code_of[sprintf("%c", i)] = i
-    n_pairs = split("+ - * / < <= > >= == != && || += -= *= /=", pair, " ")
+    n_pairs = split("+ - * / < >= > <= == != && || += -= *= /=", pair, " ")
     for (i = 1; i <= n_pairs; i++) other[pair[i]] = pair[i % 2 ? i + 1 : i - 1]
     split("+ - += -=", pair, " ")
     for (i in pair) kind_of[pair[i]] = "sign"
@@ -67,7 +69,10 @@ function found(form, at, len, text,   word, value) {
         offer("index", at + len - 3, 3, " + 1 < ")
     else if (form == "loop start")
         offer("index", at + len - 2, 1, 1)
-    else if (form == "count") {
+    else if (form == "limit") {
+        word = substr(text, 2, 2)
+        offer("comparison", at + 1, 2, word ~ /=/ ? substr(word, 1, 1) " " : substr(word, 1, 1) "= ")
+    } else if (form == "count") {
         word = substr(text, 2, 2)
         offer("sign", at + 1, 2, word == "++" ? "--" : "++")
     } else if (form == "minus")
@@ -99,8 +104,10 @@ FNR == 1 { comment = message = skipping = 0; quote = "" }
     if (loop) {
         each("[a-z_]+ < ", "loop end")
         each("for \\([a-z_]+ [a-z_]+ = 0;", "loop start")
-    } else
+    } else {
+        each(" [<>]=? [1-9][0-9]*[ ;,)]", "limit")
         each("[a-z_)](\\+\\+|--)[^+-]", "count")
+    }
     each("([ (,{]|return )-[a-zA-Z_(]", "minus")
     each("[ (][0-9]+[.][0-9]+[ ;,)]", "number")
     each("[ (][0-9]+ [*/] ", "number")

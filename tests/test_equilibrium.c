@@ -229,7 +229,14 @@ static void test_linearised(void)
     CU_ASSERT(N_error(&h, &most) < ROUNDING && most < ROUNDING);
     for (size_t i = 0; i < h.k; i++) CHECK_NEAR(h.H[i], h.exact[i].H, 22.5 * ROUNDING);
     CU_ASSERT(h.result.contacts == 1980 && h.result.horizontal == 0 && h.result.negative_modes == 0);
+    CU_ASSERT(h.result.steps == 1 && h.result.factored == 1);
     free_heap(&h);
+    /* from the pile of half the size it is known in advance which of the horizontal contacts are closed, but
+     * for a few: without that it takes 39 factorisations */
+    heap flat = make_disks(90, 30, 0);
+    CHECK_OK(solve(&flat, soft(0)));
+    CU_ASSERT(flat.result.horizontal > 0 && flat.result.steps < 12 && flat.result.factored < 5);
+    free_heap(&flat);
     /* gaps in the rows keep horizontal contacts open under any slope */
     heap gaps = make_disks(31, 27, 0.02);
     CHECK_OK(solve(&gaps, soft(0)));
@@ -483,14 +490,21 @@ static void test_relabelled(void)
 {
     heap h = make_disks(20, 35, 0);
     CHECK_OK(solve(&h, soft(1e-3)));
-    double *u = malloc(2 * h.n * sizeof *u);
+    double *u = malloc(2 * h.n * sizeof *u), N[20];
     memcpy(u, h.u, 2 * h.n * sizeof *u);
+    memcpy(N, h.N, sizeof N);
     dem_pile_disk *disks = malloc(h.n * sizeof *disks);
     memcpy(disks, h.disks, h.n * sizeof *disks);
     for (size_t i = 0; i < h.n; i++) h.disks[i] = disks[(i * 11 + 3) % h.n];
     CU_ASSERT_FATAL(h.n % 11 != 0);
     CHECK_OK(solve(&h, soft(1e-3)));
     for (size_t i = 0; i < h.n; i++) CHECK_NEAR(h.u[2 * i], u[2 * ((i * 11 + 3) % h.n)], 1e-9);
+    size_t base[20]; /* by x, whatever the order */
+    dem_pile_base(h.pile, base, h.N, h.H);
+    for (size_t i = 0; i < h.k; i++) {
+        CHECK_NEAR(h.disks[base[i]].x, (double)i, 1e-12);
+        CHECK_NEAR(h.N[i], N[i], 1e-9);
+    }
     free(disks);
     free(u);
     free_heap(&h);
@@ -547,6 +561,46 @@ static void test_damped_dynamics(void)
 
 /* ---- bad input ---- */
 
+/* A top on two that weak springs let part: tan(theta)/2 = k_x u, at sin(theta) = (1/2 + eps u)/(1 - eps f),
+ * with the push f = 1/(2 cos(theta)); stable up to eps u = 0.3 or so. From half a diameter between the two on
+ * they count as spread, in whichever order the disks are given. */
+static double weak_base(double u, double eps, double k_x)
+{
+    double s = 0.5 + eps * u;
+    for (int i = 0; i < 40; i++) s = (0.5 + eps * u) / (1 - eps / (2 * sqrt(1 - s * s)));
+    return 0.5 * s / sqrt(1 - s * s) - k_x * u;
+}
+
+static void check_weak_base(void)
+{
+    static const size_t orders[][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
+    const dem_pile_disk disks[] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    const double eps = 1e-4;
+    for (int k = 0; k < 6; k++) {
+        dem_pile_disk given[3];
+        for (int i = 0; i < 3; i++) given[orders[k / 2][i]] = disks[i];
+        dem_pile_definition def = soft(eps);
+        def.n = 3;
+        def.disks = given;
+        def.k_x = (k % 2 ? 2.25 : 2.3) * eps;
+        dem_pile *pile = NULL;
+        dem_pile_result result;
+        CHECK_OK(dem_pile_create(&def, &pile));
+        if (k % 2) {
+            CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
+        } else {
+            CHECK_OK(dem_pile_solve(pile, &result));
+            double lo = 0.1 / eps, hi = 0.25 / eps, u[6];
+            while (hi - lo > 1e-9 / eps)
+                *(weak_base(0.5 * (lo + hi), eps, def.k_x) > 0 ? &lo : &hi) = 0.5 * (lo + hi);
+            dem_pile_displacements(pile, u);
+            CHECK_NEAR(eps * u[2 * orders[k / 2][1]], eps * lo, 1e-8);
+            CHECK_NEAR(eps * u[2 * orders[k / 2][0]], -eps * lo, 1e-8);
+        }
+        dem_pile_free(pile);
+    }
+}
+
 static void test_errors(void)
 {
     dem_pile *pile = NULL;
@@ -601,6 +655,7 @@ static void test_errors(void)
     CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
     dem_pile_free(pile);
     def.branch = DEM_BRANCH_PRIMARY;
+    check_weak_base();
     /* two piles of three on weak springs slide into one another, and were no neighbours */
     dem_pile_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
     for (int i = 3; i < 6; i++) {
@@ -640,7 +695,7 @@ static void test_stiffness_update(void)
         CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
         dem_stiffness_clear(m, 0.125);
         dem_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
-        for (size_t k = 0; k < 5; k++)       /* bond 2 is wanted, bond 4 is not */
+        for (size_t k = 0; k < 5; k++)          /* bond 2 is wanted, bond 4 is not */
             if (way == 0 ? k != 4 : k != 2)
                 dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
                                        along[k][1] * along[k][1]);

@@ -291,6 +291,29 @@ static void sticking(void)
     }
 }
 
+/* Of many contacts that last, each is found again after a step, also where others begin or end: in a heap at
+ * rest, whose springs a turn of gravity moves, nothing slides while two meet above it. */
+static void heap_sticks(void)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(20, 0.8, 5, &grains);
+    def.ledger = true;
+    def.material.mu = INFINITY;
+    for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 30000));
+    const dem_ledger before = ledger_of(sim);
+    const dem_grain two[2] = {{0.4, 4.0, 0.1, 0.004, 0.0, 0.0}, {0.4, 4.25, 0.1, 0.004, 0.0, -40.0}};
+    for (int i = 0; i < 2; i++) CHECK_OK(dem_add(sim, &two[i], NULL));
+    dem_gravity_set(sim, (double[]){9.81, -981.0});
+    CHECK_OK(dem_run(sim, 100));
+    const dem_ledger after = ledger_of(sim);
+    CHECK_NEAR(after.sliding, before.sliding, CLOSES * after.turnover);
+    CU_ASSERT(after.normal_damping > before.normal_damping + 1e-3);
+    dem_free(sim);
+    free(grains);
+}
+
 /* Work of a floor that turns under a grain: its force, as it is read, over the way of the contact's point,
  * and the rolling torque over the angle. */
 static void work_of_a_wall(void)
@@ -354,14 +377,48 @@ static void hit_and_gone(void)
     CHECK_NEAR(l.hard, 0.25 * 0.004 * 0.75 * v * v, CLOSES * l.turnover);
 }
 
+/* A hard collision with a sloping belt, whose speed is along it: its work is that of the impulse mu P_n of
+ * sliding, with P_n = m (1 + e) v_n, and the rest of what the grain lacks is lost. */
+static void hit_by_a_belt(void)
+{
+    const double m = 0.004, r = 0.1, e = 0.5, mu = 0.3, belt = 70.0, v_n = 30.0, v_t = -11.0;
+    const double n[2] = {-0.6, 0.8}, t[2] = {0.8, 0.6};
+    dem_grain grain = {.x = 1.0 + 1.0001 * r * n[0], .y = 2.0 + 1.0001 * r * n[1], .r = r, .m = m};
+    grain.vx = -v_n * n[0] + v_t * t[0];
+    grain.vy = -v_n * n[1] + v_t * t[1];
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.dt = 1e-4;
+    def.tangential = DEM_NONE;
+    def.tension = false;
+    def.rotation = true;
+    def.material = (dem_material){.k_n = 1e5};
+    def.hard = (dem_hard){true, e, mu};
+    def.grains = &grain;
+    def.n_grains = 1;
+    def.n_walls = 1;
+    def.walls[0] = grains_line(1.0, 2.0, n[0], n[1], &def.material);
+    def.walls[0].extent[0] = -1.0;
+    def.walls[0].open_at_step = 0;
+    def.walls[0].open_speed = belt;
+    const dem_ledger l = run_closed("belt", &def, 4, 4);
+    const double impulse = m * (1.0 + e) * v_n, slid = mu * impulse, turned = slid * r;
+    const double gain = 0.5 * m * (e * e - 1.0) * v_n * v_n + slid * v_t + 0.5 * slid * slid / m +
+                        0.5 * turned * turned / dem_inertia(def.shape, m, r);
+    CHECK_NEAR(l.wall_work, slid * belt, CLOSES * l.turnover);
+    CHECK_NEAR(l.hard, slid * belt - gain, CLOSES * l.turnover);
+}
+
 void suite_ledger(void)
 {
     static const check_case cases[] = {{"impacts", impacts},
                                        {"block that slides", sliding_block},
                                        {"what sticks", sticking},
                                        {"viscous slip", slip_roll},
+                                       {"a heap that sticks", heap_sticks},
                                        {"work of a wall", work_of_a_wall},
                                        {"hit and gone", hit_and_gone},
+                                       {"hit by a belt", hit_by_a_belt},
                                        {"avalanches", avalanche},
                                        {"gravity or the box turns", turns},
                                        {"grains put in, clone", grains_put_in},

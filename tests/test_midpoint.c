@@ -79,6 +79,31 @@ static void phase_of_oscillator(void)
     }
 }
 
+/* A disk that slides on a floor, N = m g: slowed by mu g, then creeping by (1 - h)/(1 + h) in a step, h =
+ * gamma dt/2, once that asks for less. */
+static void slides_and_creeps(void)
+{
+    const double mu = 0.4, gamma = 20.0, m = 0.3;
+    const dem_grain grain = {.x = 0.3, .y = R - m / K, .r = R, .m = m, .vx = 0.2};
+    dem_definition def = on_floor(&grain, 1, 0.5);
+    def.tangential = DEM_SLIP_ROLL;
+    def.material.gamma_s = def.walls[0].material.gamma_s = gamma;
+    def.material.mu = def.walls[0].material.mu = mu;
+    dem_sim *sim = grains_start(&def);
+    const double h = 0.5 * gamma * def.dt;
+    double v = 0.2;
+    int slid = 0;
+    for (int n = 0; n < 100; n++) {
+        const double creeps = v * (1.0 - h) / (1.0 + h), slides = v - mu * def.dt;
+        slid += slides > creeps;
+        v = fmax(creeps, slides);
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_NEAR(grains_state_of_one(sim).vx, v, 1e-12); /* N is good to 1e-11 */
+    }
+    CU_ASSERT(slid > 30 && slid < 60);
+    dem_free(sim);
+}
+
 /* A disk pushed in its well: the depth is that of N = m g all the time, as it is at rest in the vertical. */
 static void well_conserves(void)
 {
@@ -116,6 +141,9 @@ static double height_after(double time, double dt)
     dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, lround(time / dt)));
     const double y = grains_state_of_one(sim).y;
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.iterations <= 2.0 * time / dt); /* the slope is exact: digits double with each */
     dem_free(sim);
     return y;
 }
@@ -397,6 +425,38 @@ static void what_is_not_solved(void)
     dem_free(sim);
 }
 
+/* The tolerance holds against the step that the residual of a grain asks of it alone, over its radius. A
+ * contact at rest with overlap d begins with the residual c K d, c = dt^2/2, and has the stiffness K/2 +
+ * gamma m_eff/dt; one of two grains at distance r has K d/(2 r) less, as it turns. */
+static void what_the_tolerance_asks(void)
+{
+    const double d = 5e-4, soft = 1.0, gamma = 0.7, dt = 1.3, c = 0.5 * dt * dt;
+    for (int k = 0; k < 8; k++) {
+        const bool pair = k & 1, enough = k & 2;
+        const dem_grain grains[2] = {{.x = 0.3, .y = R - d, .r = R, .m = 1.7},
+                                     {.x = 0.3 + R + 0.4 - d, .y = R - d, .r = 0.4, .m = 0.6}};
+        const dem_grain *worst = &grains[pair];
+        dem_definition def = on_floor(grains, pair ? 2 : 1, 1.0);
+        if (pair) def.n_walls = 0;
+        def.gravity[1] = 0.0;
+        def.dt = dt;
+        def.material.k_n = def.walls[0].material.k_n = soft;
+        def.material.gamma_n = def.walls[0].material.gamma_n = gamma;
+        def.implicit.solver = k / 4;
+        const double m_eff = pair ? 1.7 * 0.6 / 2.3 : worst->m,
+                     turn = pair ? soft * d / (2.0 * (0.9 - d)) : 0.0;
+        const double stiffness = 0.5 * soft + gamma * m_eff / dt - turn;
+        const double asked = c * soft * d / (worst->r * (worst->m + c * stiffness));
+        def.implicit.tolerance = asked * (enough ? 1.0 + 1e-9 : 1.0 - 1e-9);
+        dem_sim *sim = grains_start(&def);
+        dem_counts counts;
+        CHECK_OK(dem_run(sim, 1));
+        dem_count_work(sim, &counts);
+        CU_ASSERT(enough == (counts.iterations == 0.0));
+        dem_free(sim);
+    }
+}
+
 /* A copy, another instance of the pair loop, a new list and a grain that comes later. */
 static void same_bits(void)
 {
@@ -457,6 +517,7 @@ static void refusals(void)
 void suite_midpoint(void)
 {
     static const check_case cases[] = {{"phase of an oscillator", phase_of_oscillator},
+                                       {"sliding and creeping", slides_and_creeps},
                                        {"energy of a well", well_conserves},
                                        {"order", second_order},
                                        {"energy of a gas", energy_of_gas},
@@ -468,6 +529,7 @@ void suite_midpoint(void)
                                        {"(24) as printed does not keep energy", printed_form_loses_energy},
                                        {"sweeps match direct solves", sweeps_match_direct},
                                        {"a linear contact on a slope", newton_is_exact_on_a_slope},
+                                       {"what the tolerance asks", what_the_tolerance_asks},
                                        {"what is not solved", what_is_not_solved},
                                        {"same bits", same_bits},
                                        {"what is refused", refusals},
