@@ -1,4 +1,5 @@
 # How fast a shift of one grain by 1e-15 cm grows when a box at rest is opened.
+# t('validation_chaos.tsv') t('validation_chaos_fit.tsv')
 load 'figures/style.gp'
 runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).T.'validation_chaos.tsv'
 cell(row, col) = real(system(sprintf("awk -F'\t' '!/^#/ && ++n == %d { print $%d }' ", row, col).T.'validation_chaos_fit.tsv'))
