@@ -309,7 +309,7 @@ static void test_surface_errors(void)
         double x[N_GRAINS];
         memcpy(x, grain_x, sizeof x);
         x[i] = INFINITY;
-        char text[20];
+        char text[32];
         snprintf(text, sizeof text, "grain %d: place", i + 1);
         CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, NULL, 2.13, &o, &s), RP_BAD_INPUT, text);
     }
