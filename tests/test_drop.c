@@ -295,7 +295,8 @@ static void rest_takes_its_steps(void)
  */
 static void away_is_no_part(void)
 {
-    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0", "x_limit", "10", NULL});
+    sweep_result r =
+        run((const char *const[]){"N", "30", "law", "slip_roll", "mu_roll", "0", "x_limit", "10", NULL});
     CU_ASSERT(output(&r, "away") > 0.0);
     CHECK_NEAR(output(&r, "disks") + output(&r, "away"), 30.0, 0.0);
     CU_ASSERT(output(&r, "width") < 20.0);

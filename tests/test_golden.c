@@ -118,8 +118,8 @@ static const golden_run runs[] = {
      {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
      drop_hashed,
      "ok",
-     0x270d8e3e85b98d8b,
-     {{"left_deg", 19.222360098316361}, {"right_deg", 35.789590133689615}}},
+     0x07f9b4063b1f66ac,
+     {{"left_deg", 20.667552643869978}, {"right_deg", 26.437776828053746}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

@@ -46,10 +46,17 @@ typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
+/* Hard collisions: like longest_way in impact.c, for as many grains from the first on as it can, returns how
+ * many; like next_closing there. */
+typedef size_t dem_ways(struct dem_sim *sim, double *most2, size_t *beyond);
+typedef size_t dem_closing(const struct dem_sim *sim, size_t k, double way);
+
 /* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
+dem_ways dem_ways_avx512, dem_ways_avx2;
+dem_closing dem_closing_avx512, dem_closing_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -59,6 +66,8 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_advance *advance; /* NULL for none */
     dem_near *near;       /* NULL for that of neighbours.c */
+    dem_ways *ways;       /* NULL for none */
+    dem_closing *closing; /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
