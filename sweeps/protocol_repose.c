@@ -490,8 +490,7 @@ static rp_status fingerprint(char digits[33])
         for (int i = 0; i < N_OUTPUTS; i++)
             if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
     }
-    XXH128_hash_t h = XXH3_128bits(bits, sizeof bits);
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
     return RP_OK;
 }
 
