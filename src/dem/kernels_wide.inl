@@ -158,16 +158,16 @@ void WIDE_KERNEL(dem_sim *sim, double h)
 }
 
 /* As dem_integrate; returns for how many grains. */
-size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
+size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const wide zero = {0}, gravity = wide_repeat(sim->gravity), reach = zero + 0.25 * sim->skin * sim->skin,
+    const wide zero = {0}, gravity = wide_repeat(sim->gravity),
                most = wide_repeat((dem_vec){x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, y_min});
-    unsigned out = 0;
+    unsigned far = 0, out = 0;
     size_t i = 0;
     for (; i + GRAINS <= sim->n; i += GRAINS) {
         double *force = (double *)(sim->force + i);
@@ -180,17 +180,17 @@ size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
         /* written so that NaN counts as moved */
-        out |= wide_bits(wide_at_most(moved + wide_swap(moved), reach)) ^ ALL;
+        far |= wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
-    *stale |= out != 0;
+    *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
     return i;
 }
 
 /* As add_near in neighbours.c. */
 void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), r = zero + sim->radius[i],
+    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), own = zero + sim->reach[i],
                inverse_mass = zero + sim->inverse_mass[i];
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j += WIDTH) {
@@ -200,7 +200,7 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
         a = (x - a) * (x - a);
         b = (x - b) * (x - b);
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide reach = r + wide_load(sim->radius + j) + sim->skin;
+        wide reach = own + wide_load(sim->reach + j);
         unsigned near = wide_bits(wide_less(d2, reach * reach)) &
                         wide_bits(wide_less(zero, inverse_mass + wide_load(sim->inverse_mass + j)));
         if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
