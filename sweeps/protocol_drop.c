@@ -142,7 +142,6 @@ static dem_definition make_scene(const drop_params *p)
     def.tension = false;
     def.rotation = true;
     def.shape = DEM_DISK;
-    def.skin = 0.6; /* the one that falls has the list rebuilt often */
     def.damping = DEM_DAMPING_INSIDE;
     def.tangential = p->law == LAW_SPRING ? DEM_SPRING : DEM_SLIP_ROLL;
     def.material = (dem_material){.k_n = k,

@@ -728,6 +728,7 @@ static void refused(void)
     REFUSES(bad.integrator = DEM_GEAR5, "hard: collisions need the integrator verlet");
 #undef REFUSES
     dem_grain fast = {.x = 0.0, .y = 9.0, .r = R, .m = 1.0, .vx = 49.0}; /* half the skin: 50 dt */
+    def.skin = 0.2;
     def.grains = &fast;
     CHECK_OK(dem_create(&def, &sim));
     CHECK_OK(dem_run(sim, 1));

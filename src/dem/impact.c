@@ -175,7 +175,7 @@ static bool collide_all(dem_sim *sim, double way)
  * grain that it brings to where the neighbour list may lack a pair of its, n for none. */
 static double longest_way(dem_sim *sim, size_t *beyond)
 {
-    const double dt = sim->def.dt, reach = 0.25 * sim->skin * sim->skin;
+    const double dt = sim->def.dt;
     double most = 0.0;
     *beyond = sim->n;
     for (size_t i = sim->ways ? sim->ways(sim, &most, beyond) : 0; i < sim->n; i++) {
@@ -184,7 +184,7 @@ static double longest_way(dem_sim *sim, size_t *beyond)
         const double way2 = dem_dot(way, way);
         sim->way[i] = 1.01 * sqrt(way2) + 1e-9 * sim->radius[i]; /* more than round-off */
         most = way2 > most ? way2 : most;
-        if (!(dem_dot(moved, moved) <= reach)) *beyond = i;
+        if (!(dem_dot(moved, moved) <= sim->margin2[i])) *beyond = i;
     }
     return sqrt(most);
 }

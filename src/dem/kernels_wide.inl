@@ -213,8 +213,7 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
 /* The way of a step of WIDTH/2 grains from i on; *out has bits where they go beyond the list. */
 INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
 {
-    const wide zero = {0}, reach = zero + 0.25 * sim->skin * sim->skin,
-               inverse_mass = wide_load_twice(sim->inverse_mass + i);
+    const wide zero = {0}, inverse_mass = wide_load_twice(sim->inverse_mass + i);
     const double dt = sim->def.dt;
     wide x, v;
     wide_load_records(sim->grain + i, &x, &v);
@@ -223,7 +222,8 @@ INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
     const wide way = dt * (v + 0.5 * dt * a + 0.5 * dt * a);
     wide moved = x + way - wide_load((const double *)(sim->ref + i));
     moved *= moved;
-    *out = ~wide_bits(wide_at_most(moved + wide_swap(moved), reach)) & ((1u << WIDTH) - 1);
+    *out = ~wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) &
+           ((1u << WIDTH) - 1);
     return way;
 }
 
