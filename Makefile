@@ -255,8 +255,8 @@ STUDY_lh_rotation := 10
 STUDY_li20_point := 100
 STUDY_li20_broad := 100
 STUDY_li20_sizes := 100
-STUDY_li20_rest := 40
-STUDY_li20_choices := 20
+STUDY_li20_rest := 100
+STUDY_li20_choices := 60
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
