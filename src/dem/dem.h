@@ -270,9 +270,9 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * energy of the grains put in and taken out, contacts of these included; work of gravity's change, and of
  * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
  * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
- * each step against the changes of kinetic energy and of the potentials; with the implicit integrator, what
- * its solver leaves. What a loss with memory, a well or a
- * spring of the untruncated law, gives back counts as negative. */
+ * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
+ * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back counts
+ * as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -) X(gravity_turn, +) X(wall_work, +) X(normal_damping, -) X(shear_damping, -)              \
