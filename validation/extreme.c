@@ -501,6 +501,134 @@ static void sideways(void)
         }
 }
 
+/* A box full of grains, gravity turned or the box turned: up to this angle by now, then left alone until they
+ * rest. */
+enum { MANY = 40 };
+static const double WIDTH = 2.0, HEIGHT = 2.2;
+
+static dem_sim *start_full_box(int scheme, double mu, bool lid)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
+    def.integrator = scheme;
+    def.material.mu = mu;
+    for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
+    if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
+    def.x_max = lid ? INFINITY : 1.5 * WIDTH;
+    dem_sim *sim = grains_start(&def);
+    free(grains);
+    CHECK_OK(dem_run(sim, 10000));
+    return sim;
+}
+
+/* Kinetic and elastic energy, at most, over `steps`; NAN for a run that stops. */
+static double most_energy(dem_sim *sim, long steps)
+{
+    double most = 0.0;
+    for (long part = 0; part < 50; part++) {
+        dem_energy e;
+        if (dem_run(sim, steps / 50) != RP_OK) return NAN;
+        dem_energies(sim, &e);
+        most = fmax(most, e.kinetic + e.elastic);
+    }
+    return most;
+}
+
+static double turn_box(dem_sim *sim, bool box, double angle, long resting)
+{
+    const long turning = 16000;
+    (box ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)turning);
+    const double most = most_energy(sim, turning);
+    (box ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
+    const double rest = most_energy(sim, resting);
+    return isnan(most) || isnan(rest) ? NAN : fmax(most, rest);
+}
+
+/* Mass of the grains, and how many of them are within the closed box. */
+static double mass_within(const dem_sim *sim, size_t *within)
+{
+    dem_state states[MANY];
+    double mass = 0.0;
+    *within = 0;
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < dem_count(sim); i++) {
+        double x = states[i].x, y = states[i].y;
+        dem_box_frame(sim, &x, &y);
+        *within += x > 0.0 && x < WIDTH && y > 0.0 && y < HEIGHT;
+        mass += states[i].m;
+    }
+    return mass;
+}
+
+/* No grain leaves a closed box; in the end its walls carry the weight: smooth ones each the component along
+ * its normal. All that moves is what fell within the box, with no more energy than that gives. */
+static void turned_boxes(void)
+{
+    for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
+        for (int box = 0; box < 2; box++)
+            for (int rough = 0; rough < 2; rough++)
+                for (int degrees = check_full() ? 45 : 90; degrees <= 180;
+                     degrees += check_full() ? 45 : 90) {
+                    const double angle = degrees * M_PI / 180.0;
+                    dem_sim *sim = start_full_box(scheme, rough ? 0.2 : 0.0, true);
+                    size_t within;
+                    const double most = turn_box(sim, box == 1, angle, 30000),
+                                 mass = mass_within(sim, &within);
+                    const double weight = mass * G, turned = dem_box_angle(sim);
+                    double f[8], along[4], sum[2] = {0.0, 0.0};
+                    dem_wall_forces(sim, f);
+                    static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
+                    for (int w = 0; w < 4; w++) {
+                        double x = f[2 * w], y = f[2 * w + 1];
+                        dem_box_frame(sim, &x, &y);
+                        along[w] = (x * out[w][0] + y * out[w][1]) / weight;
+                        sum[0] += x / weight, sum[1] += y / weight;
+                    }
+                    PARAMETERS("%d grains, mu = %g, %d degrees, %s turned, %s", MANY, rough ? 0.2 : 0.0,
+                               degrees, box ? "box" : "gravity", scheme_names[scheme]);
+                    EXPECTED("all within; walls carry %.4g, %.4g of the weight; energy below weight times "
+                             "width and height",
+                             sin(angle), -cos(angle));
+                    OBSERVED("%zu within, turned by %.4g; %.6g, %.6g; floor %.4g, left %.4g, right %.4g, lid "
+                             "%.4g; "
+                             "energy %.3g",
+                             within, turned, sum[0], sum[1], along[0], along[1], along[2], along[3],
+                             most / (weight * (WIDTH + HEIGHT)));
+                    double off = hypot(sum[0] - sin(angle), sum[1] + cos(angle));
+                    if (!rough && fmod(degrees, 90.0) == 0.0) /* one wall carries all */
+                        off = fmax(off, fabs(along[degrees == 90 ? 2 : 3] - 1.0));
+                    /* on shear springs grains still sway: their damping is weak */
+                    verdict("full box turned", within == MANY && off < (rough ? 5e-3 : 1e-3) &&
+                                                   most < weight * (WIDTH + HEIGHT));
+                    dem_free(sim);
+                }
+}
+
+/* Open on top or at the side: what falls out is counted, and nothing of it is left on the walls. */
+static void emptied_boxes(void)
+{
+    for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
+        for (int box = 0; box < 2; box++)
+            for (int side = 0; side < 2; side++) {
+                dem_sim *sim = start_full_box(scheme, 0.2, false);
+                if (side) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+                const double most = turn_box(sim, box == 1, side ? M_PI_2 : M_PI, 10000);
+                size_t within, left;
+                mass_within(sim, &within);
+                left = dem_count(sim);
+                double f[8], force = 0.0;
+                dem_wall_forces(sim, f);
+                for (size_t w = 0; w < 3; w++) force += hypot(f[2 * w], f[2 * w + 1]);
+                PARAMETERS("%d grains, %s turned, open %s, %s", MANY, box ? "box" : "gravity",
+                           side ? "at the side" : "on top", scheme_names[scheme]);
+                EXPECTED("0 within, %d there", side ? 0 : MANY);
+                OBSERVED("%zu within, %zu there, force on walls %.3g", within, left, force);
+                verdict("full box emptied",
+                        within == 0 && left == (size_t)(side ? 0 : MANY) && force == 0.0 && isfinite(most));
+                dem_free(sim);
+            }
+}
+
 /* Values that make no sense, and time steps above the limit, are refused with the name of the field. */
 static void bad_values(void)
 {
@@ -942,6 +1070,8 @@ static void extremes(void)
     scaled_units();
     zero_velocities();
     sideways();
+    turned_boxes();
+    emptied_boxes();
     bad_values();
     step_limits();
     hard_collisions();
