@@ -861,7 +861,7 @@ static void tilts(void)
 
 static char answer[1 << 16];
 
-/* Run a line of shell with $REPOSE, ended after 60 s; what it says is in `answer`, its exit status returned.
+/* Run a line of shell with $REPOSE, killed after 60 s; what it says is in `answer`, its exit status returned.
  */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
@@ -869,7 +869,7 @@ static int program(const char *format, ...)
     char line[2048];
     const char *name = getenv("REPOSE");
     CU_ASSERT_FATAL(access(name ? name : "build/repose", X_OK) == 0);
-    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout 60 ", name ? name : "build/repose");
+    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout -s KILL 60 ", name ? name : "build/repose");
     va_list args;
     va_start(args, format);
     vsnprintf(line + used, sizeof line - (size_t)used, format, args);
