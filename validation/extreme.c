@@ -1012,12 +1012,47 @@ static void lines(void)
         {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
         {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
         {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
+        {"angle marginal --mu nan", "mu", 65},
+        {"tent --outer-deg 0 --inner-deg 45 --x1 0.3", "outer-deg = 0", 65},
+        {"tent --outer-deg 30 --inner-deg 60 --x1 0.3", "inner-deg = 60", 65},
+        {"tent --outer-deg 30 --inner-deg 45 --x1 0.5", "x1 = 0.5", 65},
+        {"tent --outer-deg 1e-9 --inner-deg 59.999 --x1 1e-9 --at 0.5", "0.5\t", 0},
     };
     for (size_t i = 0; i < COUNT(list); i++) {
         PARAMETERS("repose %s", list[i].line);
         program_refuses("program", program("\"$REPOSE\" %s 2>&1", list[i].line), list[i].status,
                         list[i].word);
     }
+}
+
+/* Scenes of a grain that comes to a wall, far over-damped to not at all: the run ends, and says of the impact
+ * what there is to say. */
+static void run_scenes(void)
+{
+    static const char *const frictions[] = {"0.0", "1e-12", "10.0", "\"infinite\""};
+    for (int law = 0; law < 2; law++)
+        for (int scheme = 0; scheme < 3; scheme++)
+            for (double gamma = 0.0; gamma<1e13; gamma = gamma> 0.0 ? 1e3 * gamma : 1e4)
+                for (size_t f = 0; f < (scheme == DEM_IMPLICIT || !check_full() ? 1 : COUNT(frictions));
+                     f++) {
+                    PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], scheme_names[scheme], gamma,
+                               frictions[f]);
+                    const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
+                                               "printf \"%%s\" \"$1\" >$d/s.cfg; "
+                                               "\"$0\" run $d/s.cfg 2>&1' \"$REPOSE\" 'integrator = \"%s\"; "
+                                               "dt = 1.0e-14; steps = 20; "
+                                               "normal = { law = \"%s\"; k_n = 100.0; gamma_n = %.17e; }; "
+                                               "tangential = { law = \"%s\"; mu = %s; }; "
+                                               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); "
+                                               "particles = ( { x = 0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
+                                               scheme_names[scheme], law_names[law], gamma,
+                                               scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
+                    const double vy = last_cell("vy");
+                    EXPECTED("flies on at -1");
+                    OBSERVED("exit status %d: vy = %.9g", status, vy);
+                    verdict("scene", status == 0 && fabs(vy + 1.0) < 1e-9 &&
+                                         strstr(answer, "# impact: two mean") != NULL);
+                }
 }
 
 /* A million grains, all of which touch two others: they fall as one. */
@@ -1080,6 +1115,7 @@ static void extremes(void)
     tilts();
     soft_piles();
     box_shapes();
+    run_scenes();
     lines();
     if (check_full()) million();
     CU_ASSERT(n_cases >= 300);
