@@ -38,10 +38,11 @@ set xrange [7e-5:1.4e-2]
 set yrange [2:2000]
 set xtics ('10^{-4}' 1e-4, '10^{-3}' 1e-3, '10^{-2}' 1e-2)
 set xlabel 'overlap of an impact / {/:Italic r}'
+stats t('validation_stability_implicit.tsv') using (column('depth')) nooutput # also names the table
 set ylabel 'largest d{/:Italic t} that is solved / contact time'
 set key top right Left reverse font ',7.5' samplen 2 spacing 1.15
-solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).T.'validation_stability_implicit.tsv'
-plot t('validation_stability_implicit.tsv') using (column('depth')):(stringcolumn('solver') eq 'direct' ? column('half_skin') : NaN) with lines lw 1.5 dt 2 lc 1 title 'at impact speed a step is half the skin', \
+solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).T.'validation_stability_implicit.tsv | sort -g -k3,3'
+plot solved('direct', '<') using (column('depth')):(column('half_skin')) with lines lw 1.5 dt 2 lc 1 title 'at impact speed a step is half the skin', \
      solved('direct', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 7 ps 0.8 lc 2 title 'factorisations, tolerance 10^{-15}', \
      solved('sor', '>') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 9 ps 0.8 lc 4 title 'sweeps, 10^{-12}', \
      solved('sor', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 5 ps 0.8 lc 3 title 'sweeps, 10^{-15}'
