@@ -38,7 +38,7 @@ set xrange [7e-5:1.4e-2]
 set yrange [2:2000]
 set xtics ('10^{-4}' 1e-4, '10^{-3}' 1e-3, '10^{-2}' 1e-2)
 set xlabel 'overlap of an impact / {/:Italic r}'
-stats t('validation_stability_implicit.tsv') using (column('depth')) nooutput # also names the table
+# solved() reads t('validation_stability_implicit.tsv')
 set ylabel 'largest d{/:Italic t} that is solved / contact time'
 set key top right Left reverse font ',7.5' samplen 2 spacing 1.15
 solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).T.'validation_stability_implicit.tsv | sort -g -k3,3'
