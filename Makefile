@@ -260,7 +260,7 @@ STUDY_li20_choices := 20
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
-STUDY_val_dt := 2000
+STUDY_val_dt := 1400
 STUDY_val_integrator := 1400
 STUDY_val_cost := 200
 $(B)/studies/%: sweeps/%.cfg $(CODE)
