@@ -22,22 +22,26 @@ static const double LEVEL = 0.2588;       /* sin(15 degrees): bonds below it are
 static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step moves neighbours apart */
 static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
-static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
-static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
-static const double LONGER = 8;         /* the next trial of a step that was too short */
-static const double APART = 3;          /* residual over that of the load step's start: going astray */
-static const double UPDATE_MAX = 8;     /* of sqrt(n): contacts that may change without factorising anew */
-static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
-static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
-static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
-static const double SOFTEN_MIN = 1e-6;  /* least softening of a singular or negative stiffness */
-static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
+static const double KEEP_FACTOR = 0.02;  /* residual falls by this a step: the old factorisation still does */
+static const double CURVED = 0.5;        /* slope left or turned round after a step, of that before it */
+static const double LONGER = 8;          /* the next trial of a step that was too short */
+static const double APART = 3;           /* residual over that of the load step's start: going astray */
+static const double UPDATE_MAX = 8;      /* of sqrt(n): contacts that may change without factorising anew */
+static const double SINGULAR = 1e-11;    /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;         /* K_s: of disks that nothing holds, while it is sought what might */
+static const double SAME_PIVOTS = 1e-6;  /* of the smallest pivot: a change that turns no sign */
+static const double SOFTEN_MIN = 1e-6;   /* least softening of a singular stiffness, or of open contacts */
+static const double SOFTEN_FIRST = 1e-4; /* the first that is tried of a negative or singular stiffness */
+static const double HELD =
+    1e-3; /* of the smallest pivot: what keeps open contacts does not hide a free disk */
+static const double KICK = 0.1; /* of the largest force: how far a saddle is left for a minimum */
 /* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
  * downhill to a minimum. */
 enum { LINEAR, FOLLOW, DESCEND };
 enum {
     STEPS_LINEAR = 1000,
     STEPS_FOLLOW = 15,
+    STEPS_WHOLE = 15, /* downhill, before the slope is minded */
     TRIALS = 40,
     STEPS_DESCEND = 2000,
     WELL_ROUNDS = 100,
@@ -324,17 +328,19 @@ static bool same_contacts(const dem_pile *pile)
 {
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r;
-        if (pile->bonds[k].hard != (bond_push(pile, k, pile->w, n, &r) > 0)) return false;
+        const bool pushes = bond_push(pile, k, pile->w, n, &r) > 0;
+        if (pushes ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
     }
     return true;
 }
 
 /* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
- * is sought; disks that even then are free get a weak hold. How far is remembered: the next is near the last.
- */
-static rp_status factorise(dem_pile *pile, bool start, bool positive)
+ * is sought; disks that even then are free get a weak hold. How far is remembered, and less is tried where
+ * the residual is falling. */
+static rp_status factorise(dem_pile *pile, bool start, bool positive, bool falling)
 {
-    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0, hold = 0;
+    double soften = falling ? pile->soften / 10 : pile->soften, hold = 0;
+    if (soften < SOFTEN_MIN) soften = 0;
     for (;;) {
         assemble(pile, start, soften, hold);
         rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
@@ -346,7 +352,7 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive)
             return RP_NO_RESULT;
         }
         if (soften == 1) hold = HOLD;
-        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
+        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_FIRST;
     }
     pile->soften = soften;
     pile->moved = 0;
@@ -474,7 +480,9 @@ static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double 
     static const int most[] = {[LINEAR] = STEPS_LINEAR, [FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND};
     if (spread(pile)) return DEM_PILE_SPREADS;
     if (step == most[mode] || !(pile->result.residual < INFINITY)) return DEM_PILE_NOT_CONVERGED;
-    return mode == FOLLOW && pile->result.residual > APART * first ? DEM_PILE_NOT_CONVERGED : DEM_PILE_OK;
+    return mode == FOLLOW && pile->pivots.negative && pile->result.residual > APART * first
+               ? DEM_PILE_NOT_CONVERGED
+               : DEM_PILE_OK;
 }
 
 static rp_status newton(dem_pile *pile, bool start, int mode)
@@ -487,13 +495,14 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
         rp_status status = RP_OK;
-        if (!serves && !update(pile, &status) && !status) status = factorise(pile, start, mode != FOLLOW);
+        if (!serves && !update(pile, &status) && !status)
+            status = factorise(pile, start, mode != FOLLOW, r->residual < last);
         if (status) return status;
         last = r->residual;
         status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
         if (status) return status;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
-        r->residual = advance(pile, mode == FOLLOW);
+        r->residual = advance(pile, mode == FOLLOW || (mode == DESCEND && step < STEPS_WHOLE));
         r->steps++;
     }
     r->fault = DEM_PILE_OK;
@@ -558,32 +567,32 @@ static rp_status settle(dem_pile *pile, int mode)
 
 /* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
  * doubled where one does not. Where even the smallest fails the branch has ended, and the pile jumps: it goes
- * downhill. */
+ * downhill, and stays at minima from there on. */
 static rp_status raise_eps(dem_pile *pile, double to)
 {
     double *load = &pile->result.load;
     const double most = 1 / (double)pile->def.load_steps;
-    const int usual = pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
-    int mode = usual;
+    int mode = pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
     for (double step = most; *load < 1;) {
-        const double next = fmin(*load + step, 1);
+        step = fmin(step, 1 - *load);
         memcpy(pile->kept, pile->w, 2 * pile->n * sizeof *pile->w);
-        pile->eps = next * to;
+        pile->eps = (*load + step) * to;
+        pile->factored = false;
         rp_status status = settle(pile, mode);
         if (!status) {
-            *load = next;
-            pile->result.jumps += mode != usual;
-            mode = usual;
+            *load = 1 - *load > step ? *load + step : 1;
             step = fmin(2 * step, most);
             continue;
         }
-        if (status != RP_NO_RESULT || mode != FOLLOW || pile->result.broken) return status;
+        step /= 2;
+        const bool ended = step < most / SMALLEST_STEP;
+        if (status != RP_NO_RESULT || (mode == DESCEND && ended) || pile->result.broken) return status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
-        pile->factored = false;
-        if (step < most / SMALLEST_STEP)
+        if (ended) {
             mode = DESCEND;
-        else
-            step /= 2;
+            pile->result.jumps = 1;
+            step = most;
+        }
     }
     return RP_OK;
 }
@@ -676,12 +685,22 @@ static rp_status set_wells(dem_pile *pile, double part)
     return status;
 }
 
+/* Most stiffness that an open contact has in the factorised matrix. */
+static double kept_open(const dem_pile *pile)
+{
+    double most = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++)
+        if (pile->bonds[k].hard < 1) most = fmax(most, pile->bonds[k].hard);
+    return most;
+}
+
 /* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
- */
+ * The linearised problem's has no negative ones, so what open contacts keep may at most hide a free disk. */
 static rp_status count_modes(dem_pile *pile)
 {
     const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == DEM_WELL_SPRING &&
-                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile);
+                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile) &&
+                       kept_open(pile) <= (pile->eps > 0 ? 0 : HELD * pile->pivots.smallest);
     rp_status status = RP_OK;
     if (!exact) {
         assemble(pile, false, 0, 0);

@@ -29,8 +29,8 @@ enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
 /* Which equilibrium, where there are several: the one that grows from no load, stable or not; or a minimum of
  * the energy near it, found by going downhill along the direction in which it is least stable. The primary
  * branch is followed from the linearised problem by raising eps, which is in proportion to the weight; where
- * it ends, as contacts close or open, the pile jumps downhill to another branch, and result.jumps counts
- * that. */
+ * it ends, as contacts close or open, the pile jumps: it goes downhill from there on, and result.jumps is 1.
+ */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
 enum { DEM_PILE_MAX = 20000000 }; /* disks */
@@ -74,7 +74,7 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
 typedef struct dem_pile_result {
     dem_pile_fault fault;
     double load;            /* part of eps, and so of the weight, up to which it was followed */
-    size_t jumps;           /* times that the primary branch ended before */
+    size_t jumps;           /* 1: the primary branch ended before all of eps */
     double residual;        /* largest net force on a disk, m g */
     size_t negative_modes;  /* of the stiffness: 0 is a stable state */
     double smallest_pivot;  /* of its factorisation, K_s: near 0, the pile can move freely */
