@@ -326,7 +326,7 @@ endef
 $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
 $(T)/pile_minimum_%.tsv: $(CODE)
-	$(call make_pile,--branch minimum >$@)
+	$(call make_pile,--branch minimum $(addprefix --leave ,$(word 4,$(call pile_words,$*))) >$@)
 # base, tent and eps, and the half-width of the wells where they are not springs
 pile_tent = --base $(word 1,$(1)) --outer-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x1 0.$(word 4,$(1))
 $(T)/pile_tent_%.tsv: $(CODE)
@@ -342,6 +342,11 @@ $(T)/pile_eps.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
 	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
+	$(one_table)
+$(T)/pile_minima.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for k in $$(seq 16); do \
+	  $(REPOSE) pile --branch minimum --leave $$k --summary || exit 1; done >$@.rows
 	$(one_table)
 $(T)/pile_threshold.tsv: $(CODE)
 	@mkdir -p $(T)

@@ -26,6 +26,9 @@ typedef struct {
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
                     int *n_arguments, bool *done);
 
+/* Whether option `name` was on the command line that was parsed last. */
+bool cli_given(const cli_command *command, const char *name);
+
 /* A command on one table: parse, read the table that the argument names, act on it with the options `values`,
  * free it. Errors: those of cli_parse and rp_table_read, and the action's own. */
 rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
