@@ -4,12 +4,23 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "core/table.h"
 
 double sweep_degrees(double radians)
 {
     return radians * (180.0 / M_PI);
+}
+
+void sweep_states_digits(size_t n, const dem_state states[], char digits[33])
+{
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    for (const dem_state *s = states; s < states + n; s++)
+        XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
+    rp_hash_digits(XXH3_128bits_digest(hash), digits);
+    XXH3_freeState(hash);
 }
 
 void sweep_box_scene(const sweep_box *b, dem_scene *scene)

@@ -179,4 +179,7 @@ rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double 
 
 double sweep_degrees(double radians);
 
+/* Hash of all places and velocities. */
+void sweep_states_digits(size_t n, const dem_state states[], char digits[33]);
+
 #endif

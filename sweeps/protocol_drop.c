@@ -9,7 +9,6 @@
  * where the kinetic energy has a maximum. */
 #include <math.h>
 #include <stdlib.h>
-#include <xxhash.h>
 
 #include "angle/dip.h"
 #include "core/random.h"
@@ -541,17 +540,7 @@ static rp_status fingerprint(char digits[33])
     p.N = 12;
     p.radius_width = 0.05;
     rp_status status = make(&d, &p, 1, 0, &result);
-    if (!status) {
-        XXH3_state_t *hash = XXH3_createState();
-        XXH3_128bits_reset(hash);
-        for (size_t i = 0; i < d.n; i++) {
-            const dem_state *s = &d.states[i];
-            XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
-        }
-        XXH128_hash_t h = XXH3_128bits_digest(hash);
-        XXH3_freeState(hash);
-        snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
-    }
+    if (!status) sweep_states_digits(d.n, d.states, digits);
     rp_status freed = finish(&d, status);
     return status ? status : freed;
 }

@@ -10,7 +10,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <xxhash.h>
 
 #include "core/random.h"
 #include "core/table.h"
@@ -373,17 +372,7 @@ static rp_status fingerprint(char digits[33])
     if (status == RP_NO_RESULT) /* which would pass for a run without angle, and leave no digits */
         status = rp_prefix(RP_BROKEN, "fingerprint of flux: ");
     if (!status) status = dem_states(f.box.sim, f.box.states);
-    if (!status) {
-        XXH3_state_t *hash = XXH3_createState();
-        XXH3_128bits_reset(hash);
-        for (size_t i = 0; i < dem_count(f.box.sim); i++) {
-            const dem_state *s = &f.box.states[i];
-            XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
-        }
-        XXH128_hash_t h = XXH3_128bits_digest(hash);
-        XXH3_freeState(hash);
-        snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
-    }
+    if (!status) sweep_states_digits(dem_count(f.box.sim), f.box.states, digits);
     return finish(&f, status);
 }
 

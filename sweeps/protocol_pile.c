@@ -307,8 +307,7 @@ static rp_status fingerprint(char digits[33])
     rp_status status = run_one(&p, 1, 0, &result);
     if (status) return status;
     for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
-    const XXH128_hash_t h = XXH3_128bits(result.values, N_OUTPUTS * sizeof *result.values);
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    rp_hash_digits(XXH3_128bits(result.values, N_OUTPUTS * sizeof *result.values), digits);
     return RP_OK;
 }
 

@@ -81,11 +81,9 @@ enum {
     OUT_SURFACES, /* the variants of the surface, N_SLOPES each */
 };
 
-/* The variants of the surface, in the order of ang_height and, fastest, ang_empty; four slopes each. */
-#define SURFACES(X)                                                                                          \
-    X(centre, zero) X(centre, skip) X(raw_centre, zero) X(raw_centre, skip) X(top, zero) X(top, skip)
+/* The variants of the surface, four slopes each. */
 #define ONE(height, empty) +1
-enum { N_SURFACES = 0 SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
+enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
 enum { N_OUTPUTS = OUT_SURFACES + N_SURFACES * N_SLOPES };
 
 #define SURFACE_OUTPUT(name, height, empty, what)                                                            \
@@ -125,7 +123,7 @@ static const sweep_output outputs[] = {
     {"residual_energy", "m g d", "mean kinetic energy of the pile"},
     {"residual_force", "m g", "largest net force on a grain with a contact"},
     {"fill_contact_number", "", "contacts a grain in the full box"},
-    SURFACES(SURFACE_OUTPUTS){NULL, NULL, NULL}};
+    ANG_SURFACES(SURFACE_OUTPUTS){NULL, NULL, NULL}};
 static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 /* One run in the making. */
@@ -492,8 +490,7 @@ static rp_status fingerprint(char digits[33])
         for (int i = 0; i < N_OUTPUTS; i++)
             if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
     }
-    XXH128_hash_t h = XXH3_128bits(bits, sizeof bits);
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
     return RP_OK;
 }
 

@@ -416,8 +416,7 @@ static rp_status fingerprint(char digits[33])
     if (status) return status;
     for (int i = 0; i < N_OUTPUTS; i++) /* the C library's tan may differ in its last digits */
         bits[i] = isnan(result.values[i]) ? -1e300 : round(result.values[i] * 1e6);
-    XXH128_hash_t h = XXH3_128bits(bits, sizeof bits);
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
     return RP_OK;
 }
 

@@ -29,11 +29,6 @@ typedef struct {
     double *finite;   /* n_outputs x replicas */
 } table;
 
-static void hash_text(XXH128_hash_t hash, char text[33])
-{
-    snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
-}
-
 static size_t count_outputs(const sweep_protocol *protocol)
 {
     size_t n = 0;
@@ -69,7 +64,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     if (!status) status = sweep_store_count(store, plan, &counts);
     if (!status) status = sweep_store_visit(store, plan, add_seconds, &seconds);
     if (status) return status;
-    hash_text(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
+    rp_hash_digits(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
     rp_table_provenance(out, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
@@ -236,7 +231,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
             .plan = &f.plan, .state = XXH3_createState(), .n_outputs = count_outputs(f.plan.protocol)};
         XXH3_128bits_reset(d.state);
         status = sweep_store_visit(f.store, &f.plan, digest_row, &d);
-        hash_text(XXH3_128bits_digest(d.state), digest);
+        rp_hash_digits(XXH3_128bits_digest(d.state), digest);
         XXH3_freeState(d.state);
         *n_rows = d.n_rows;
         if (!status && d.n_rows < f.plan.n_runs)

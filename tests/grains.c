@@ -17,6 +17,39 @@ dem_wall grains_line(double x, double y, double nx, double ny, const dem_materia
                       .open_speed = INFINITY};
 }
 
+void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
+{
+    def->grains = grains;
+    def->n_grains = n;
+    def->n_walls = 1;
+    def->walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def->material);
+}
+
+dem_definition grains_disks(size_t n, const dem_grain *grains, double k)
+{
+    dem_definition def = dem_definition_default();
+    def.integrator = DEM_IMPLICIT;
+    def.gravity[1] = -1.0;
+    def.normal = DEM_LINEAR;
+    def.tangential = DEM_NONE;
+    def.shape = DEM_DISK;
+    def.material = (dem_material){.k_n = k};
+    def.grains = grains;
+    def.n_grains = n;
+    return def;
+}
+
+void grains_gas(size_t n, dem_grain *grains)
+{
+    for (int i = 0; i < (int)n; i++)
+        grains[i] = (dem_grain){.x = 0.62 + 1.17 * (i % 3) + 0.05 * (i / 3),
+                                .y = 0.56 + 1.11 * (i / 3),
+                                .r = 0.5 - 0.013 * i,
+                                .m = 1.0 - 0.07 * i,
+                                .vx = 0.385 * (i % 2 ? 1.0 : -0.7),
+                                .vy = 0.21 * (i - 2)};
+}
+
 dem_definition grains_box(long N, double W, long run, dem_grain **grains)
 {
     dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, run};
@@ -45,6 +78,24 @@ dem_state grains_state_of_one(const dem_sim *sim)
     CU_ASSERT_FATAL(dem_count(sim) == 1);
     CHECK_OK(dem_states(sim, &s));
     return s;
+}
+
+dem_contact grains_only_contact(const dem_sim *sim)
+{
+    dem_contact *list, only;
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CU_ASSERT_FATAL(n == 1);
+    only = list[0];
+    free(list);
+    return only;
+}
+
+double grains_energy(const dem_sim *sim)
+{
+    dem_energy e;
+    dem_energies(sim, &e);
+    return e.kinetic + e.rotational + e.elastic + e.gravity;
 }
 
 bool grains_same_bits(const dem_sim *a, const dem_sim *b)

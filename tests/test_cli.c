@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "angle/angle.h"
 #include "cli/cli.h"
 #include "dem/scene.h"
 #include "sweeps/protocol.h"
@@ -888,23 +889,13 @@ static void test_report(void)
  */
 static void write_forensics(void)
 {
-    static const char *const ends[] = {"",
-                                       "_centre_zero_origin",
-                                       "_centre_skip",
-                                       "_centre_skip_origin",
-                                       "_raw_centre_zero",
-                                       "_raw_centre_zero_origin",
-                                       "_raw_centre_skip",
-                                       "_raw_centre_skip_origin",
-                                       "_top_zero",
-                                       "_top_zero_origin",
-                                       "_top_skip",
-                                       "_top_skip_origin"};
+#define ENDS(height, empty) "_" #height "_" #empty, "_" #height "_" #empty "_origin",
+    static const char *const ends[] = {ANG_SURFACES(ENDS)};
     char path[256];
     path_of("runs.tsv", path);
     FILE *file = fopen(path, "w");
     fputs("# status\tlaw\tk\tW", file);
-    for (size_t v = 0; v < 12; v++) fprintf(file, "\ttheta_r3%s_deg", ends[v]);
+    for (size_t v = 0; v < 12; v++) fprintf(file, "\ttheta_r3%s_deg", v ? ends[v] : "");
     fputs("\n", file);
     for (int i = 0; i < 32; i++) {
         const int law = i / 16, k = i / 8 % 2, W = i / 4 % 2;

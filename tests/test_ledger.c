@@ -89,10 +89,7 @@ static dem_definition kicked(dem_grain *grain, double kick, const dem_material *
     *grain = (dem_grain){0.0, r - pow(m * 981.0 / floor->k_n, 2.0 / 3.0), r, m, kick, 0.0};
     dem_definition def = dem_definition_default();
     def.material = *floor;
-    def.grains = grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, floor);
+    grains_on_floor(&def, 1, grain);
     return def;
 }
 

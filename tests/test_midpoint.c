@@ -9,34 +9,18 @@
 
 static const double R = 0.5, K = 1e4;
 
-static double total_energy(const dem_sim *sim)
-{
-    dem_energy e;
-    dem_energies(sim, &e);
-    return e.kinetic + e.elastic + e.gravity;
-}
-
 /* dt in contact times of two disks. */
 static dem_definition disks(const dem_grain *grains, size_t n, double dt)
 {
-    dem_definition def = dem_definition_default();
-    def.integrator = DEM_IMPLICIT;
-    def.gravity[1] = -1.0;
+    dem_definition def = grains_disks(n, grains, K);
     def.dt = dt * M_PI * sqrt(0.5 / K);
-    def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE;
-    def.shape = DEM_DISK;
-    def.material = (dem_material){.k_n = K};
-    def.grains = grains;
-    def.n_grains = n;
     return def;
 }
 
 static dem_definition on_floor(const dem_grain *grains, size_t n, double dt)
 {
     dem_definition def = disks(grains, n, dt);
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, n, grains);
     return def;
 }
 
@@ -44,13 +28,7 @@ static dem_definition on_floor(const dem_grain *grains, size_t n, double dt)
 enum { GAS = 6 };
 static dem_definition gas(dem_grain grains[GAS], double dt)
 {
-    for (int i = 0; i < GAS; i++)
-        grains[i] = (dem_grain){.x = 0.62 + 1.17 * (i % 3) + 0.05 * (i / 3),
-                                .y = 0.56 + 1.11 * (i / 3),
-                                .r = R - 0.013 * i,
-                                .m = 1.0 - 0.07 * i,
-                                .vx = 0.385 * (i % 2 ? 1.0 : -0.7),
-                                .vy = 0.21 * (i - 2)};
+    grains_gas(GAS, grains);
     dem_definition def = disks(grains, GAS, dt);
     def.skin = 0.4;
     dem_box_walls(&def, 3.6, &def.material);
@@ -117,14 +95,14 @@ static void well_conserves(void)
             def.skin = 0.6;
             def.ground = (dem_ground){.wall = 1, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
             dem_sim *sim = grains_start(&def);
-            const double theta = 2.0 * atan(0.5 * angle), before = total_energy(sim);
+            const double theta = 2.0 * atan(0.5 * angle), before = grains_energy(sim);
             for (int n = 1; n <= 100; n++) {
                 CHECK_OK(dem_run(sim, 1));
                 const dem_state s = grains_state_of_one(sim);
                 if (leaves) continue;
                 CHECK_NEAR(s.x - grain.x, 0.8 * a * sin(n * theta), 1e-13);
                 /* the depth is as good as N: overlaps of 1e-4 to 1e-16, added up at random */
-                CHECK_NEAR(total_energy(sim), before, 1e-11 * mu * a);
+                CHECK_NEAR(grains_energy(sim), before, 1e-11 * mu * a);
             }
             /* what is lost is the depth of the well, mu N a/2, also where the step leads far beyond a */
             if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx, sqrt(1.3 * 1.3 - 1.0) * escape, 1e-12);
@@ -171,12 +149,12 @@ static void energy_of_gas(void)
         def.skin = 0.8;
         if (def.implicit.solver == DEM_SOLVER_SOR) def.skin = 0.4, def.dt *= k % 4 == 3 ? 0.3 : 1.0;
         dem_sim *sim = grains_start(&def);
-        const double before = total_energy(sim);
+        const double before = grains_energy(sim);
         double most = 0.0;
         const long steps = k % 4 ? 2000 : 20000;
         for (long n = 0; n < steps && dem_sim_fault(sim) == DEM_FAULT_NONE; n++) {
             CHECK_OK(dem_run(sim, 1));
-            most = fmax(most, fabs(total_energy(sim) - before));
+            most = fmax(most, fabs(grains_energy(sim) - before));
         }
         dem_counts counts;
         dem_count_work(sim, &counts);
@@ -207,9 +185,9 @@ static void long_steps(void)
     def.skin = 0.8;
     dem_box_walls(&def, 4.8, &def.material);
     dem_sim *sim = grains_start(&def);
-    const double before = total_energy(sim);
+    const double before = grains_energy(sim);
     CHECK_OK(dem_run(sim, 300));
-    CHECK_NEAR(total_energy(sim), before, 1e-11);
+    CHECK_NEAR(grains_energy(sim), before, 1e-11);
     dem_free(sim);
 }
 
@@ -259,11 +237,11 @@ static void damping_takes_energy(void)
         def.n_walls = 0;
         dem_box_walls(&def, 3.6, &def.material);
         dem_sim *sim = grains_start(&def);
-        double before = total_energy(sim), fall = 0.0;
+        double before = grains_energy(sim), fall = 0.0;
         const double start = before;
         for (long n = 0; n < 3000 && dem_sim_fault(sim) == DEM_FAULT_NONE; n++) {
             CHECK_OK(dem_run(sim, 1));
-            const double now = total_energy(sim);
+            const double now = grains_energy(sim);
             CU_ASSERT(now <= before + 1e-12);
             fall = start - now;
             before = now;
@@ -476,9 +454,9 @@ static void same_bits(void)
         CU_ASSERT(grains_same_bits(a, c));
         const dem_grain late = {.x = 1.8, .y = 6.0, .r = 0.4, .m = 0.5};
         CHECK_OK(dem_add(a, &late, NULL));
-        const double before = total_energy(a);
+        const double before = grains_energy(a);
         CHECK_OK(dem_run(a, 500));
-        CHECK_NEAR(total_energy(a), before, 1e-11);
+        CHECK_NEAR(grains_energy(a), before, 1e-11);
         dem_free(a), dem_free(b), dem_free(c);
     }
 }

@@ -13,10 +13,7 @@ static const int integrators[2] = {DEM_VERLET, DEM_GEAR5};
 static dem_definition one_on_floor(const dem_grain *grain)
 {
     dem_definition def = dem_definition_default();
-    def.grains = grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, 1, grain);
     return def;
 }
 

@@ -23,11 +23,8 @@ static dem_definition on_ground(const dem_grain *grains, size_t n)
     def.shape = DEM_DISK;
     def.tangential = DEM_SLIP_ROLL;
     def.material = (dem_material){.k_n = K, .gamma_n = 20.0, .gamma_s = 5.0, .mu = 0.1};
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.ground = (dem_ground){.wall = 1, .mu_static = MU_STATIC, .a = A, .set = DEM_WELL_REST};
-    def.grains = grains;
-    def.n_grains = n;
+    grains_on_floor(&def, n, grains);
     return def;
 }
 
@@ -35,24 +32,6 @@ static dem_definition on_ground(const dem_grain *grains, size_t n)
 static dem_grain resting(void)
 {
     return (dem_grain){.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
-}
-
-static dem_contact only_contact(const dem_sim *sim)
-{
-    dem_contact *list, c;
-    size_t n;
-    CHECK_OK(dem_contacts(sim, &list, &n));
-    CU_ASSERT_FATAL(n == 1);
-    c = list[0];
-    free(list);
-    return c;
-}
-
-static double total_energy(const dem_sim *sim)
-{
-    dem_energy e;
-    dem_energies(sim, &e);
-    return e.kinetic + e.rotational + e.elastic + e.gravity;
 }
 
 static long collisions(const dem_sim *sim)
@@ -97,22 +76,23 @@ static void well_holds_and_breaks(void)
         dem_gravity_set(sim, (double[]){0.01 * k * MU_STATIC, -1.0});
         CHECK_OK(dem_run(sim, k % 33 == 0 ? 8000 : 2000));
         if (k % 33) continue;
-        const dem_contact c = only_contact(sim);
+        const dem_contact c = grains_only_contact(sim);
         CU_ASSERT_EQUAL(c.well, DEM_WELL_HOLDS);
         CHECK_NEAR(c.shear_spring, 0.01 * k * A, 1e-9); /* the last sway has died out as exp(-gamma_s t/2) */
         CHECK_NEAR(c.shear_force, -0.01 * k * MU_STATIC, 1e-7);
         CHECK_NEAR(grains_state_of_one(sim).x, grain.x + 0.01 * k * A, 1e-9);
     }
     dem_gravity_set(sim, (double[]){1.01 * MU_STATIC, -1.0});
-    for (int k = 0; k < 2000 && only_contact(sim).well == DEM_WELL_HOLDS; k++) CHECK_OK(dem_run(sim, 1));
+    for (int k = 0; k < 2000 && grains_only_contact(sim).well == DEM_WELL_HOLDS; k++)
+        CHECK_OK(dem_run(sim, 1));
     CU_ASSERT(pow(grains_state_of_one(sim).vx, 2.0) < 0.1 * MU_STATIC * A); /* slow, but on the way up */
     for (int k = 0; k < 100; k++) {
-        CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_BROKEN);
         CHECK_OK(dem_run(sim, 1));
     }
     dem_gravity_set(sim, (double[]){3.0 * MU_STATIC, -1.0});
     CHECK_OK(dem_run(sim, 20000));
-    CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_BROKEN);
+    CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_BROKEN);
     CHECK_NEAR(grains_state_of_one(sim).vx, 3.0 * MU_STATIC / 5.0, 1e-12);
     dem_free(sim);
 }
@@ -130,16 +110,16 @@ static void energy_of_well(void)
         def.material.mu = def.walls[0].material.mu = 0.0;
         def.ground.set = DEM_WELL_TOUCH;
         dem_sim *sim = grains_start(&def);
-        const double before = total_energy(sim), error = pow(omega * def.dt, 2.0);
+        const double before = grains_energy(sim), error = pow(omega * def.dt, 2.0);
         const long period = lround(2.0 * M_PI / (omega * def.dt));
         for (long step = 1; step <= period; step++) {
             CHECK_OK(dem_run(sim, 1));
             if (leaves) continue;
             const double t = (double)step * def.dt;
             CHECK_NEAR(grains_state_of_one(sim).x - grain.x, 0.8 * A * sin(omega * t), error * A);
-            CHECK_NEAR(total_energy(sim) - before, 0.0, error * 0.5 * escape * escape);
+            CHECK_NEAR(grains_energy(sim) - before, 0.0, error * 0.5 * escape * escape);
         }
-        CU_ASSERT_EQUAL(only_contact(sim).well, leaves ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well, leaves ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
         /* the force ends within a step of a: an error of first order, omega dt of the depth */
         if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx / escape, sqrt(1.3 * 1.3 - 1.0), omega * def.dt);
         dem_free(sim);
@@ -156,17 +136,20 @@ static void when_wells_are_set(void)
         def.ground.set = set;
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 5));
-        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well,
+                        set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
         CHECK_OK(dem_run(sim, 40000));
-        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_TOUCH ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well,
+                        set == DEM_WELL_TOUCH ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
         const double x = grains_state_of_one(sim).x;
-        if (set != DEM_WELL_TOUCH) CHECK_NEAR(only_contact(sim).shear_spring, 0.0, 1e-9);
+        if (set != DEM_WELL_TOUCH) CHECK_NEAR(grains_only_contact(sim).shear_spring, 0.0, 1e-9);
         /* a push beyond the break, then none: at rest again */
         dem_gravity_set(sim, (double[]){1.5 * MU_STATIC, -1.0});
         CHECK_OK(dem_run(sim, 1000));
         dem_gravity_set(sim, (double[]){0.0, -1.0});
         CHECK_OK(dem_run(sim, 20000));
-        CU_ASSERT_EQUAL(only_contact(sim).well, set == DEM_WELL_AGAIN ? DEM_WELL_HOLDS : DEM_WELL_BROKEN);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well,
+                        set == DEM_WELL_AGAIN ? DEM_WELL_HOLDS : DEM_WELL_BROKEN);
         CU_ASSERT(grains_state_of_one(sim).x > x + A);
         dem_free(sim);
     }
@@ -206,11 +189,11 @@ static void slides_then_rolls(void)
         def.rotation = true;
         def.ground.wall = 0;
         dem_sim *sim = grains_start(&def);
-        double last = total_energy(sim), least = 0.0;
+        double last = grains_energy(sim), least = 0.0;
         for (int k = 0; k < 40; k++) {
             CHECK_OK(dem_run(sim, 500));
-            CU_ASSERT(total_energy(sim) <= last * (1.0 + 1e-12));
-            last = total_energy(sim);
+            CU_ASSERT(grains_energy(sim) <= last * (1.0 + 1e-12));
+            last = grains_energy(sim);
             least = fmin(least, grains_state_of_one(sim).omega);
             if (k == 0) CHECK_NEAR(grains_state_of_one(sim).vx, spins ? 0.1 : 1.9, 1e-12);
         }
@@ -234,14 +217,14 @@ static void rolling_resistance(void)
     def.walls[0].material.mu_roll = 0.05;
     def.walls[0].material.k_roll = def.material.k_roll = 50.0;
     dem_sim *sim = grains_start(&def);
-    double last = total_energy(sim);
+    double last = grains_energy(sim);
     for (int k = 0; k < 400; k++) {
         CHECK_OK(dem_run(sim, 50));
-        CU_ASSERT(total_energy(sim) <= last + 1e-9);
-        last = total_energy(sim);
+        CU_ASSERT(grains_energy(sim) <= last + 1e-9);
+        last = grains_energy(sim);
     }
     CHECK_NEAR(grains_state_of_one(sim).vx, 0.0, 1e-6);
-    CU_ASSERT_EQUAL(only_contact(sim).well, DEM_WELL_HOLDS);
+    CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_HOLDS);
     dem_free(sim);
 }
 
@@ -343,7 +326,7 @@ static void soft_pair(void)
     def.gravity[1] = 0.0;
     def.rotation = true;
     dem_sim *sim = grains_start(&def);
-    double sums[2][3], least = 2.0, first = total_energy(sim), last = 0.0;
+    double sums[2][3], least = 2.0, first = grains_energy(sim), last = 0.0;
     for (int k = 0; k < 2; k++) {
         dem_state s[2];
         CHECK_OK(dem_states(sim, s));
@@ -359,7 +342,7 @@ static void soft_pair(void)
             CHECK_OK(dem_states(sim, s));
             least = fmin(least, hypot(s[1].x - s[0].x, s[1].y - s[0].y));
         }
-        last = total_energy(sim);
+        last = grains_energy(sim);
     }
     for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-11); /* 1000 steps' round-off */
     CU_ASSERT(least < 0.9 && last < 0.9 * first);
@@ -397,7 +380,7 @@ static void switches_to_soft(void)
                 CHECK_NEAR(0.5 * s[0].vy * s[0].vy + s[0].y - top, 0.5 * w * w, 1e-12);
         }
         CU_ASSERT_EQUAL(seen, 1 + (long)floor(log(def.dt / v) / log(e)));
-        CHECK_NEAR(only_contact(sim).overlap, 1.0 / K, 1e-13);
+        CHECK_NEAR(grains_only_contact(sim).overlap, 1.0 / K, 1e-13);
         dem_free(sim);
     }
 }
@@ -549,7 +532,7 @@ static void rests_on_a_ground_that_moves(void)
         def.box_turn_per_step = speed / below * def.dt;
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 3));
-        CU_ASSERT_EQUAL(only_contact(sim).well, against ? DEM_WELL_NONE : DEM_WELL_HOLDS);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well, against ? DEM_WELL_NONE : DEM_WELL_HOLDS);
         dem_free(sim);
     }
 }
@@ -564,7 +547,7 @@ static void rests_while_it_turns(void)
         dem_definition def = on_ground(&g, 1);
         def.rotation = true;
         dem_sim *sim = grains_start(&def);
-        CU_ASSERT_EQUAL(only_contact(sim).well, fast ? DEM_WELL_NONE : DEM_WELL_HOLDS);
+        CU_ASSERT_EQUAL(grains_only_contact(sim).well, fast ? DEM_WELL_NONE : DEM_WELL_HOLDS);
         dem_free(sim);
     }
 }
@@ -647,10 +630,10 @@ static void no_collision_is_missed(void)
         def.skin = 0.05; /* half of it is 1.4 steps of the faster */
         def.hard = (dem_hard){true, 1.0, 0.0};
         dem_sim *sim = grains_start(&def);
-        const double energy = total_energy(sim);
+        const double energy = grains_energy(sim);
         CHECK_OK(dem_run(sim, 120));
         CU_ASSERT_EQUAL(collisions(sim), 1);
-        CHECK_NEAR(total_energy(sim), energy, 1e-10);
+        CHECK_NEAR(grains_energy(sim), energy, 1e-10);
         dem_free(sim);
     }
 }
@@ -679,13 +662,13 @@ static void heap_of_disks(void)
 {
     dem_definition def;
     dem_sim *sim = heap(&def), *copy;
-    double last = total_energy(sim);
+    double last = grains_energy(sim);
     const double first = last;
     for (int k = 0; k < 60; k++) {
         CHECK_OK(dem_run(sim, 100));
         if (k == 20) CHECK_OK(dem_clone(sim, &copy));
-        CU_ASSERT(total_energy(sim) < last + 1e-3 * first);
-        last = total_energy(sim);
+        CU_ASSERT(grains_energy(sim) < last + 1e-3 * first);
+        last = grains_energy(sim);
     }
     CHECK_OK(dem_run(copy, 3900));
     dem_state s[HEAP], c[HEAP];

@@ -86,12 +86,6 @@ static dem_definition bare(int law, int scheme)
     return def;
 }
 
-static void with_floor(dem_definition *def)
-{
-    def->n_walls = 1;
-    def->walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def->material);
-}
-
 /* The limit of the time step; of the implicit scheme, which has none, that of Verlet's. */
 static double step_limit(const dem_definition *def)
 {
@@ -114,9 +108,7 @@ static void static_overlaps(void)
                 dem_grain grain = {0.0, R, R, M};
                 def.gravity[1] = -G;
                 def.material = (dem_material){.k_n = k, .gamma_n = 2.0 * omega};
-                def.grains = &grain;
-                def.n_grains = 1;
-                with_floor(&def);
+                grains_on_floor(&def, 1, &grain);
                 def.dt = 0.5 * fmin(step_limit(&def), 0.1 / omega);
                 PARAMETERS("k_n = %g, %s, %s", k, law_names[law], scheme_names[scheme]);
                 dem_sim *sim = grains_start(&def);
@@ -275,10 +267,8 @@ static void frictions(void)
                     def.slip = slip;
                     def.damping = damping;
                     def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .mu = mu};
-                    def.grains = &grain;
-                    def.n_grains = 1;
                     def.dt = 2e-5;
-                    with_floor(&def);
+                    grains_on_floor(&def, 1, &grain);
                     dem_sim *sim = grains_start(&def);
                     CHECK_OK(dem_run(sim, lround(T / def.dt)));
                     const dem_state s = grains_state_of_one(sim);
@@ -309,9 +299,8 @@ static void start_overlaps(void)
                 dem_definition def = bare(law, DEM_VERLET);
                 dem_grain pair[2] = {{.x = 0.0, .y = R - overlap, .r = R, .m = M},
                                      {.x = 0.0, .y = 3.0 * R - 2.0 * overlap, .r = R, .m = M}};
-                if (wall) with_floor(&def);
-                def.grains = pair;
-                def.n_grains = wall ? 1 : 2;
+                grains_on_floor(&def, wall ? 1 : 2, pair);
+                def.n_walls = wall;
                 def.dt = 1e-9;
                 PARAMETERS("overlap %g of the radius, %s, %s", depths[i], law_names[law],
                            wall ? "at a wall" : "two grains");
@@ -380,9 +369,8 @@ static void far_apart(void)
             for (int walls = 0; walls < 2; walls++) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
                 dem_grain pair[2] = {{0.0, R, R, M, 1.0, 0.0}, {distance, R, R, M, 1.0, 0.0}};
-                def.grains = pair;
-                def.n_grains = 2;
-                if (walls) with_floor(&def);
+                grains_on_floor(&def, 2, pair);
+                def.n_walls = walls;
                 PARAMETERS("%g apart, %s%s", distance, scheme_names[scheme], walls ? ", on a floor" : "");
                 dem_sim *sim = NULL;
                 dem_state s[2];
@@ -501,6 +489,23 @@ static void sideways(void)
         }
 }
 
+/* Two good grains, but for one field of them or of the definition. */
+static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, double value,
+                         const char *name, const char *word)
+{
+    *def = dem_definition_default();
+    pair[0] = (dem_grain){.r = R, .m = M};
+    pair[1] = (dem_grain){.x = 1.0, .r = R, .m = M};
+    def->rotation = true;
+    def->grains = pair;
+    def->n_grains = 2;
+    *field = value;
+    PARAMETERS("%s = %g", name, value);
+    dem_sim *sim = NULL;
+    refusal("bad value", dem_create(def, &sim), RP_BAD_INPUT, word);
+    dem_free(sim);
+}
+
 /* Values that make no sense, and time steps above the limit, are refused with the name of the field. */
 static void bad_values(void)
 {
@@ -526,19 +531,9 @@ static void bad_values(void)
             if ((bad[b] == 0.0 && !fields[i].zero_too) ||
                 (isinf(bad[b]) && strcmp(fields[i].name, "mu") == 0))
                 continue;
-            def = dem_definition_default();
-            pair[0] = (dem_grain){.r = R, .m = M};
-            pair[1] = (dem_grain){.x = 1.0, .r = R, .m = M};
-            def.rotation = true;
-            def.grains = pair;
-            def.n_grains = 2;
-            *fields[i].field = bad[b];
-            PARAMETERS("%s = %g", fields[i].name, bad[b]);
             char word[40];
             snprintf(word, sizeof word, "%s = ", fields[i].name);
-            dem_sim *sim = NULL;
-            refusal("bad value", dem_create(&def, &sim), RP_BAD_INPUT, word);
-            dem_free(sim);
+            refuse_value(&def, pair, fields[i].field, bad[b], fields[i].name, word);
         }
     const struct {
         const char *name;
@@ -548,19 +543,8 @@ static void bad_values(void)
                   {"angle", &pair[1].angle},    {"gravity", &def.gravity[0]},
                   {"turn", &def.turn_per_step}, {"box_turn", &def.box_turn_per_step}};
     for (size_t i = 0; i < COUNT(finite); i++)
-        for (int b = 1; b < 3; b++) {
-            def = dem_definition_default();
-            pair[0] = (dem_grain){.r = R, .m = M};
-            pair[1] = (dem_grain){.x = 1.0, .r = R, .m = M};
-            def.rotation = true;
-            def.grains = pair;
-            def.n_grains = 2;
-            *finite[i].field = bad[b];
-            PARAMETERS("%s = %g", finite[i].name, bad[b]);
-            dem_sim *sim = NULL;
-            refusal("bad value", dem_create(&def, &sim), RP_BAD_INPUT, finite[i].name);
-            dem_free(sim);
-        }
+        for (int b = 1; b < 3; b++)
+            refuse_value(&def, pair, finite[i].field, bad[b], finite[i].name, finite[i].name);
 }
 
 static void step_limits(void)
@@ -572,9 +556,7 @@ static void step_limits(void)
                 dem_grain grain = {.y = 3.0, .r = R, .m = M};
                 def.gravity[1] = -G;
                 def.material = (dem_material){.k_n = stiffnesses[i], .gamma_n = gamma};
-                def.grains = &grain;
-                def.n_grains = 1;
-                with_floor(&def);
+                grains_on_floor(&def, 1, &grain);
                 const double limit = step_limit(&def);
                 def.dt = 1.001 * limit;
                 PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,

@@ -61,12 +61,9 @@ dem_definition heap_scene(const heap *h, int integrator, double gamma, double dt
     def.tension = false;
     def.tangential = DEM_NONE;
     def.shape = DEM_DISK;
-    def.grains = h->grains;
-    def.n_grains = h->n;
     def.dt = dt / omega;
     def.material = (dem_material){.k_n = 1.0 / h->eps, .gamma_n = gamma * omega};
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, h->n, h->grains);
     def.ground = (dem_ground){.wall = 1, .mu_static = MU, .a = WELL * h->eps, .set = DEM_WELL_TOUCH};
     return def;
 }

@@ -17,40 +17,13 @@ static double contact_time(void)
     return M_PI * sqrt(0.5 / K);
 }
 
-static dem_definition disks(const dem_grain *grains, size_t n)
-{
-    dem_definition def = dem_definition_default();
-    def.integrator = DEM_IMPLICIT;
-    def.gravity[1] = -1.0;
-    def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE;
-    def.shape = DEM_DISK;
-    def.material = (dem_material){.k_n = K};
-    def.grains = grains;
-    def.n_grains = n;
-    return def;
-}
-
-static double total_energy(const dem_sim *sim)
-{
-    dem_energy e;
-    dem_energies(sim, &e);
-    return e.kinetic + e.elastic + e.gravity;
-}
-
 /* Five unequal disks that bounce in a box without loss. */
 enum { GAS = 5 };
 static dem_sim *gas(int integrator, double dt, double tolerance)
 {
     dem_grain grains[GAS];
-    for (int i = 0; i < GAS; i++)
-        grains[i] = (dem_grain){.x = 0.62 + 1.17 * (i % 3) + 0.05 * (i / 3),
-                                .y = 0.56 + 1.11 * (i / 3),
-                                .r = R - 0.013 * i,
-                                .m = 1.0 - 0.07 * i,
-                                .vx = 0.385 * (i % 2 ? 1.0 : -0.7),
-                                .vy = 0.21 * (i - 2)};
-    dem_definition def = disks(grains, GAS);
+    grains_gas(GAS, grains);
+    dem_definition def = grains_disks(GAS, grains, K);
     def.integrator = integrator;
     def.implicit.tolerance = tolerance;
     def.dt = dt * contact_time();
@@ -79,7 +52,7 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
                          double *most, double *iterations)
 {
     dem_sim *sim = gas(c->integrator, c->dt, c->tolerance);
-    const double before = total_energy(sim);
+    const double before = grains_energy(sim);
     size_t n = 0;
     double next = 10.0;
     *most = 0.0;
@@ -87,7 +60,7 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
         const rp_status status = dem_run(sim, 1);
         CHECK_OK(status);
         if (status) break;
-        *most = fmax(*most, fabs(total_energy(sim) - before) / before);
+        *most = fmax(*most, fabs(grains_energy(sim) - before) / before);
         if ((double)k < next && k < steps) continue;
         at[n] = (double)k;
         error[n++] = *most;
@@ -158,10 +131,9 @@ static void phase(void)
     for (int k = -6; k <= 6; k++) {
         const double angle = pow(10.0, 0.25 * k), formula = 2.0 / angle * atan(0.5 * angle);
         const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
-        dem_definition def = disks(&grain, 1);
+        dem_definition def = grains_disks(1, &grain, K);
         def.dt = angle / omega;
-        def.n_walls = 1;
-        def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+        grains_on_floor(&def, 1, &grain);
         dem_sim *sim = grains_start(&def);
         double sum = 0.0, last = 0.0;
         for (long n = 0; n < steps; n++) {
@@ -197,7 +169,7 @@ static void cost_of(long base, double dt, int solver, double *iterations)
                                        .r = R,
                                        .m = 1.0,
                                        .fixed = j == 0};
-    dem_definition def = disks(grains, n);
+    dem_definition def = grains_disks(n, grains, K);
     def.dt = dt * contact_time();
     def.implicit = (dem_implicit_solver){solver, 0.7, 1e-12, 1000000};
     dem_sim *sim = grains_start(&def);

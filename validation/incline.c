@@ -28,10 +28,7 @@ static dem_definition incline(double angle, const dem_material *c, double v, dem
     def.gravity[0] = G * sin(angle);
     def.gravity[1] = -G * cos(angle);
     def.material = *c;
-    def.grains = grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, c);
+    grains_on_floor(&def, 1, grain);
     def.walls[0].material.k_n = FLOOR_K;
     return def;
 }
@@ -64,17 +61,6 @@ static void sticks(void)
     }
 }
 
-static dem_contact only_contact(const dem_sim *sim)
-{
-    dem_contact *contacts, only = {0};
-    size_t n;
-    CHECK_OK(dem_contacts(sim, &contacts, &n));
-    CU_ASSERT_FATAL(n == 1);
-    only = contacts[0];
-    free(contacts);
-    return only;
-}
-
 /* Turned slowly, it slips where its friction comes to the limit. */
 static void slow_loading(void)
 {
@@ -90,7 +76,7 @@ static void slow_loading(void)
         double slipped = NAN;
         for (long step = 0; step < lround(1.6 / def.turn_per_step) && isnan(slipped); step += every) {
             CHECK_OK(dem_run(sim, every));
-            const dem_contact now = only_contact(sim);
+            const dem_contact now = grains_only_contact(sim);
             const double held = def.damping ? now.shear_force : k_s * now.shear_spring;
             double g[2];
             dem_gravity(sim, g);
@@ -116,7 +102,7 @@ static bool slips_at_once(double angle, double mu, double k_s, double dt)
     def.dt = dt;
     dem_sim *sim = grains_start(&def);
     const dem_state s = run(sim, 1.2 * M_PI * sqrt(M / k_s), dt);
-    const double spring = fabs(only_contact(sim).shear_spring);
+    const double spring = fabs(grains_only_contact(sim).shear_spring);
     dem_free(sim);
     return fabs(s.x - spring) > 1e-12 * M * G / k_s;
 }

@@ -156,10 +156,7 @@ static dem_definition flight(const law *p, int integrator, double dt, double pha
     def.tangential = p->k_s > 0.0 ? DEM_SPRING : DEM_NONE;
     def.material = (dem_material){
         .k_n = stiffness(p), .gamma_n = p->gamma_n, .k_s = p->k_s, .gamma_s = p->gamma_s, .mu = p->mu};
-    def.grains = grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, 1, grain);
     return def;
 }
 
@@ -423,10 +420,7 @@ static double sway(double gamma_n, int integrator, double n)
     def.normal = DEM_LINEAR;
     def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
-    def.grains = &grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, 1, &grain);
     dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, lround(2.0 * n)));
     const long steps = lround(n);

@@ -394,11 +394,8 @@ static motion column(dem_grain grains[COLUMN])
     p.def.normal = DEM_LINEAR;
     p.def.tangential = DEM_NONE;
     p.def.material = (dem_material){.k_n = k, .gamma_n = 2000.0};
-    const dem_material floor = {.k_n = 2.0 * k, .gamma_n = 2000.0};
-    p.def.n_walls = 1;
-    p.def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &floor);
-    p.def.grains = grains;
-    p.def.n_grains = COLUMN;
+    grains_on_floor(&p.def, COLUMN, grains);
+    p.def.walls[0].material.k_n = 2.0 * k;
     column_answer(&p, sink);
     return p;
 }

@@ -245,10 +245,7 @@ static void slipping(void)
         def.rotation = true;
         def.material = (dem_material){.k_n = k, .k_s = k, .mu = mu};
         def.dt = 1e-6;
-        def.grains = &grain;
-        def.n_grains = 1;
-        def.n_walls = 1;
-        def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+        grains_on_floor(&def, 1, &grain);
         dem_sim *sim = grains_start(&def);
         dem_state s = {.vx = u};
         double slip = u, last = u;

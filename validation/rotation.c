@@ -35,10 +35,7 @@ static dem_definition on_floor(double angle, dem_grain *grain, const dem_materia
     def.rotation = true;
     def.material = *material;
     def.dt = 1e-5;
-    def.grains = grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, 1, grain);
     def.walls[0].material.k_n = FLOOR_K;
     return def;
 }
@@ -388,13 +385,8 @@ static void rolling_incline(void)
             CHECK_NEAR(s.vx, 0.0, 1e-6);
             /* suddenly loaded, it sways by springs' lengths, m g sin over each stiffness, before it sticks */
             CU_ASSERT(s.x > 0.0 && s.x < 10.0 * 2.0 * M * G * sin(angle) / 1e4);
-            dem_contact *contacts;
-            size_t n;
-            CHECK_OK(dem_contacts(sim, &contacts, &n));
-            CU_ASSERT_FATAL(n == 1);
-            CHECK_NEAR(contacts[0].rolling_torque, M * G * sin(angle) * b, 1e-6 * M * G * R);
+            CHECK_NEAR(grains_only_contact(sim).rolling_torque, M * G * sin(angle) * b, 1e-6 * M * G * R);
             CHECK_NEAR(s.torque, 0.0, 1e-6 * M * G * R);
-            free(contacts);
         } else {
             const double rolls =
                 b * (G * sin(angle) * b - resists * G * cos(angle) * R) / (b * b + 0.4 * R * R);

@@ -86,10 +86,7 @@ static void drop(int law, const bouncing *p, double k, double m, double gamma, d
     def.gravity[1] = -p->g;
     def.material = (dem_material){.k_n = k, .gamma_n = gamma};
     def.dt = dt;
-    def.grains = &grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    grains_on_floor(&def, 1, &grain);
     dem_sim *sim = grains_start(&def);
     dem_state s = {0};
     observed[0] = observed[2] = NAN;

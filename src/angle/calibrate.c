@@ -113,7 +113,8 @@ static rp_status profile(problem *s, size_t p, double value, double *chi2)
     return descend(s, p, value, value, x, chi2);
 }
 
-rp_status ang_calibration_best(const ang_calibration *c, const ang_measured *m, double x[], double *chi2)
+/* The parameters with the least chi2, searched over the whole range. */
+static rp_status search(const ang_calibration *c, const ang_measured *m, double x[], double *chi2)
 {
     problem s = {c, m};
     const int n = c->n_params == 1 ? SCAN_ONE : SCAN_OTHER;
@@ -299,7 +300,7 @@ rp_status ang_calibration_invert(const ang_calibration *c, const ang_measured *m
         result[p] =
             (ang_calibrated){.value = NAN, .se = NAN, .boot_se = NAN, .boot_lower = NAN, .boot_upper = NAN};
     rp_status status = check_measured(c, measured);
-    if (!status) status = ang_calibration_best(c, measured, x, &chi2);
+    if (!status) status = search(c, measured, x, &chi2);
     if (status) return status;
     double dof = (double)(c->n_angles > c->n_params ? c->n_angles - c->n_params : c->n_angles);
     if (gsl_cdf_chisq_Q(chi2, dof) < match_level) {
@@ -406,7 +407,7 @@ rp_status ang_calibration_bootstrap(const ang_ensemble *piles, const ang_calibra
         for (size_t a = 0; a < c->n_angles; a++) m.angle[a] += draw[a] * m.error[a];
         for (size_t a = 0; !status && a < c->n_angles; a++)
             status = ang_response_solve(&again.response[a], c, a, s.y + a * c->n_points);
-        if (!status) status = ang_calibration_best(&again, &m, x, &chi2);
+        if (!status) status = search(&again, &m, x, &chi2);
         if (status == RP_NO_RESULT) { /* no scale: the resample says nothing */
             status = RP_OK;
             continue;

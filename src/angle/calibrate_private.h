@@ -19,7 +19,4 @@ rp_status ang_points_make(const ang_ensemble *piles, size_t point_of[], ang_cali
  * Errors: RP_NO_RESULT (the scale is not determined), RP_NO_MEMORY, RP_BROKEN. */
 rp_status ang_response_solve(ang_response_fit *r, const ang_calibration *c, size_t angle, const double y[]);
 
-/* The parameters with the least chi2, searched over the whole range. Errors: RP_NO_MEMORY, RP_BROKEN. */
-rp_status ang_calibration_best(const ang_calibration *c, const ang_measured *m, double x[], double *chi2);
-
 #endif

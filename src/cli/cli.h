@@ -20,14 +20,19 @@ typedef struct {
 } cli_command;
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first). Boolean options take no value.
- * Arguments that are not options go to arguments[0..*n_arguments). After --help, *done is true: the text
- * has been printed and there is nothing left to do.
+ * Arguments that are not options go to arguments[0..*n_arguments), NULL for a command without. After --help,
+ * *done is true: the text has been printed and there is nothing left to do.
  * Errors: RP_USAGE (unknown option, missing value, required option or argument), RP_BAD_INPUT (a value). */
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
                     int *n_arguments, bool *done);
 
 /* Whether option `name` was on the command line that was parsed last. */
 bool cli_given(const cli_command *command, const char *name);
+
+/* A command without arguments: parse, act with the options `values`. Errors: those of cli_parse, and the
+ * action's own. */
+rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,
+                    rp_status (*act)(const void *values));
 
 /* A command on one table: parse, read the table that the argument names, act on it with the options `values`,
  * free it. Errors: those of cli_parse and rp_table_read, and the action's own. */

@@ -39,21 +39,23 @@ static const cli_command marginal_command = {
     0,
     0};
 
-static rp_status marginal(int argc, char **argv)
+static rp_status print_marginal(const void *values)
 {
-    marginal_options o;
-    const char *arguments[1];
-    int n;
-    bool done, extrapolated;
+    const marginal_options *o = values;
+    bool extrapolated;
     double theta_ms;
-    rp_status status = cli_parse(&marginal_command, argc, argv, &o, arguments, &n, &done);
-    if (status || done) return status;
-    status = ang_marginal(o.mu, o.phi_deg * deg, &theta_ms, &extrapolated);
+    rp_status status = ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated);
     if (status) return status;
-    cli_table(stdout, marginal_params, &o);
+    cli_table(stdout, marginal_params, o);
     rp_table_columns(stdout, 2, (const char *const[][2]){{"theta_ms_deg", "deg"}, {"status", ""}});
     rp_table_row_word(stdout, 1, (double[]){theta_ms / deg}, extrapolated ? "extrapolated" : "ok");
     return RP_OK;
+}
+
+static rp_status marginal(int argc, char **argv)
+{
+    marginal_options o;
+    return cli_plain(&marginal_command, argc, argv, &o, print_marginal);
 }
 
 /* ---- tilt ---- */
@@ -86,18 +88,13 @@ static const cli_command tilt_command = {
     0,
     0};
 
-static rp_status tilt(int argc, char **argv)
+static rp_status print_tilt(const void *values)
 {
-    tilt_options o;
-    const char *arguments[1];
-    int n;
-    bool done;
+    const tilt_options *o = values;
     ang_tilt_result r;
-    rp_status status = cli_parse(&tilt_command, argc, argv, &o, arguments, &n, &done);
-    if (status || done) return status;
-    status = ang_tilt((ang_form)o.form, o.mu, o.theta_r_deg * deg, o.phi_deg * deg, &r);
+    rp_status status = ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r);
     if (status) return status;
-    cli_table(stdout, tilt_params, &o);
+    cli_table(stdout, tilt_params, o);
     static const char *const columns[][2] = {{"theta_t_deg", "deg"},
                                              {"theta_ms_deg", "deg"},
                                              {"margin_deg", "deg"},
@@ -109,8 +106,14 @@ static rp_status tilt(int argc, char **argv)
     if (r.status == ANG_TILT_RAYS_MISS)
         return rp_fail(RP_NO_RESULT,
                        "theta-r-deg = %g: the rays of inclination %g deg never leave through the flank",
-                       o.theta_r_deg, o.phi_deg);
+                       o->theta_r_deg, o->phi_deg);
     return RP_OK;
+}
+
+static rp_status tilt(int argc, char **argv)
+{
+    tilt_options o;
+    return cli_plain(&tilt_command, argc, argv, &o, print_tilt);
 }
 
 /* ---- slope ---- */

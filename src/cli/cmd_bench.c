@@ -234,19 +234,15 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
                             times->integration / all, times->walls / all, memory[0] / n, memory[1] / n});
 }
 
-rp_status cmd_bench(int argc, char **argv)
+static rp_status measure(const void *values)
 {
-    bench_options o;
-    int n;
-    bool done;
-    rp_status status = cli_parse(&command, argc, argv, &o, NULL, &n, &done);
-    if (status || done) return status;
+    bench_options o = *(const bench_options *)values;
     const double begun = rp_clock(), heap_before = heap(), peak_before = rp_peak_memory();
     dem_sim *sim = NULL;
     dem_phases times = {0};
     bench_run run = {0};
     double rates[MOST];
-    status = begin(&o, &sim);
+    rp_status status = begin(&o, &sim);
     if (o.steps <= 0) {
         o.steps = (long)fmax(100.0, 2e7 / (double)o.n);
         if (o.state == FLOWING && o.steps > 10000) o.steps = 10000; /* later the pile has come to rest */
@@ -267,4 +263,10 @@ rp_status cmd_bench(int argc, char **argv)
     }
     dem_free(sim);
     return status;
+}
+
+rp_status cmd_bench(int argc, char **argv)
+{
+    bench_options o;
+    return cli_plain(&command, argc, argv, &o, measure);
 }

@@ -530,18 +530,19 @@ static rp_status verify_sources(const source *response, const options *o)
     return status;
 }
 
+static rp_status answer(const void *values)
+{
+    const options *o = values;
+    source response = {0};
+    rp_status status = check_options(o);
+    if (!status) status = open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response);
+    if (!status) status = o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
+    source_free(&response);
+    return status;
+}
+
 rp_status cmd_calibrate(int argc, char **argv)
 {
     options o;
-    const char *arguments[1];
-    int n;
-    bool done;
-    source response = {0};
-    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n, &done);
-    if (status || done) return status;
-    status = check_options(&o);
-    if (!status) status = open_source(o.sweep, o.o, *o.runs ? o.runs : NULL, &o, &response);
-    if (!status) status = o.verify > 0 ? verify_sources(&response, &o) : calibrate(&response, &o);
-    source_free(&response);
-    return status;
+    return cli_plain(&command, argc, argv, &o, answer);
 }

@@ -29,21 +29,16 @@ static const cli_command command = {
 
 static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}};
 
-rp_status cmd_continuum(int argc, char **argv)
+static rp_status write_triangle(const void *values)
 {
-    options o;
-    const char *arguments[1];
-    int n_arguments;
-    bool done;
+    const options *o = values;
     double *x = NULL, x_c = 0;
     size_t n = 0;
-    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
-    if (status || done) return status;
-    double alpha = o.alpha_deg * M_PI / 180;
-    status = an_continuum_kink(alpha, &x_c);
-    if (!status) status = cli_positions_read(&o.where, &x, &n);
+    double alpha = o->alpha_deg * M_PI / 180;
+    rp_status status = an_continuum_kink(alpha, &x_c);
+    if (!status) status = cli_positions_read(&o->where, &x, &n);
     if (status) return status;
-    cli_table(stdout, schema, &o);
+    cli_table(stdout, schema, o);
     rp_table_note(stdout, "x_c/B", "%.17g", x_c);
     rp_table_columns(stdout, 3, columns);
     for (size_t i = 0; i < n && !status; i++) {
@@ -53,4 +48,10 @@ rp_status cmd_continuum(int argc, char **argv)
     }
     free(x);
     return status;
+}
+
+rp_status cmd_continuum(int argc, char **argv)
+{
+    options o;
+    return cli_plain(&command, argc, argv, &o, write_triangle);
 }

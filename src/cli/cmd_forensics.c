@@ -66,19 +66,9 @@ static const cli_command command = {
     1,
     1};
 
-/* How the surface of a pile is read: what follows the column's stem, and for methods 1 and 2. */
-static const char *const variants[] = {"",
-                                       "_centre_zero_origin",
-                                       "_centre_skip",
-                                       "_centre_skip_origin",
-                                       "_raw_centre_zero",
-                                       "_raw_centre_zero_origin",
-                                       "_raw_centre_skip",
-                                       "_raw_centre_skip_origin",
-                                       "_top_zero",
-                                       "_top_zero_origin",
-                                       "_top_skip",
-                                       "_top_skip_origin"};
+/* How the surface of a pile is read; a column of the first has its stem alone. */
+#define VARIANT(height, empty) #height "_" #empty, #height "_" #empty "_origin",
+static const char *const variants[] = {ANG_SURFACES(VARIANT)};
 enum { N_VARIANTS = sizeof variants / sizeof *variants };
 
 typedef struct {
@@ -238,8 +228,9 @@ static rp_status read_term(study *s, const rp_table *t, size_t row, const int co
         /* the parabola is of method 3 alone */
         size_t length = strlen(variants[v]);
         if (strstr(variants[v], "_origin") && !strstr(stem, "r3")) length -= strlen("_origin");
-        snprintf(column, sizeof column, "%s%.*s_deg", stem,
-                 strncmp(variants[v], "_centre_zero", length) == 0 ? 0 : (int)length, variants[v]);
+        const bool first = strncmp(variants[v], variants[0], length) == 0;
+        snprintf(column, sizeof column, "%s%s%.*s_deg", stem, first ? "" : "_", first ? 0 : (int)length,
+                 variants[v]);
         status = find_column(s->runs, column, &term->column[v]);
         if (status) return status;
     }
@@ -362,11 +353,6 @@ static rp_status judge(const study *s, bool held_out, const forensics_options *o
     return status;
 }
 
-static const char *variant_word(size_t v)
-{
-    return v == 0 ? "centre_zero" : variants[v] + 1;
-}
-
 static const char *verdict(const ang_agreement *a)
 {
     return !a->complete ? "incomplete" : a->excluded ? "excluded" : "not_excluded";
@@ -417,7 +403,7 @@ static rp_status print_combinations(const study *s, const ang_agreement *main, c
         size_t c = order[i], combination = c / N_VARIANTS, simulated = 0;
         if (!seen[combination]) simulated = ++n_seen;
         seen[combination] = true;
-        printf("%zu\t%zu\t%zu\t%s", i + 1, combination, simulated, variant_word(c % N_VARIANTS));
+        printf("%zu\t%zu\t%zu\t%s", i + 1, combination, simulated, variants[c % N_VARIANTS]);
         for (size_t f = 0; f < s->n_factors; f++)
             printf("\t%s", s->factor[f].levels[s->level[combination * s->n_factors + f]]);
         printf("\t%.17g\t%.17g\t%.17g", main[c].log_likelihood, main[c].p_value, held[c].p_value);
@@ -461,8 +447,7 @@ static void print_levels(const study *s, const ang_agreement *a)
                 if (a[c].complete) share += exp(a[c].log_likelihood - top) / total;
             }
             printf("%s\t%s\t%zu\t%zu\t%zu\t%.17g\n", f < s->n_factors ? s->factor[f].name : "surface",
-                   f < s->n_factors ? s->factor[f].levels[l] : variant_word(l), tested, complete, passed,
-                   share);
+                   f < s->n_factors ? s->factor[f].levels[l] : variants[l], tested, complete, passed, share);
         }
     }
 }
@@ -517,7 +502,7 @@ static rp_status surface_effects(const study *s, size_t k, double difference[])
         if (status == RP_NO_RESULT) return RP_OK;
         if (status) return status;
         ang_effect e = {stats.mean, stats.se, stats.lo, stats.hi, NAN};
-        print_effect(s->about[k].name, "surface", variant_word(v), variant_word(0), &e, n, stats.sd);
+        print_effect(s->about[k].name, "surface", variants[v], variants[0], &e, n, stats.sd);
     }
     return RP_OK;
 }

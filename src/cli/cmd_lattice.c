@@ -83,27 +83,29 @@ static void print(const options *o, long k, double alpha, double theta, const an
     }
 }
 
-rp_status cmd_lattice(int argc, char **argv)
+static rp_status write_pile(const void *values)
 {
-    options o;
-    const char *arguments[1];
-    int n_arguments;
-    bool done;
-    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
-    if (status || done) return status;
-    status = check_usage(&o);
+    const options *o = values;
+    rp_status status = check_usage(o);
     if (status) return status;
-    long k = o.base > 0 ? o.base : o.layers;
-    double theta = o.theta_deg * M_PI / 180, alpha = o.base > 0 ? o.alpha_deg * M_PI / 180 : M_PI / 2 - theta;
+    long k = o->base > 0 ? o->base : o->layers;
+    double theta = o->theta_deg * M_PI / 180,
+           alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
     double disks = 0;
     long *up = malloc((size_t)k * sizeof *up);
     an_force *force = malloc((size_t)k * sizeof *force);
     if (!up || !force)
         status = rp_fail(RP_NO_MEMORY, "%ld disks in the base: out of memory", k);
     else
-        status = solve(&o, k, alpha, theta, up, force, &disks);
-    if (!status) print(&o, k, alpha, theta, force, disks);
+        status = solve(o, k, alpha, theta, up, force, &disks);
+    if (!status) print(o, k, alpha, theta, force, disks);
     free(up);
     free(force);
     return status;
+}
+
+rp_status cmd_lattice(int argc, char **argv)
+{
+    options o;
+    return cli_plain(&command, argc, argv, &o, write_pile);
 }

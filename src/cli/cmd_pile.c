@@ -521,24 +521,25 @@ static rp_status solve_ensemble(const options *o, sweep_heap *h)
     return status;
 }
 
-rp_status cmd_pile(int argc, char **argv)
+static rp_status solve_any(const void *values)
 {
-    options o;
-    const char *arguments[1];
-    int n_arguments;
-    bool done;
-    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
-    if (status || done) return status;
-    status = check_usage(&o);
+    const options *o = values;
+    rp_status status = check_usage(o);
     if (status) return status;
     sweep_heap h = {0};
-    status = *o.disks ? read_disks(o.disks, &h) : make_outline(&o, &h);
-    if (!status && o.piles > 1)
-        status = solve_ensemble(&o, &h);
+    status = *o->disks ? read_disks(o->disks, &h) : make_outline(o, &h);
+    if (!status && o->piles > 1)
+        status = solve_ensemble(o, &h);
     else if (!status) {
-        if (o.disorder > 0) status = sweep_heap_disorder(&h, o.disorder, (unsigned long)o.seed, 0);
-        if (!status) status = o.threshold ? find_threshold(&o, &h) : solve(&o, &h);
+        if (o->disorder > 0) status = sweep_heap_disorder(&h, o->disorder, (unsigned long)o->seed, 0);
+        if (!status) status = o->threshold ? find_threshold(o, &h) : solve(o, &h);
     }
     sweep_heap_free(&h);
     return status;
+}
+
+rp_status cmd_pile(int argc, char **argv)
+{
+    options o;
+    return cli_plain(&command, argc, argv, &o, solve_any);
 }

@@ -98,20 +98,21 @@ static rp_status write_places(const options *o, const an_profile *tent)
     return status;
 }
 
+static rp_status write_tent(const void *values)
+{
+    const options *o = values;
+    an_point v[5];
+    an_profile tent;
+    if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
+        return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
+    if (o->map) return write_map(o);
+    rp_status status = an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x_1, v);
+    if (!status) status = an_profile_set(&tent, v, 5);
+    return status ? status : write_places(o, &tent);
+}
+
 rp_status cmd_tent(int argc, char **argv)
 {
     options o;
-    const char *arguments[1];
-    int n_arguments;
-    bool done;
-    an_point v[5];
-    an_profile tent;
-    rp_status status = cli_parse(&command, argc, argv, &o, arguments, &n_arguments, &done);
-    if (status || done) return status;
-    if ((o.outer_deg > 0) + (o.inner_deg > 0) != (o.map ? 0 : 2))
-        return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
-    if (o.map) return write_map(&o);
-    status = an_tent(o.outer_deg * M_PI / 180, o.inner_deg * M_PI / 180, o.x_1, v);
-    if (!status) status = an_profile_set(&tent, v, 5);
-    return status ? status : write_places(&o, &tent);
+    return cli_plain(&command, argc, argv, &o, write_tent);
 }

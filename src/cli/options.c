@@ -100,6 +100,15 @@ bool cli_given(const cli_command *command, const char *name)
     return given[index];
 }
 
+rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,
+                    rp_status (*act)(const void *values))
+{
+    int n;
+    bool done;
+    rp_status status = cli_parse(command, argc, argv, values, NULL, &n, &done);
+    return status || done ? status : act(values);
+}
+
 rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
                          rp_status (*act)(rp_table *table, const void *values))
 {

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
 typedef struct {
@@ -67,11 +66,6 @@ static const char *spelling(const char *words, bool is_auto, char *buffer, size_
 static bool in_range(const numeric_range *r, double v)
 {
     return (r->open_lo ? v > r->lo : v >= r->lo) && (r->open_hi ? v < r->hi : v <= r->hi);
-}
-
-const char *rp_params_word(const rp_param *param, int index, char *buffer, size_t size)
-{
-    return word_at(param->range, index, buffer, size);
 }
 
 const rp_param *rp_params_find(const rp_param *schema, const char *name)
@@ -260,12 +254,12 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
         break;
     }
     case RP_BOOL: snprintf(buffer, size, "%s", *(const bool *)field ? "true" : "false"); break;
-    case RP_CHOICE: rp_params_word(param, *(const int *)field, buffer, size); break;
+    case RP_CHOICE: word_at(param->range, *(const int *)field, buffer, size); break;
     case RP_FLAGS: {
         unsigned bits = *(const unsigned *)field;
         size_t used = 0;
         buffer[0] = '\0';
-        for (int i = 0; *rp_params_word(param, i, word, sizeof word); i++)
+        for (int i = 0; *word_at(param->range, i, word, sizeof word); i++)
             if (bits & 1u << i && used < size)
                 used += (size_t)snprintf(buffer + used, size - used, "%s%s", used ? "," : "", word);
         break;
@@ -293,7 +287,11 @@ void rp_params_hash(const rp_param *schema, const void *values, unsigned long se
     }
     int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%s\n", seed, run, model);
     XXH3_128bits_update(state, line, (size_t)n);
-    XXH128_hash_t h = XXH3_128bits_digest(state);
+    rp_hash_digits(XXH3_128bits_digest(state), key);
     XXH3_freeState(state);
-    snprintf(key, 33, "%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+}
+
+void rp_hash_digits(XXH128_hash_t hash, char digits[33])
+{
+    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
 }

@@ -4,6 +4,7 @@
 #define RP_PARAMS_H
 
 #include <stddef.h>
+#include <xxhash.h>
 
 #include "core/status.h"
 
@@ -64,12 +65,12 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
-/* Word number `index` of a choice's range, copied into `buffer`; empty if there is none. */
-const char *rp_params_word(const rp_param *param, int index, char *buffer, size_t size);
-
 /* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. Seed, run and `model`, the
  * physics' name, are folded in, so that results of another stream or other physics have another key. */
 void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
                     const char *model, char key[33]);
+
+/* 32 hexadecimal digits and NUL. */
+void rp_hash_digits(XXH128_hash_t hash, char digits[33]);
 
 #endif
