@@ -292,7 +292,8 @@ static void implicit_box(void)
         if (def.tangential != DEM_NONE) CU_ASSERT(l.shear_damping > 0.0 && l.sliding > 0.0);
         if (choice >= 2) CU_ASSERT(seen(l.wells, &l));
         if (choice == 4) CU_ASSERT(seen(l.gravity_turn, &l));
-        if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l) && seen(l.wall_work, &l));
+        if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l));
+        if (!check_fast() && choice != 2) CU_ASSERT(seen(l.wall_work, &l)); /* there nothing leans on it */
         /* what the solver leaves of a grain's own equation, times the force */
         CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
         CHECK_NEAR(l.residual, 0.0, 1e-12 * l.turnover);

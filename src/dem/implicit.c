@@ -9,13 +9,14 @@
  * acts at the middle of the step: gravity; the dashpot, on the change of the overlap, so that what it takes
  * is never negative and begins and ends with the contact; viscous slip under the limit of the step's normal
  * force; wells of the ground, (30), by the quotient of their potential too, which ends at their half-width. A
- * well is as deep as the normal force at the step's beginning has it: it conserves energy while that is
- * constant.
+ * well is as deep as the normal force of the step has it, and conserves energy while that is constant. (With
+ * that of the velocity at the step's beginning, which strong dashpots turn round at each long step, the well
+ * would be deeper on the way back than it was on the way out, and keep a pile rattling for ever.)
  *
  * The unknowns are the ways u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
  * derivative of F is not quite symmetric, as the force is along the middle direction and turns with the last
  * one; Newton's method takes its symmetric part, which is as good as exact while directions turn little in a
- * step, and leaves out that the limit of slip changes with the normal force.
+ * step, and leaves out that the limit of slip and the depth of a well change with the normal force.
  *
  * A step may lead a grain beyond what the neighbour list allows; it is then done again with a new list, and
  * refused if one step alone goes beyond half the skin. */
@@ -235,11 +236,7 @@ static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, 
     const double f_n = normal_force(sim, &l, before, after, &slope, p);
     add_along(&f, n, f_n, slope);
     add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
-    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot))
-        add_well(sim, &slot, t,
-                 dem_law_normal(sim->def.normal, sim->def.tension, l.c->k_n, l.c->gamma_n, l.m_eff, before,
-                                dem_dot(sim->grain[i].v, n)),
-                 &f, p);
+    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot)) add_well(sim, &slot, t, f_n, &f, p);
     if (p) p->n = n, p->s = t;
     return f;
 }
