@@ -163,6 +163,15 @@ $(T)/%_critical.tsv: $(T)/%_runs.tsv
 # Dropped piles: the dip of the mean pressure on their bases, and that pressure.
 $(T)/%_dip.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle dip $< >$@
+# The same for some of the piles: those of one friction of the base; triangles of the hardest disks, by disorder.
+rows_where = awk -F'\t' '/^\#/ { for (i = 1; i <= NF; i++) { name = $$i; sub(/^\# /, "", name); of[name] = i } print; next } $(1)'
+$(T)/li_disorder_mu_%_dip.tsv: $(T)/li_disorder_mu_runs.tsv
+	@$(call rows_where,$$of["mu"] + 0 == $*) $< | $(REPOSE) angle dip - >$@
+$(T)/li_disorder_%_dip.tsv: $(T)/li_disorder_runs.tsv
+	@$(call rows_where,$$of["inner_deg"] == "auto" && $$of["eps"] < 1e-5 && $$of["disorder"] / $* < 1.5 && $$of["disorder"] / $* > 0.5) $< | \
+	  $(REPOSE) angle dip - >$@
+$(T)/li_disorder_mu_trend.tsv: $(T)/li_disorder_mu_runs.tsv
+	@$(REPOSE) angle trend $< --x mu --y D --pair --margin 0.1 >$@
 $(T)/%_profile.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle dip $< --profile >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
@@ -256,11 +265,12 @@ STUDY_li20_point := 100
 STUDY_li20_broad := 100
 STUDY_li20_sizes := 100
 STUDY_li20_rest := 100
-STUDY_li20_choices := 60
+STUDY_li20_choices := 40
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
+STUDY_li_disorder_mu := 200
 # Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
-STUDY_val_dt := 2000
+STUDY_val_dt := 1400
 STUDY_val_integrator := 1400
 STUDY_val_cost := 200
 $(B)/studies/%: sweeps/%.cfg $(CODE)
@@ -326,7 +336,7 @@ endef
 $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
 $(T)/pile_minimum_%.tsv: $(CODE)
-	$(call make_pile,--branch minimum >$@)
+	$(call make_pile,--branch minimum $(addprefix --leave ,$(word 4,$(call pile_words,$*))) >$@)
 # base, tent and eps, and the half-width of the wells where they are not springs
 pile_tent = --base $(word 1,$(1)) --outer-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x1 0.$(word 4,$(1))
 $(T)/pile_tent_%.tsv: $(CODE)
@@ -342,6 +352,11 @@ $(T)/pile_eps.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
 	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
+	$(one_table)
+$(T)/pile_minima.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for k in $$(seq 16); do \
+	  $(REPOSE) pile --branch minimum --leave $$k --summary || exit 1; done >$@.rows
 	$(one_table)
 $(T)/pile_threshold.tsv: $(CODE)
 	@mkdir -p $(T)

@@ -1,5 +1,6 @@
-# Largest stable time step against damping: measured, theory, and the limit above which a scene is refused.
-width = 18.0
+# Largest stable time step against damping: measured, theory, and the limit above which a scene is refused; and
+# the largest that the implicit scheme solves.
+width = 24.0
 height = 9.0
 load 'figures/style.gp'
 # the rows of a system: equal masses, no shear springs
@@ -13,8 +14,10 @@ set xrange [0.01:12]
 set yrange [3e-3:4]
 set xlabel '{/:Italic γ}_n/{/:Italic ω}'
 set xtics ('0' 0.012, '0.03' 0.03, '0.1' 0.1, '0.3' 0.3, '1' 1, '3' 3, '10' 10)
-set multiplot layout 1, 2 margins 0.105, 0.985, 0.14, 0.9 spacing 0.03
+set multiplot
+panel(l, r) = sprintf('set lmargin at screen %g; set rmargin at screen %g; set bmargin at screen 0.14; set tmargin at screen 0.9', l, r)
 do for [scheme in 'verlet gear5'] {
+    eval scheme eq 'verlet' ? panel(0.08, 0.36) : panel(0.38, 0.66)
     set title scheme eq 'verlet' ? 'velocity Verlet' : 'Gear, fifth order' font ',9'
     if (scheme eq 'verlet') {
         set ylabel '{/:Italic ω} d{/:Italic t}, {/:Italic ω}^2 = {/:Italic k}/{/:Italic m}_{eff} of a contact'
@@ -28,4 +31,19 @@ do for [scheme in 'verlet gear5'] {
          NaN with lines lc 1 title 'lines: theory of the scheme', \
          of('packing', scheme) using (at(column('gamma_over_omega'))):(column('omega_dt_limit')) with lines lw 1.5 dt 2 lc 1 title 'refused above (overlap known)'
 }
+eval panel(0.735, 0.99)
+set title 'implicit: elastic grains that collide' font ',9'
+set format y '%g'
+set xrange [7e-5:1.4e-2]
+set yrange [2:2000]
+set xtics ('10^{-4}' 1e-4, '10^{-3}' 1e-3, '10^{-2}' 1e-2)
+set xlabel 'overlap of an impact / {/:Italic r}'
+# solved() reads t('validation_stability_implicit.tsv')
+set ylabel 'largest d{/:Italic t} that is solved / contact time'
+set key top right Left reverse font ',7.5' samplen 2 spacing 1.15
+solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).T.'validation_stability_implicit.tsv | sort -g -k3,3'
+plot solved('direct', '<') using (column('depth')):(column('half_skin')) with lines lw 1.5 dt 2 lc 1 title 'at impact speed a step is half the skin', \
+     solved('direct', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 7 ps 0.8 lc 2 title 'factorisations, tolerance 10^{-15}', \
+     solved('sor', '>') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 9 ps 0.8 lc 4 title 'sweeps, 10^{-12}', \
+     solved('sor', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 5 ps 0.8 lc 3 title 'sweeps, 10^{-15}'
 unset multiplot

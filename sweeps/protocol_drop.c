@@ -6,11 +6,12 @@
  * disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a pile
  * creeps for as long as one waits, so that K_slip and the waiting time decide how steep it stands. The
  * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
- * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough not to shorten the time step. The fall itself is
- * not simulated: a disk starts just above what it will hit, with the speed of its fall. The next falls when
- * no disk is fast or far from balance, though the pile may still sway; after the last it comes to rest
- * entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has a
- * maximum.
+ * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough not to shorten the time step; eps = 2e-3, for
+ * steps as long as can be, gives the same slopes and D as 1e-3 within what 30 piles of 150 tell. The fall
+ * itself is not simulated: a disk starts just above what it will hit, with the speed of its fall. The next
+ * falls when no disk is fast or far from balance, though the pile may still sway; after the last it comes to
+ * rest entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has
+ * a maximum.
  *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
  * saves most of the time, but its weight and its blows make whole flanks slip: held, piles stand 2 or 3
@@ -45,7 +46,7 @@ static const rp_param schema[] = {
     {"restitution", "", RP_REAL, AT(restitution), "0.5", "[0, 1]", "of hard collisions"},
     {"mu", "", RP_REAL, AT(mu), "0.5", "[0, inf)", "friction, of hard collisions and of contacts"},
     {"mu_roll", "", RP_REAL, AT(mu_roll), "0.1", "[0, inf)", "rolling resistance"},
-    {"eps", "", RP_REAL, AT(eps), "1e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
+    {"eps", "", RP_REAL, AT(eps), "2e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
     {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
     {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "the same for shear and rolling"},
     {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <xxhash.h>
 
+#include "angle/dip.h"
 #include "sweeps/heap.h"
 #include "sweeps/protocol.h"
 
@@ -60,7 +61,10 @@ enum {
     OUT_BROKEN,
     OUT_JUMPS,
     OUT_LOAD,
-    N_OUTPUTS
+    OUT_LEFT,
+    OUT_RIGHT,
+    OUT_N,
+    N_OUTPUTS = OUT_N + ANG_DIP_BINS
 };
 static const sweep_output outputs[] = {
     {"n_disks", "", "disks"},
@@ -85,7 +89,13 @@ static const sweep_output outputs[] = {
     {"broken", "", "wells of static friction that broke"},
     {"jumps", "", "times that the primary branch ended"},
     {"load", "", "part of the load up to which equilibrium was followed"},
-    {NULL, NULL, NULL}};
+    {"left_deg", "degree", "slope of the left side; of a tent from the edge to the top"},
+    {"right_deg", "degree", "of the right side"},
+#define BIN(k) {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+    BIN(01) BIN(02) BIN(03) BIN(04) BIN(05) BIN(06) BIN(07) BIN(08) BIN(09) BIN(10) BIN(11) BIN(12) BIN(13)
+        BIN(14) BIN(15) BIN(16) BIN(17) BIN(18) BIN(19) BIN(20)
+#undef BIN
+            {NULL, NULL, NULL}};
 
 static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
 {
@@ -200,6 +210,24 @@ static rp_status find_level(const dem_pile *pile, double *strongest, double *wea
     return RP_OK;
 }
 
+/* As protocol drop has it, from the load of the base disks alone. */
+static rp_status base_profile(const pile_params *p, const sweep_heap *h, const double x[], const double N[],
+                              double *v)
+{
+    an_point outside[5];
+    size_t n = 0;
+    ang_base base = {0};
+    double *r = malloc(h->k * sizeof *r);
+    rp_status status = r ? outline(p, outside, &n) : rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < h->k && r; i++) r[i] = 0.5;
+    if (!status) status = ang_base_profile(h->k, x, r, N, &base);
+    free(r);
+    if (status) return status;
+    v[OUT_LEFT] = v[OUT_RIGHT] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
+    for (int k = 0; k < ANG_DIP_BINS; k++) v[OUT_N + k] = base.N[k];
+    return RP_OK;
+}
+
 static rp_status measure(const pile_params *p, const sweep_heap *h, const dem_pile *pile, double *v)
 {
     const size_t k = h->k;
@@ -228,6 +256,7 @@ static rp_status measure(const pile_params *p, const sweep_heap *h, const dem_pi
         v[OUT_H_CONTINUUM] = deviation[1];
         v[OUT_SLOPE] = middle_slope(h, x, H);
         status = find_level(pile, &v[OUT_STRONGEST_LEVEL], &v[OUT_WEAKEST_LEVEL]);
+        if (!status) status = base_profile(p, h, x, N, v);
     }
     free(disk);
     free(x);

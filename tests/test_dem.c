@@ -965,6 +965,79 @@ static void time_step_limit(void)
     free(grains);
 }
 
+/* A fall from a height counts as its speed at the floor, beside twice the speed of the start. */
+static void limit_of_a_fall(void)
+{
+    for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++)
+        for (double speed = 0.0; speed < 100.0; speed += 40.0) {
+            const double g = 981.0, height = 2.3, end = sqrt(2.0 * g * height);
+            dem_grain grain = {.x = 0.3, .y = height, .r = 0.1, .m = 0.004, .vx = speed};
+            dem_definition def = dem_definition_default();
+            def.normal = law;
+            def.gravity[1] = -g;
+            def.material.gamma_n = 0.0;
+            def.grains = &grain;
+            def.n_grains = 1;
+            def.n_walls = 1;
+            def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+            for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
+                def.integrator = scheme;
+                def.gravity[1] = -g;
+                grain.vx = speed;
+                const double falls = dem_time_step_limit(&def, NULL);
+                def.gravity[1] = 0.0;
+                grain.vx = speed + 0.5 * end;
+                CHECK_NEAR(falls / dem_time_step_limit(&def, NULL), 1.0, 1e-12);
+            }
+        }
+}
+
+/* What is read of grains near rest, against what they are given: in the frame of a box that turns, of the
+ * grains within, without those that are fixed; and the largest force of those that touch something. */
+static void state_near_rest(void)
+{
+    const double turn = 1e-3, dt = 5e-5;
+    const dem_grain grains[4] = {{.x = 0.5, .y = 0.6, .r = 0.1, .m = 0.004, .omega = 3.0},
+                                 {.x = 1.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0},
+                                 {.x = 0.5, .y = 1.6, .r = 0.1, .m = 0.004, .fixed = true},
+                                 {.x = -0.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    def.dt = dt;
+    def.grains = grains;
+    def.n_grains = 4;
+    dem_sim *sim = grains_start(&def);
+    dem_rest rest;
+    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
+    CU_ASSERT(rest.n == 1 && rest.contact_number == 0.0 && rest.net_force == 0.0);
+    const double inertia = dem_inertia(def.shape, 0.004, 0.1);
+    CHECK_NEAR(rest.kinetic_energy, 0.5 * inertia * 9.0, 1e-12);
+    dem_free(sim);
+    def.n_grains = 2;
+    def.box_turn_per_step = turn;
+    sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 1));
+    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
+    /* the box's point came to the grain's place along a chord; its spin is clockwise */
+    const double chord = hypot(0.5, 0.6) * 2.0 * sin(0.5 * turn) / dt, spin = 3.0 + sin(turn) / dt;
+    CHECK_NEAR(rest.kinetic_energy, 0.5 * 0.004 * chord * chord + 0.5 * inertia * spin * spin, 1e-10);
+    dem_free(sim);
+    /* one on a floor, which carries half of its weight, and one that falls */
+    dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
+    def = dem_definition_default();
+    two[0].y = 0.1 - pow(0.5 * 0.004 * 981.0 / (2.0 * def.material.k_n), 2.0 / 3.0);
+    def.grains = two;
+    def.n_grains = 2;
+    def.n_walls = 1;
+    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    sim = grains_start(&def);
+    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
+    CU_ASSERT(rest.n == 2 && rest.contact_number == 0.5);
+    CHECK_NEAR(rest.net_force, 0.5 * 0.004 * 981.0, 1e-9);
+    dem_free(sim);
+}
+
 void suite_dem(void)
 {
     static const check_case cases[] = {{"momentum", momentum},
@@ -991,6 +1064,8 @@ void suite_dem(void)
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},
+                                       {"limit of a fall", limit_of_a_fall},
+                                       {"state near rest", state_near_rest},
                                        {NULL, NULL}};
     check_register("dem", cases);
 }

@@ -118,8 +118,8 @@ static const golden_run runs[] = {
      {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
      drop_hashed,
      "ok",
-     0x07f9b4063b1f66ac,
-     {{"left_deg", 20.667552643869978}, {"right_deg", 26.437776828053746}}},
+     0x962d84e6db9f4558,
+     {{"left_deg", 28.633386523808948}, {"right_deg", 27.681157909637399}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

@@ -263,6 +263,79 @@ static void hard_and_wells(void)
     }
 }
 
+/* The implicit integrator in a box that opens, by both solvers: damping, slip and wells; gravity turns. */
+static void implicit_box(void)
+{
+    const long steps = check_fast() ? 600 : 2400;
+    for (int choice = 0; choice < 6; choice++) {
+        dem_grain *grains;
+        dem_definition def = grains_box(20, 1.0, 21 + choice, &grains);
+        def.integrator = DEM_IMPLICIT;
+        def.implicit.solver = choice & 1 ? DEM_SOLVER_SOR : DEM_SOLVER_DIRECT;
+        def.tangential = choice == 0 ? DEM_NONE : DEM_SLIP_ROLL;
+        def.normal = choice & 2 ? DEM_LINEAR : DEM_HERTZ;
+        def.tension = choice < 3;
+        def.material =
+            (dem_material){.k_n = choice & 2 ? 2e5 : 1e6, .gamma_n = 500.0, .gamma_s = 40.0, .mu = 0.2};
+        if (choice == 0) def.material.gamma_s = def.material.mu = 0.0;
+        for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material = def.material;
+        def.dt = 2e-4;
+        if (choice >= 2) def.ground = (dem_ground){1, 0.3, 1e-3, choice % 3};
+        if (choice == 1) grains[7].fixed = true, grains[7].vx = grains[7].vy = 0.0;
+        if (choice == 4) def.turn_per_step = 2e-4;
+        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
+        def.x_max = 1.1;
+        const dem_ledger l = run_closed("implicit box", &def, steps, 60);
+        CU_ASSERT(l.normal_damping > 0.0 && seen(l.normal_damping, &l));
+        CU_ASSERT(losses(&l) > l.at_walls && l.at_walls > 0.0);
+        if (def.tangential != DEM_NONE) CU_ASSERT(seen(l.shear_damping, &l) && seen(l.sliding, &l));
+        if (def.tangential != DEM_NONE) CU_ASSERT(l.shear_damping > 0.0 && l.sliding > 0.0);
+        if (choice >= 2) CU_ASSERT(seen(l.wells, &l));
+        if (choice == 4) CU_ASSERT(seen(l.gravity_turn, &l));
+        if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l));
+        if (!check_fast() && choice != 2) CU_ASSERT(seen(l.wall_work, &l)); /* there nothing leans on it */
+        /* what the solver leaves of a grain's own equation, times the force */
+        CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
+        CHECK_NEAR(l.residual, 0.0, 1e-12 * l.turnover);
+        free(grains);
+    }
+}
+
+/* Impacts of the implicit scheme without damping lose nothing, to what its solver leaves: two grains, and a
+ * grain that bounces on a floor, with steps of any part of a contact. With damping, all that is lost is in
+ * its channel. */
+static void implicit_conserves(void)
+{
+    for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++)
+        for (int solver = DEM_SOLVER_DIRECT; solver <= DEM_SOLVER_SOR; solver++)
+            for (double dt = 2e-6; dt < 1e-3; dt *= 7.0)
+                for (int damped = 0; damped < 2; damped++) {
+                    dem_grain grains[2];
+                    dem_definition def = two_grains(grains, law, damped ? 900.0 : 0.0, true);
+                    def.integrator = DEM_IMPLICIT;
+                    def.implicit.solver = solver;
+                    def.dt = dt;
+                    def.skin = 0.2;
+                    grains[1].vx *= 0.3, grains[1].vy *= 0.3;
+                    const dem_ledger l =
+                        run_closed("implicit impact", &def, lround(8e-3 / dt / 20.0) * 20, 20);
+                    CHECK_NEAR(l.integration, 0.0, 1e-11 * l.turnover);
+                    CU_ASSERT(l.turnover > 0.0);
+                    CU_ASSERT(damped ? l.normal_damping > 0.0 && seen(l.normal_damping, &l)
+                                     : losses(&l) == 0.0);
+                }
+    dem_grain grain;
+    const dem_material floor = {.k_n = 1e5};
+    dem_definition def = kicked(&grain, 15.0, &floor);
+    grain.y = 0.3;
+    def.integrator = DEM_IMPLICIT;
+    def.tangential = DEM_NONE;
+    def.dt = 1e-4;
+    const dem_ledger l = run_closed("implicit bounce", &def, 4000, 40);
+    CU_ASSERT(losses(&l) == 0.0 && l.wall_work == 0.0);
+    CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
+}
+
 /* Nothing slides where friction has no limit, whatever the scheme makes of the sway: of a grain on a floor,
  * and of two in the midst of an impact. */
 static void sticking(void)
@@ -420,6 +493,8 @@ void suite_ledger(void)
                                        {"gravity or the box turns", turns},
                                        {"grains put in, clone", grains_put_in},
                                        {"hard collisions, wells", hard_and_wells},
+                                       {"implicit: boxes", implicit_box},
+                                       {"implicit: nothing lost to the scheme", implicit_conserves},
                                        {NULL, NULL}};
     check_register("energy ledger", cases);
 }

@@ -477,7 +477,6 @@ static void refusals(void)
     REFUSES((def.tension = false, def.hard.on = true), "hard: collisions need the integrator verlet");
     REFUSES(def.walls[0].extent[1] = 5.0,
             "wall 1: extent = [-inf, 5]: the integrator implicit needs whole lines");
-    REFUSES(def.ledger = true, "has no energy ledger");
     REFUSES(def.box_turn_per_step = 0.01, "the integrator implicit needs walls that stand");
     REFUSES((def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = 2.0),
             "relaxation = 2: out of range");

@@ -489,6 +489,134 @@ static void sideways(void)
         }
 }
 
+/* A box full of grains, gravity turned or the box turned: up to this angle by now, then left alone until they
+ * rest. */
+enum { MANY = 40 };
+static const double WIDTH = 2.0, HEIGHT = 2.2;
+
+static dem_sim *start_full_box(int scheme, double mu, bool lid)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
+    def.integrator = scheme;
+    def.material.mu = mu;
+    for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
+    if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
+    def.x_max = lid ? INFINITY : 1.5 * WIDTH;
+    dem_sim *sim = grains_start(&def);
+    free(grains);
+    CHECK_OK(dem_run(sim, 10000));
+    return sim;
+}
+
+/* Kinetic and elastic energy, at most, over `steps`; NAN for a run that stops. */
+static double most_energy(dem_sim *sim, long steps)
+{
+    double most = 0.0;
+    for (long part = 0; part < 50; part++) {
+        dem_energy e;
+        if (dem_run(sim, steps / 50) != RP_OK) return NAN;
+        dem_energies(sim, &e);
+        most = fmax(most, e.kinetic + e.elastic);
+    }
+    return most;
+}
+
+static double turn_box(dem_sim *sim, bool box, double angle, long resting)
+{
+    const long turning = 16000;
+    (box ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)turning);
+    const double most = most_energy(sim, turning);
+    (box ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
+    const double rest = most_energy(sim, resting);
+    return isnan(most) || isnan(rest) ? NAN : fmax(most, rest);
+}
+
+/* Mass of the grains, and how many of them are within the closed box. */
+static double mass_within(const dem_sim *sim, size_t *within)
+{
+    dem_state states[MANY];
+    double mass = 0.0;
+    *within = 0;
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < dem_count(sim); i++) {
+        double x = states[i].x, y = states[i].y;
+        dem_box_frame(sim, &x, &y);
+        *within += x > 0.0 && x < WIDTH && y > 0.0 && y < HEIGHT;
+        mass += states[i].m;
+    }
+    return mass;
+}
+
+/* No grain leaves a closed box; in the end its walls carry the weight: smooth ones each the component along
+ * its normal. All that moves is what fell within the box, with no more energy than that gives. */
+static void turned_boxes(void)
+{
+    for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
+        for (int box = 0; box < 2; box++)
+            for (int rough = 0; rough < 2; rough++)
+                for (int degrees = check_full() ? 45 : 90; degrees <= 180;
+                     degrees += check_full() ? 45 : 90) {
+                    const double angle = degrees * M_PI / 180.0;
+                    dem_sim *sim = start_full_box(scheme, rough ? 0.2 : 0.0, true);
+                    size_t within;
+                    const double most = turn_box(sim, box == 1, angle, 30000),
+                                 mass = mass_within(sim, &within);
+                    const double weight = mass * G, turned = dem_box_angle(sim);
+                    double f[8], along[4], sum[2] = {0.0, 0.0};
+                    dem_wall_forces(sim, f);
+                    static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
+                    for (int w = 0; w < 4; w++) {
+                        double x = f[2 * w], y = f[2 * w + 1];
+                        dem_box_frame(sim, &x, &y);
+                        along[w] = (x * out[w][0] + y * out[w][1]) / weight;
+                        sum[0] += x / weight, sum[1] += y / weight;
+                    }
+                    PARAMETERS("%d grains, mu = %g, %d degrees, %s turned, %s", MANY, rough ? 0.2 : 0.0,
+                               degrees, box ? "box" : "gravity", scheme_names[scheme]);
+                    EXPECTED("all within; walls carry %.4g, %.4g of the weight; energy below weight times "
+                             "width and height",
+                             sin(angle), -cos(angle));
+                    OBSERVED("%zu within, turned by %.4g; %.6g, %.6g; floor %.4g, left %.4g, right %.4g, lid "
+                             "%.4g; "
+                             "energy %.3g",
+                             within, turned, sum[0], sum[1], along[0], along[1], along[2], along[3],
+                             most / (weight * (WIDTH + HEIGHT)));
+                    double off = hypot(sum[0] - sin(angle), sum[1] + cos(angle));
+                    if (!rough && fmod(degrees, 90.0) == 0.0) /* one wall carries all */
+                        off = fmax(off, fabs(along[degrees == 90 ? 2 : 3] - 1.0));
+                    /* on shear springs grains still sway: their damping is weak */
+                    verdict("full box turned", within == MANY && off < (rough ? 5e-3 : 1e-3) &&
+                                                   most < weight * (WIDTH + HEIGHT));
+                    dem_free(sim);
+                }
+}
+
+/* Open on top or at the side: what falls out is counted, and nothing of it is left on the floor. */
+static void emptied_boxes(void)
+{
+    for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
+        for (int box = 0; box < 2; box++)
+            for (int side = 0; side < 2; side++) {
+                dem_sim *sim = start_full_box(scheme, 0.2, false);
+                if (side) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+                const double most = turn_box(sim, box == 1, side ? M_PI_2 : M_PI, 10000);
+                size_t within, left;
+                mass_within(sim, &within);
+                left = dem_count(sim);
+                double f[8]; /* the sides are whole lines, that still guide what falls */
+                dem_wall_forces(sim, f);
+                const double force = hypot(f[2 * DEM_BOX_FLOOR], f[2 * DEM_BOX_FLOOR + 1]);
+                PARAMETERS("%d grains, %s turned, open %s, %s", MANY, box ? "box" : "gravity",
+                           side ? "at the side" : "on top", scheme_names[scheme]);
+                EXPECTED("0 within, %d there", side ? 0 : MANY);
+                OBSERVED("%zu within, %zu there, force on the floor %.3g", within, left, force);
+                verdict("full box emptied",
+                        within == 0 && left == (size_t)(side ? 0 : MANY) && force == 0.0 && isfinite(most));
+                dem_free(sim);
+            }
+}
+
 /* Two good grains, but for one field of them or of the definition. */
 static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, double value,
                          const char *name, const char *word)
@@ -715,7 +843,7 @@ static void tilts(void)
 
 static char answer[1 << 16];
 
-/* Run a line of shell with $REPOSE, ended after 60 s; what it says is in `answer`, its exit status returned.
+/* Run a line of shell with $REPOSE, killed after 60 s; what it says is in `answer`, its exit status returned.
  */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
@@ -723,7 +851,7 @@ static int program(const char *format, ...)
     char line[2048];
     const char *name = getenv("REPOSE");
     CU_ASSERT_FATAL(access(name ? name : "build/repose", X_OK) == 0);
-    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout 60 ", name ? name : "build/repose");
+    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout -s KILL 60 ", name ? name : "build/repose");
     va_list args;
     va_start(args, format);
     vsnprintf(line + used, sizeof line - (size_t)used, format, args);
@@ -866,12 +994,47 @@ static void lines(void)
         {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},
         {"angle tilt --mu -1 --theta-r-deg 10", "mu = -1", 65},
         {"angle tilt --mu infinite --theta-r-deg 10", "no_slide", 0},
+        {"angle marginal --mu nan", "mu", 65},
+        {"tent --outer-deg 0 --inner-deg 45 --x1 0.3", "outer-deg = 0", 65},
+        {"tent --outer-deg 30 --inner-deg 60 --x1 0.3", "inner-deg = 60", 65},
+        {"tent --outer-deg 30 --inner-deg 45 --x1 0.5", "x1 = 0.5", 65},
+        {"tent --outer-deg 1e-9 --inner-deg 59.999 --x1 1e-9 --at 0.5", "0.5\t", 0},
     };
     for (size_t i = 0; i < COUNT(list); i++) {
         PARAMETERS("repose %s", list[i].line);
         program_refuses("program", program("\"$REPOSE\" %s 2>&1", list[i].line), list[i].status,
                         list[i].word);
     }
+}
+
+/* Scenes of a grain that comes to a wall, far over-damped to not at all: the run ends, and says of the impact
+ * what there is to say. */
+static void run_scenes(void)
+{
+    static const char *const frictions[] = {"0.0", "1e-12", "10.0", "\"infinite\""};
+    for (int law = 0; law < 2; law++)
+        for (int scheme = 0; scheme < 3; scheme++)
+            for (double gamma = 0.0; gamma<1e13; gamma = gamma> 0.0 ? 1e3 * gamma : 1e4)
+                for (size_t f = 0; f < (scheme == DEM_IMPLICIT || !check_full() ? 1 : COUNT(frictions));
+                     f++) {
+                    PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], scheme_names[scheme], gamma,
+                               frictions[f]);
+                    const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
+                                               "printf \"%%s\" \"$1\" >$d/s.cfg; "
+                                               "\"$0\" run $d/s.cfg 2>&1' \"$REPOSE\" 'integrator = \"%s\"; "
+                                               "dt = 1.0e-14; steps = 20; "
+                                               "normal = { law = \"%s\"; k_n = 100.0; gamma_n = %.17e; }; "
+                                               "tangential = { law = \"%s\"; mu = %s; }; "
+                                               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); "
+                                               "particles = ( { x = 0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
+                                               scheme_names[scheme], law_names[law], gamma,
+                                               scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
+                    const double vy = last_cell("vy");
+                    EXPECTED("flies on at -1");
+                    OBSERVED("exit status %d: vy = %.9g", status, vy);
+                    verdict("scene", status == 0 && fabs(vy + 1.0) < 1e-9 &&
+                                         strstr(answer, "# impact: two mean") != NULL);
+                }
 }
 
 /* A million grains, all of which touch two others: they fall as one. */
@@ -924,6 +1087,8 @@ static void extremes(void)
     scaled_units();
     zero_velocities();
     sideways();
+    turned_boxes();
+    emptied_boxes();
     bad_values();
     step_limits();
     hard_collisions();
@@ -932,6 +1097,7 @@ static void extremes(void)
     tilts();
     soft_piles();
     box_shapes();
+    run_scenes();
     lines();
     if (check_full()) million();
     CU_ASSERT(n_cases >= 300);

@@ -182,7 +182,7 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
     dem_grain grain;
     const double dt = exact->time / n;
     dem_definition def = flight(p, integrator, dt, phase, &grain);
-    def.ledger = integrator != DEM_IMPLICIT; /* which has none */
+    def.ledger = integrator != DEM_IMPLICIT; /* which adds nothing of which there were an order */
     dem_sim *sim = grains_start(&def);
     /* Gear's derivatives die out over some steps after the contact */
     CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));

@@ -26,6 +26,9 @@ typedef struct {
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
                     int *n_arguments, bool *done);
 
+/* Whether option `name` was on the command line that was parsed last. */
+bool cli_given(const cli_command *command, const char *name);
+
 /* A command without arguments: parse, act with the options `values`. Errors: those of cli_parse, and the
  * action's own. */
 rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,

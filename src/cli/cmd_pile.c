@@ -11,7 +11,7 @@
 #include "sweeps/heap.h"
 
 typedef struct {
-    long base, load_steps, seed, piles;
+    long base, load_steps, seed, piles, leave;
     double alpha_deg, outer_deg, inner_deg, x_1, gap, disorder;
     double eps, k_x, well, mu, set_load;
     bool linear, set_again, summary, threshold;
@@ -54,6 +54,9 @@ static const rp_param schema[] = {
      "part of the load under which the disks' places become the wells' x_0; 0: their places in the lattice"},
     {"branch", "", RP_CHOICE, offsetof(options, branch), "primary", "primary | minimum",
      "the state that grows from no load, stable or not; or a minimum of the energy near it"},
+    {"leave", "", RP_INT, offsetof(options, leave), "0", "[0, 2147483647]",
+     "with --branch minimum: the minimum that is come to from the primary state along direction number N, "
+     "drawn among those in which it is not stable; 0: straight downhill from the linearised state"},
     {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
@@ -68,7 +71,7 @@ static const cli_command command = {
     .name = "pile",
     .synopsis =
         "[--base K] [--alpha-deg A | --outer-deg A --inner-deg A --x1 X | --outline FILE | --disks FILE]\n"
-        "       [--eps E | --linear] [--k-x K | --well A [--mu MU]] [--branch primary|minimum]\n"
+        "       [--eps E | --linear] [--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n"
         "       [--disorder S [--seed N] [--piles N]] [-o DIR]",
     .about =
         "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
@@ -158,6 +161,9 @@ static void write_header(FILE *out, const options *o, const sweep_heap *h, const
     rp_table_note(out, "B", "%.17g sigma", h->B);
     rp_table_note(out, "status", "%s", dem_pile_fault_text(r->fault));
     rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
+    if (!isnan(r->released))
+        rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
     rp_table_note(out, "residual", "%.3g m g", r->residual);
     rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
     rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
@@ -198,15 +204,19 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
                                              {"horizontal", ""},
                                              {"broken", ""},
                                              {"jumps", ""},
+                                             {"leave", ""},
+                                             {"energy", "m g eps sigma"},
+                                             {"released", "m g eps sigma"},
                                              {"seconds", "s"},
                                              {"memory", "MB"},
                                              {"status", ""}};
-    rp_table_columns(stdout, 16, columns);
-    rp_table_row_word(stdout, 15,
+    rp_table_columns(stdout, 19, columns);
+    rp_table_row_word(stdout, 18,
                       (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, e->N_rms, e->N_max,
                                  e->H_ratio, (double)r->negative_modes, r->smallest_pivot, r->residual,
                                  (double)r->contacts, (double)r->horizontal, (double)r->broken,
-                                 (double)r->jumps, rp_cpu_clock(), rp_peak_memory()},
+                                 (double)r->jumps, (double)o->leave, r->energy, r->released, rp_cpu_clock(),
+                                 rp_peak_memory()},
                       dem_pile_fault_text(r->fault));
 }
 
@@ -297,6 +307,27 @@ static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *p
     return status;
 }
 
+/* Options that would have no effect beside others. */
+static rp_status check_idle(const options *o)
+{
+    const struct {
+        const char *option;
+        bool idle;
+        const char *why;
+    } idle[] = {{"base", *o->disks, "--disks says it all"},
+                {"eps", o->linear, "--linear is the limit eps -> 0"},
+                {"load-steps", o->linear, "--linear has no steps of the load"},
+                {"leave", !o->branch || o->linear, "goes with --branch minimum, not with --linear"},
+                {"set-again", !(o->well > 0), "goes with --well"},
+                {"mu", !(o->well > 0), "goes with --well"},
+                {"seed", !(o->disorder > 0), "goes with --disorder"}};
+    for (size_t i = 0; i < sizeof idle / sizeof *idle; i++)
+        if (idle[i].idle && cli_given(&command, idle[i].option))
+            return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
+                           idle[i].why);
+    return RP_OK;
+}
+
 static rp_status check_usage(const options *o)
 {
     const int tent = (o->outer_deg > 0) + (o->inner_deg > 0) + (o->x_1 > 0);
@@ -313,9 +344,7 @@ static rp_status check_usage(const options *o)
         return rp_fail(RP_USAGE, "--disks says it all: no --disorder, no --gap; see repose pile --help");
     if (o->piles > 1 && (!(o->disorder > 0) || o->threshold || o->summary || *o->directory))
         return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
-    if (o->mu > 0 && !(o->well > 0))
-        return rp_fail(RP_USAGE, "--mu goes with --well; see repose pile --help");
-    return RP_OK;
+    return check_idle(o);
 }
 
 static dem_pile_definition define(const options *o, const sweep_heap *h)
@@ -333,6 +362,7 @@ static dem_pile_definition define(const options *o, const sweep_heap *h)
     def.set_again = o->set_again;
     def.set_load = o->set_load;
     def.branch = o->branch;
+    def.leave = (unsigned long)o->leave;
     def.load_steps = o->load_steps;
     return def;
 }

@@ -8,6 +8,8 @@
 
 enum { MAX_OPTIONS = 40 };
 
+static bool given[MAX_OPTIONS]; /* of the command that was parsed last */
+
 static const char *dashes(const rp_param *option)
 {
     return strlen(option->name) == 1 ? "-" : "--";
@@ -42,8 +44,8 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
     char shorts[3 * MAX_OPTIONS] = ":";
-    bool given[MAX_OPTIONS] = {false};
     int n = 0;
+    memset(given, 0, sizeof given);
     for (const rp_param *p = command->options; p->name && n < MAX_OPTIONS; p++, n++) {
         longs[n] =
             (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
@@ -89,6 +91,13 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
         return rp_fail(RP_USAGE, "usage: repose %s %s", command->name, command->synopsis);
     for (int i = 0; i < *n_arguments; i++) arguments[i] = argv[optind + i];
     return RP_OK;
+}
+
+bool cli_given(const cli_command *command, const char *name)
+{
+    int index = 0;
+    while (strcmp(command->options[index].name, name) != 0) index++;
+    return given[index];
 }
 
 rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,

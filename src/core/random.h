@@ -12,7 +12,8 @@ typedef enum {
     RP_PURPOSE_RADII = 1,
     RP_PURPOSE_PLACES = 2,
     RP_PURPOSE_BOOTSTRAP = 3,
-    RP_PURPOSE_TEST = 4
+    RP_PURPOSE_TEST = 4,
+    RP_PURPOSE_DIRECTION = 5
 } rp_purpose;
 
 /* The generator type. gsl_rng_set(r, seed) gives stream (seed, 0, 0). */

@@ -271,8 +271,9 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * energy of the grains put in and taken out, contacts of these included; work of gravity's change, and of
  * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
  * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
- * each step against the changes of kinetic energy and of the potentials. What a loss with memory, a well or a
- * spring of the untruncated law, gives back counts as negative. */
+ * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
+ * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back counts
+ * as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -)                                                                                          \
@@ -331,8 +332,9 @@ double dem_mass(int shape, double density, double r);
 double dem_inertia(int shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
- * adaptive Runge-Kutta method: an answer that does not come from the simulator. A pair that never parts has
- * restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+ * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4 of
+ * the spring's rate, the limit of no spring, good to 1e-8. A pair that never parts has restitution 0 and time
+ * INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;

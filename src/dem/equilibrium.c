@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/random.h"
 #include "dem/bonds.h"
 #include "dem/stiffness.h"
 
@@ -22,29 +23,33 @@ static const double LEVEL = 0.2588;       /* sin(15 degrees): bonds below it are
 static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step moves neighbours apart */
 static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
-static const double KEEP_FACTOR = 0.02; /* residual falls by this a step: the old factorisation still does */
-static const double CURVED = 0.5;       /* slope left or turned round after a step, of that before it */
-static const double LONGER = 8;         /* the next trial of a step that was too short */
-static const double APART = 3;          /* residual over that of the load step's start: going astray */
-static const double UPDATE_MAX = 8;     /* of sqrt(n): contacts that may change without factorising anew */
-static const double SINGULAR = 1e-11;   /* K_s: smaller pivots are rounding */
-static const double HOLD = 1e-9;        /* K_s: of disks that nothing holds, while it is sought what might */
-static const double SAME_PIVOTS = 1e-6; /* of the smallest pivot: a change that turns no sign */
-static const double SOFTEN_MIN = 1e-6;  /* least softening of a singular or negative stiffness */
-static const double KICK = 0.1;         /* of the largest force: how far a saddle is left for a minimum */
-/* How equilibrium is sought: of the linearised problem; on the branch that a load follows, stable or not;
- * downhill to a minimum. */
-enum { LINEAR, FOLLOW, DESCEND };
+static const double KEEP_FACTOR = 0.02;  /* residual falls by this a step: the old factorisation still does */
+static const double CURVED = 0.5;        /* slope left or turned round after a step, of that before it */
+static const double LONGER = 8;          /* the next trial of a step that was too short */
+static const double APART = 3;           /* residual over that of the load step's start: going astray */
+static const double UPDATE_MAX = 8;      /* of sqrt(n): contacts that may change without factorising anew */
+static const double SINGULAR = 1e-11;    /* K_s: smaller pivots are rounding */
+static const double HOLD = 1e-9;         /* K_s: of disks that nothing holds, while it is sought what might */
+static const double SAME_PIVOTS = 1e-6;  /* of the smallest pivot: a change that turns no sign */
+static const double SOFTEN_MIN = 1e-6;   /* least softening of a singular stiffness, or of open contacts */
+static const double SOFTEN_FIRST = 1e-4; /* the first that is tried of a negative or singular stiffness */
+static const double HELD =
+    1e-3; /* of the smallest pivot: what keeps open contacts does not hide a free disk */
+static const double KICK = 0.1; /* of the largest force: how far a saddle is left for a minimum */
+/* How equilibrium is sought: on the branch that a load follows, stable or not; downhill, minding the slope,
+ * as in the linearised problem and from a saddle; downhill by long strides at first, whatever the slope. */
+enum { FOLLOW, DESCEND, STRIDE };
 enum {
-    STEPS_LINEAR = 1000,
     STEPS_FOLLOW = 15,
+    STEPS_STRIDE = 15,
     TRIALS = 40,
     STEPS_DESCEND = 2000,
     WELL_ROUNDS = 100,
     SMALLEST_STEP = 10,
     KICKS = 20,
     HALVED = 1000, /* disks: more, and a smaller pile is solved first */
-    INVERSE_STEPS = 30
+    INVERSE_STEPS = 30,
+    MIXING_STEPS = 1 /* leaves many modes in */
 };
 
 typedef struct {
@@ -320,21 +325,42 @@ static void assemble(dem_pile *pile, bool start, double soften, double shift)
     }
 }
 
+/* Energy of contacts, wells and weight, in m g eps sigma. */
+static double energy(const dem_pile *pile)
+{
+    double sum = 0;
+    for (size_t i = 0; i < pile->n; i++) {
+        const double f = fmax(ground_push(pile, i, pile->w), 0);
+        sum += f * f / 2 + pile->disks[i].weight * pile->w[2 * i + 1];
+    }
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r, f = fmax(bond_push(pile, k, pile->w, n, &r), 0);
+        sum += f * f / 2;
+    }
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        const double x = pile->w[2 * pile->wells[i].disk] - pile->wells[i].x_0;
+        sum += pile->wells[i].k * x * x / 2;
+    }
+    return sum;
+}
+
 static bool same_contacts(const dem_pile *pile)
 {
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r;
-        if (pile->bonds[k].hard != (bond_push(pile, k, pile->w, n, &r) > 0)) return false;
+        const bool pushes = bond_push(pile, k, pile->w, n, &r) > 0;
+        if (pushes ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
     }
     return true;
 }
 
 /* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
- * is sought; disks that even then are free get a weak hold. How far is remembered: the next is near the last.
- */
-static rp_status factorise(dem_pile *pile, bool start, bool positive)
+ * is sought; disks that even then are free get a weak hold. How far is remembered, and less is tried where
+ * the residual is falling. */
+static rp_status factorise(dem_pile *pile, bool start, bool positive, bool falling)
 {
-    double soften = pile->soften > SOFTEN_MIN ? pile->soften / 10 : 0, hold = 0;
+    double soften = falling ? pile->soften / 10 : pile->soften, hold = 0;
+    if (soften < SOFTEN_MIN) soften = 0;
     for (;;) {
         assemble(pile, start, soften, hold);
         rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
@@ -346,7 +372,7 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive)
             return RP_NO_RESULT;
         }
         if (soften == 1) hold = HOLD;
-        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_MIN;
+        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_FIRST;
     }
     pile->soften = soften;
     pile->moved = 0;
@@ -471,10 +497,12 @@ static double advance(dem_pile *pile, bool whole)
  * by, and left at once when they do not come closer: another step might find another branch. */
 static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double first)
 {
-    static const int most[] = {[LINEAR] = STEPS_LINEAR, [FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND};
+    static const int most[] = {[FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND, [STRIDE] = STEPS_DESCEND};
     if (spread(pile)) return DEM_PILE_SPREADS;
     if (step == most[mode] || !(pile->result.residual < INFINITY)) return DEM_PILE_NOT_CONVERGED;
-    return mode == FOLLOW && pile->result.residual > APART * first ? DEM_PILE_NOT_CONVERGED : DEM_PILE_OK;
+    return mode == FOLLOW && pile->pivots.negative && pile->result.residual > APART * first
+               ? DEM_PILE_NOT_CONVERGED
+               : DEM_PILE_OK;
 }
 
 static rp_status newton(dem_pile *pile, bool start, int mode)
@@ -487,13 +515,14 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
         rp_status status = RP_OK;
-        if (!serves && !update(pile, &status) && !status) status = factorise(pile, start, mode != FOLLOW);
+        if (!serves && !update(pile, &status) && !status)
+            status = factorise(pile, start, mode != FOLLOW, r->residual < last);
         if (status) return status;
         last = r->residual;
         status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
         if (status) return status;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
-        r->residual = advance(pile, mode == FOLLOW);
+        r->residual = advance(pile, mode == FOLLOW || (mode == STRIDE && step < STEPS_STRIDE));
         r->steps++;
     }
     r->fault = DEM_PILE_OK;
@@ -558,32 +587,32 @@ static rp_status settle(dem_pile *pile, int mode)
 
 /* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
  * doubled where one does not. Where even the smallest fails the branch has ended, and the pile jumps: it goes
- * downhill. */
+ * downhill, and stays at minima from there on. */
 static rp_status raise_eps(dem_pile *pile, double to)
 {
     double *load = &pile->result.load;
     const double most = 1 / (double)pile->def.load_steps;
-    const int usual = pile->def.branch == DEM_BRANCH_MINIMUM ? DESCEND : FOLLOW;
-    int mode = usual;
+    int mode = pile->def.branch == DEM_BRANCH_MINIMUM && !pile->def.leave ? STRIDE : FOLLOW;
     for (double step = most; *load < 1;) {
-        const double next = fmin(*load + step, 1);
+        step = fmin(step, 1 - *load);
         memcpy(pile->kept, pile->w, 2 * pile->n * sizeof *pile->w);
-        pile->eps = next * to;
+        pile->eps = (*load + step) * to;
+        pile->factored = false;
         rp_status status = settle(pile, mode);
         if (!status) {
-            *load = next;
-            pile->result.jumps += mode != usual;
-            mode = usual;
+            *load = 1 - *load > step ? *load + step : 1;
             step = fmin(2 * step, most);
             continue;
         }
-        if (status != RP_NO_RESULT || mode != FOLLOW || pile->result.broken) return status;
+        step /= 2;
+        const bool ended = step < most / SMALLEST_STEP;
+        if (status != RP_NO_RESULT || (mode == STRIDE && ended) || pile->result.broken) return status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
-        pile->factored = false;
-        if (step < most / SMALLEST_STEP)
-            mode = DESCEND;
-        else
-            step /= 2;
+        if (ended) {
+            mode = STRIDE;
+            pile->result.jumps = 1;
+            step = most;
+        }
     }
     return RP_OK;
 }
@@ -651,10 +680,10 @@ static rp_status solve_linear(dem_pile *pile, double a)
     pile->factored = false;
     pile->soften = pile->eps = 0;
     pile->a = a;
-    pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n};
+    pile->result = (dem_pile_result){.wells = pile->n_wells, .first_broken = pile->n, .released = NAN};
     rp_status status = expect_contacts(pile, a);
     memset(pile->w, 0, 2 * pile->n * sizeof *pile->w);
-    return status ? status : converge(pile, true, LINEAR);
+    return status ? status : converge(pile, true, DESCEND);
 }
 
 /* The state at `eps`. */
@@ -662,7 +691,7 @@ static rp_status find_state(dem_pile *pile, double eps, double a)
 {
     rp_status status = solve_linear(pile, a);
     if (status || eps > 0) return status ? status : raise_eps(pile, eps);
-    status = settle(pile, LINEAR);
+    status = settle(pile, DESCEND);
     pile->result.load = !status;
     return status;
 }
@@ -676,12 +705,22 @@ static rp_status set_wells(dem_pile *pile, double part)
     return status;
 }
 
+/* Most stiffness that an open contact has in the factorised matrix. */
+static double kept_open(const dem_pile *pile)
+{
+    double most = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++)
+        if (pile->bonds[k].hard < 1) most = fmax(most, pile->bonds[k].hard);
+    return most;
+}
+
 /* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
- */
+ * The linearised problem's has no negative ones, so what open contacts keep may at most hide a free disk. */
 static rp_status count_modes(dem_pile *pile)
 {
     const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == DEM_WELL_SPRING &&
-                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile);
+                       pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile) &&
+                       kept_open(pile) <= (pile->eps > 0 ? 0 : HELD * pile->pivots.smallest);
     rp_status status = RP_OK;
     if (!exact) {
         assemble(pile, false, 0, 0);
@@ -699,10 +738,13 @@ static rp_status count_modes(dem_pile *pile)
 }
 
 /* Leave a saddle along a direction close to its least stable mode, by inverse iteration with the stiffness
- * that is shifted just enough to be positive. */
+ * that is shifted just enough to be positive; or, after few iterations, along a mixture of unstable modes. */
 static rp_status kick(dem_pile *pile)
 {
-    rp_status status = RP_OK;
+    const int steps = pile->def.leave ? MIXING_STEPS : INVERSE_STEPS;
+    gsl_rng *rng = rp_random_alloc(pile->def.leave, 0, RP_PURPOSE_DIRECTION);
+    rp_status status = rng ? RP_OK : rp_fail(RP_NO_MEMORY, "random stream: out of memory");
+    if (status) return status;
     double shift = 1e-6;
     do {
         assemble(pile, false, 0, shift);
@@ -710,9 +752,9 @@ static rp_status kick(dem_pile *pile)
         pile->result.factored++;
         shift *= 2;
     } while (!status && (pile->pivots.negative || !(pile->pivots.smallest > 0)));
-    for (size_t i = 0; i < 2 * pile->n; i++) /* any start without a symmetry */
-        pile->p[i] = (double)(uint32_t)(2654435761u * (uint32_t)(i + 1)) / UINT32_MAX - 0.5;
-    for (int step = 0; !status && step < INVERSE_STEPS; step++) {
+    for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = gsl_rng_uniform(rng) - 0.5;
+    gsl_rng_free(rng);
+    for (int step = 0; !status && step < steps; step++) {
         const double scale = 1 / largest(pile->p, 2 * pile->n);
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] *= scale;
         status = dem_stiffness_solve(pile->matrix, pile->p, pile->p);
@@ -731,12 +773,14 @@ static rp_status kick(dem_pile *pile)
 
 static rp_status go_to_minimum(dem_pile *pile)
 {
+    const double primary = energy(pile);
     for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
         rp_status status = kick(pile);
         if (!status) status = settle(pile, DESCEND);
         if (!status) status = count_modes(pile);
         if (status) return status;
     }
+    if (pile->def.leave) pile->result.released = primary - energy(pile);
     if (!pile->result.negative_modes) return RP_OK;
     pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;
@@ -818,6 +862,7 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
     if (!status && def->eps > 0) status = check_meetings(pile);
     if (status == RP_NO_RESULT && pile->result.broken) pile->result.fault = DEM_PILE_SPREADS;
     count_contacts(pile);
+    pile->result.energy = energy(pile);
     *result = pile->result;
     return status == RP_NO_RESULT ? explain(pile) : status;
 }

@@ -27,10 +27,12 @@ typedef struct {
 enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
 
 /* Which equilibrium, where there are several: the one that grows from no load, stable or not; or a minimum of
- * the energy near it, found by going downhill along the direction in which it is least stable. The primary
- * branch is followed from the linearised problem by raising eps, which is in proportion to the weight; where
- * it ends, as contacts close or open, the pile jumps downhill to another branch, and result.jumps counts
- * that. */
+ * the energy near it, found by going downhill: from the linearised state; or, where def.leave is not 0, from
+ * the primary state along a mixture, drawn with that number, of the directions in which it is not stable. The
+ * primary branch is followed from the linearised problem by raising eps, which is in proportion to the
+ * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, and
+ * result.jumps is 1.
+ */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
 enum { DEM_PILE_MAX = 20000000 }; /* disks */
@@ -46,7 +48,8 @@ typedef struct {
     bool set_again;  /* a broken well is set anew where its disk then is; else it stays broken */
     double set_load; /* x_0 is the disk's place under this part of the load; 0: its place at the start */
     int branch;
-    long load_steps; /* in which the load is raised; halved where a step fails */
+    unsigned long leave; /* below 2^32 */
+    long load_steps;     /* in which the load is raised; halved where a step fails */
     /* Called before each step with what is known then, also of smaller piles that are solved on the way. */
     void (*watch)(size_t n, const struct dem_pile_result *so_far, void *context);
     void *context;
@@ -73,16 +76,18 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
  * from level at the start. */
 typedef struct dem_pile_result {
     dem_pile_fault fault;
-    double load;            /* part of eps, and so of the weight, up to which it was followed */
-    size_t jumps;           /* times that the primary branch ended before */
-    double residual;        /* largest net force on a disk, m g */
-    size_t negative_modes;  /* of the stiffness: 0 is a stable state */
-    double smallest_pivot;  /* of its factorisation, K_s: near 0, the pile can move freely */
-    size_t pivot_disk;      /* disk of that pivot */
-    size_t contacts;        /* between disks */
-    size_t horizontal;      /* of those */
-    size_t wells, broken;   /* wells at the start; now broken, or set anew at least once */
-    size_t first_broken;    /* disk whose well broke first; n if none */
+    double load;     /* part of eps, and so of the weight, up to which it was followed */
+    size_t jumps;    /* 1: the primary branch ended before all of eps */
+    double residual; /* largest net force on a disk, m g */
+    double energy,
+        released;          /* m g eps sigma, 0 before any load; that of the primary state less it, if known */
+    size_t negative_modes; /* of the stiffness: 0 is a stable state */
+    double smallest_pivot; /* of its factorisation, K_s: near 0, the pile can move freely */
+    size_t pivot_disk;     /* disk of that pivot */
+    size_t contacts;       /* between disks */
+    size_t horizontal;     /* of those */
+    size_t wells, broken;  /* wells at the start; now broken, or set anew at least once */
+    size_t first_broken;   /* disk whose well broke first; n if none */
     size_t steps, factored; /* Newton steps; factorisations */
 } dem_pile_result;
 

@@ -9,13 +9,14 @@
  * acts at the middle of the step: gravity; the dashpot, on the change of the overlap, so that what it takes
  * is never negative and begins and ends with the contact; viscous slip under the limit of the step's normal
  * force; wells of the ground, (30), by the quotient of their potential too, which ends at their half-width. A
- * well is as deep as the normal force at the step's beginning has it: it conserves energy while that is
- * constant.
+ * well is as deep as the normal force of the step has it, and conserves energy while that is constant. (With
+ * that of the velocity at the step's beginning, which strong dashpots turn round at each long step, the well
+ * would be deeper on the way back than it was on the way out, and keep a pile rattling for ever.)
  *
  * The unknowns are the ways u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
  * derivative of F is not quite symmetric, as the force is along the middle direction and turns with the last
  * one; Newton's method takes its symmetric part, which is as good as exact while directions turn little in a
- * step, and leaves out that the limit of slip changes with the normal force.
+ * step, and leaves out that the limit of slip and the depth of a well change with the normal force.
  *
  * A step may lead a grain beyond what the neighbour list allows; it is then done again with a new list, and
  * refused if one step alone goes beyond half the skin. */
@@ -59,7 +60,6 @@ rp_status dem_implicit_check(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
     if (def->tangential == DEM_SPRING)
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
-    if (def->ledger) return rp_fail(RP_BAD_INPUT, "the integrator implicit has no energy ledger");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
     for (size_t w = 0; w < def->n_walls; w++)
@@ -147,17 +147,20 @@ typedef struct {
     double mu, m_eff;
 } law;
 
-/* Normal force of the step, and its derivative by the overlap at the end. */
-static double normal_force(const dem_sim *sim, const law *l, double before, double after, double *slope)
+/* Normal force of the step, and its derivative by the overlap at the end; here and below, its parts too where
+ * `p` is not NULL. */
+static inline double normal_force(const dem_sim *sim, const law *l, double before, double after,
+                                  double *slope, dem_parts *p)
 {
     double force;
     quotient(sim->def.normal, l->c->k_n, before, after, &force, slope);
+    if (p) p->elastic = force;
     const double dashpot = l->c->gamma_n * l->m_eff / sim->def.dt;
     force += dashpot * (fmax(after, 0.0) - fmax(before, 0.0));
     if (after > 0.0) *slope += dashpot;
-    if (sim->def.tension || force > 0.0) return force;
-    *slope = 0.0;
-    return 0.0;
+    if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
+    if (p) p->damping = force - p->elastic;
+    return force;
 }
 
 /* Add a force f along the unit vector s, with minus its derivative, `slope`. */
@@ -170,17 +173,19 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
 }
 
 /* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
-static void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before, double after,
-                     double f_n, contact *to)
+static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before,
+                            double after, double f_n, contact *to, dem_parts *p)
 {
     if (sim->def.tangential == DEM_NONE) return;
     const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
     const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
     const bool slides = fabs(viscous * way) > cap;
-    add_along(to, s, slides ? -copysign(cap, way) : -viscous * way, slides ? 0.0 : viscous);
+    const double force = slides ? -copysign(cap, way) : -viscous * way;
+    add_along(to, s, force, slides ? 0.0 : viscous);
+    if (p) *(slides ? &p->slip : &p->dashpot) = force;
 }
 
-static contact pair_contact(const dem_sim *sim, size_t k)
+static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
     const dem_vec from = sim->grain[i].x - sim->grain[j].x, u = sim->implicit->u[i] - sim->implicit->u[j];
@@ -193,30 +198,30 @@ static contact pair_contact(const dem_sim *sim, size_t k)
     if (before <= 0.0 && after <= 0.0) return f;
     const law l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
     double slope;
-    const double f_n = normal_force(sim, &l, before, after, &slope), turn = f_n / both;
+    const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = f_n / both;
     const dem_vec s = sum / both;
     add_along(&f, s, f_n, slope + turn);
     f.xx -= turn, f.yy -= turn;
     const dem_vec t = dem_clockwise(sum) / sqrt(dem_dot(sum, sum));
-    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f);
+    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
+    if (p) p->n = s, p->s = t;
     return f;
 }
 
 /* The well's force, by the quotient of the potential k min(d^2, a^2)/2 between displacements. */
-static void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_vec t, double normal, contact *to)
+static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_vec t, double normal,
+                            contact *to, dem_parts *p)
 {
     const dem_ground *g = &sim->def.ground;
     const double before = dem_ground_displacement(sim, slot), way = dem_dot(sim->implicit->u[slot->grain], t);
     const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
-    if (fabs(before + way) <= a) {
-        add_along(to, t, -k * (before + 0.5 * way), 0.5 * k);
-    } else {
-        const double pull = 0.5 * k * (a - before) * (a + before) / way;
-        add_along(to, t, -pull, -pull / way);
-    }
+    const bool holds = fabs(before + way) <= a;
+    const double pull = holds ? k * (before + 0.5 * way) : 0.5 * k * (a - before) * (a + before) / way;
+    add_along(to, t, -pull, holds ? 0.5 * k : -pull / way);
+    if (p) p->well = -pull;
 }
 
-static contact slot_contact(const dem_sim *sim, const dem_wall_slot *at)
+static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, dem_parts *p)
 {
     contact f = {0};
     dem_wall_slot slot = *at;
@@ -228,20 +233,32 @@ static contact slot_contact(const dem_sim *sim, const dem_wall_slot *at)
     const double after = before - dem_dot(u, n);
     if (before <= 0.0 && after <= 0.0) return f;
     const law l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
-    const double f_n = normal_force(sim, &l, before, after, &slope);
+    const double f_n = normal_force(sim, &l, before, after, &slope, p);
     add_along(&f, n, f_n, slope);
-    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f);
-    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot))
-        add_well(sim, &slot, t,
-                 dem_law_normal(sim->def.normal, sim->def.tension, l.c->k_n, l.c->gamma_n, l.m_eff, before,
-                                dem_dot(sim->grain[i].v, n)),
-                 &f);
+    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
+    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot)) add_well(sim, &slot, t, f_n, &f, p);
+    if (p) p->n = n, p->s = t;
     return f;
 }
 
 static contact any_contact(const dem_sim *sim, size_t c)
 {
-    return c < sim->n_pairs ? pair_contact(sim, c) : slot_contact(sim, &sim->wall_slot[c - sim->n_pairs]);
+    return c < sim->n_pairs ? pair_contact(sim, c, NULL)
+                            : slot_contact(sim, &sim->wall_slot[c - sim->n_pairs], NULL);
+}
+
+dem_parts dem_implicit_pair(const dem_sim *sim, size_t k)
+{
+    dem_parts p = {0};
+    pair_contact(sim, k, &p);
+    return p;
+}
+
+dem_parts dem_implicit_slot(const dem_sim *sim, size_t k)
+{
+    dem_parts p = {0};
+    slot_contact(sim, &sim->wall_slot[k], &p);
+    return p;
 }
 
 /* ---- What follows from them ---------------------------------------------------------------------------- */
@@ -542,6 +559,7 @@ rp_status dem_implicit_step(dem_sim *sim, unsigned *left)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
                             sqrt(dem_dot(m->u[i], m->u[i])), 0.5 * sim->skin);
     }
+    if (!status && sim->book) status = dem_ledger_between(sim, m->force);
     if (status) return status;
     const double dt = sim->def.dt;
     for (size_t i = 0; i < sim->n; i++) {

@@ -7,6 +7,9 @@
  * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
  * the grains, and the potentials are those of dem_energies.
  *
+ * The implicit integrator has one force all through a step, which dem_implicit_step knows: there the contacts
+ * of a step's ends have energies alone, and a list of their own has the works.
+ *
  * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
  * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
 #include <math.h>
@@ -45,6 +48,8 @@ struct dem_book {
     ledger_grain *grain;
     size_t n_old, n_new, contact_room;
     ledger_contact *old_contact, *new_contact;
+    size_t n_between, between_room; /* of the implicit integrator: through the step */
+    ledger_contact *between;
 };
 
 static rp_status no_memory(void)
@@ -125,6 +130,7 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     const double distance = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - distance;
     *e = (ledger_contact){.a = sim->id[i], .b = sim->id[j], .place = k, .n = d * (1.0 / distance)};
     e->key = (uint64_t)e->a << 32 | e->b;
+    if (sim->implicit) return;
     e->s = dem_clockwise(e->n);
     relative r = {.m_eff = sim->pair_mass[k],
                   .overlap = overlap,
@@ -145,6 +151,11 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     split_forces(sim, &sim->def.material, sim->mu, &r, e);
 }
 
+static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
+{
+    return (uint64_t)sim->id[slot->grain] << 32 | (UINT32_MAX - slot->wall);
+}
+
 static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
     dem_wall_slot slot = sim->wall_slot[k];
@@ -152,8 +163,9 @@ static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     dem_vec wall_velocity;
     double overlap;
     *e = (ledger_contact){.a = sim->id[i], .place = k};
-    e->key = (uint64_t)e->a << 32 | (UINT32_MAX - slot.wall);
-    if (!dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0) return;
+    e->key = slot_key(sim, &slot);
+    if (sim->implicit || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
+        return;
     const dem_vec v = sim->grain[i].v - wall_velocity;
     e->s = dem_clockwise(e->n);
     e->point = sim->grain[i].x - (sim->radius[i] - overlap) * e->n;
@@ -193,6 +205,34 @@ rp_status dem_ledger_forces(dem_sim *sim, double h)
         pair_forces(sim, sim->touching[t], h, &b->new_contact[b->n_new++]);
     for (uint32_t k = 0; k < sim->n_wall_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
     qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
+    return RP_OK;
+}
+
+static void note_between(struct dem_book *b, ledger_contact c, dem_parts p)
+{
+    c.n = p.n, c.s = p.s;
+    c.elastic = p.elastic, c.damping = p.damping, c.dashpot = p.dashpot, c.slip = p.slip, c.well = p.well;
+    b->between[b->n_between++] = c;
+}
+
+rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
+{
+    struct dem_book *b = sim->book;
+    const size_t need = sim->n_pairs + sim->n_wall_slots;
+    if (need > b->between_room) {
+        if (!grow(&b->between, sizeof *b->between, need)) return no_memory();
+        b->between_room = need;
+    }
+    b->n_between = 0;
+    for (size_t i = 0; i < sim->n; i++) b->grain[sim->id[i]].force = force[i];
+    for (size_t k = 0; k < sim->n_pairs; k++)
+        note_between(b, (ledger_contact){.a = sim->id[sim->pair_i[k]], .b = sim->id[sim->pair_j[k]]},
+                     dem_implicit_pair(sim, k));
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        const dem_wall_slot *slot = &sim->wall_slot[k];
+        note_between(b, (ledger_contact){.a = sim->id[slot->grain], .key = slot_key(sim, slot)},
+                     dem_implicit_slot(sim, k));
+    }
     return RP_OK;
 }
 
@@ -242,8 +282,8 @@ static void move_grains(dem_sim *sim)
         now.way = now.x - g->x;
         now.turn = now.angle - g->angle;
         if (now.mass > 0.0) {
-            const double work =
-                0.5 * (dem_dot(g->force + now.force, now.way) + (g->torque + now.torque) * now.turn);
+            const dem_vec force = sim->implicit ? g->force : 0.5 * (g->force + now.force);
+            const double work = dem_dot(force, now.way) + 0.5 * (g->torque + now.torque) * now.turn;
             const double fall = now.mass * dem_dot(b->gravity, now.way), change = now.kinetic - g->kinetic;
             b->sum.integration += change - work - fall - g->hard;
             b->sum.turnover += fabs(change) + fabs(fall);
@@ -293,6 +333,19 @@ static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
     return w->open_at_step >= 0 && sim->step >= w->open_at_step && isinf(w->open_speed);
 }
 
+/* Put what a contact did in the step into the books. */
+static void book_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
+{
+    struct dem_book *b = sim->book;
+    if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
+        step = (dem_ledger){.taken_out = -net(&step)};
+    else if (c->b == 0 && wall_gone(sim, c))
+        step = (dem_ledger){.wall_work = net(&step)};
+    else if (c->b == 0)
+        step.at_walls = step.normal_damping + step.shear_damping + step.sliding + step.rolling + step.wells;
+    add(&b->sum, &step);
+}
+
 /* What a contact does in the step, from how it was to how it is; empty where it was not or is not. */
 static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger_contact *is)
 {
@@ -305,15 +358,16 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     step.rolling += roll_pull - (is->energy.rolling - was->energy.rolling);
     step.wells -= is->energy.well - was->energy.well;
     step.integration += pull + roll_pull + is->energy.normal - was->energy.normal;
-    const ledger_contact *c = was->a ? was : is;
-    struct dem_book *b = sim->book;
-    if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
-        step = (dem_ledger){.taken_out = -net(&step)};
-    else if (c->b == 0 && wall_gone(sim, c))
-        step = (dem_ledger){.wall_work = net(&step)};
-    else if (c->b == 0)
-        step.at_walls = step.normal_damping + step.shear_damping + step.sliding + step.rolling + step.wells;
-    add(&b->sum, &step);
+    book_step(sim, was->a ? was : is, step);
+}
+
+/* The same of a force that is one all through the step. */
+static void settle_between(dem_sim *sim, const ledger_contact *c)
+{
+    dem_ledger step = {0};
+    half_works(sim, c, true, &step);
+    half_works(sim, c, false, &step);
+    book_step(sim, c, step);
 }
 
 static void read_elastic(dem_sim *sim)
@@ -347,6 +401,7 @@ void dem_ledger_step(dem_sim *sim)
         i += !begun;
         j += !ended;
     }
+    for (size_t k = 0; k < b->n_between; k++) settle_between(sim, &b->between[k]);
     swap_contacts(b);
 }
 
@@ -432,6 +487,8 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     struct dem_book *b = copy->book = malloc(sizeof *b);
     if (!b) return no_memory();
     *b = *from;
+    b->between = NULL; /* of a step */
+    b->between_room = 0;
     b->grain = malloc(b->room * sizeof *b->grain);
     b->old_contact = malloc(b->contact_room * sizeof *b->old_contact);
     b->new_contact = malloc(b->contact_room * sizeof *b->new_contact);
@@ -444,7 +501,8 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
 void dem_ledger_free(dem_sim *sim)
 {
     if (!sim->book) return;
-    free(sim->book->grain), free(sim->book->old_contact), free(sim->book->new_contact), free(sim->book);
+    free(sim->book->grain), free(sim->book->old_contact), free(sim->book->new_contact);
+    free(sim->book->between), free(sim->book);
 }
 
 bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger)

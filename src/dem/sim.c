@@ -147,7 +147,8 @@ static double overlap_step_limit(const dem_definition *def, const dem_material *
 /* Largest time step for impacts at speed v, and with the Gear scheme for what rests under a column as high as
  * v is fallen from, of grains of radius r. Two of the lightest grains bear less than a column: in boxes of
  * 110 to 440 grains with k_n of 1e5 to 1e7, gamma_n of 50 to 1000, also linear, they begin to rattle for ever
- * between 1.0 and 1.2 times this limit. */
+ * between 1.0 and 1.2 times this limit; of 60 and 200, three each, gamma_n of 50 to 4500, none does at 1.05.
+ */
 static double speed_step_limit(const dem_definition *def, const dem_material *c, meeting of, double r,
                                double v)
 {

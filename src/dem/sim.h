@@ -180,6 +180,18 @@ rp_status dem_implicit_alloc(dem_sim *sim);
 void dem_implicit_free(dem_sim *sim);
 rp_status dem_implicit_step(dem_sim *sim, unsigned *left);
 
+/* Parts of the force that a contact has all through a step of the implicit integrator, on its first grain:
+ * along n, which is shorter than 1 where a pair turns, and along s. */
+typedef struct {
+    dem_vec n, s;
+    double elastic, damping, dashpot, slip, well;
+} dem_parts;
+
+/* Of a pair and of a wall slot, once the step is solved and before it is gone; all 0 where they do not
+ * touch. */
+dem_parts dem_implicit_pair(const dem_sim *sim, size_t k);
+dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
+
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
@@ -218,12 +230,13 @@ dem_elastic dem_pair_elastic(const dem_sim *sim, size_t k);
 dem_elastic dem_slot_elastic(const dem_sim *sim, size_t k);
 
 /* The energy ledger, where a simulation has its book; ledger.c. Note the contacts' forces once they have
- * moved all springs by h; then, as they are at the start, or close the books of a step once all is in its
- * place. */
+ * moved all springs by h; of the implicit integrator, before the grains go, those of the step, and their sum
+ * on each grain; then, as they are at the start, or close the books of a step once all is in its place. */
 rp_status dem_ledger_alloc(dem_sim *sim);
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
 rp_status dem_ledger_forces(dem_sim *sim, double h);
+rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force);
 void dem_ledger_start(dem_sim *sim);
 void dem_ledger_step(dem_sim *sim);
 
