@@ -1,13 +1,13 @@
 # Liffman, Chan & Hughes 1992, figure 20(a): a pile of disks that were dropped one at a time, coloured by their number
 # of contacts: those off the lattice mark the faults. What rolled out of the picture is left out.
 width = 18.0
-height = 8.4
+height = 7.6
 load 'figures/style.gp'
 grains = t('li20_point/pile_grains.tsv')
 set size ratio -1
 set xlabel '{/:Italic x / d}'
 set ylabel '{/:Italic y / d}'
-set xrange [-42:42]
+set xrange [-50:50]
 set yrange [-0.5:30]
 unset grid
 set key above maxrows 1 font ',9'

@@ -140,15 +140,19 @@ static void mirror_and_relabel(void)
 }
 
 /* The list finds every touching pair, through an avalanche. */
-static void list_is_complete(void)
+static void list_is_complete_of(double speed, long steps)
 {
     dem_grain *grains;
     dem_definition def = grains_box(120, 2.6, 11, &grains);
+    for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
+    def.hard = (dem_hard){speed > 0.0, 0.9, 0.5}; /* those have margins of their own */
+    def.tension = false;
+    if (speed > 0.0) def.dt = 2e-5;
     dem_sim *sim = grains_start(&def);
     dem_state s[120];
     for (int round = 0; round < 60; round++) {
         if (round == 30) dem_wall_open(sim, 2, INF);
-        CHECK_OK(dem_run(sim, 137));
+        CHECK_OK(dem_run(sim, steps));
         dem_states(sim, s);
         size_t touching = 0, n = dem_count(sim);
         for (size_t i = 0; i < n; i++)
@@ -162,6 +166,46 @@ static void list_is_complete(void)
     }
     dem_free(sim);
     free(grains);
+}
+
+/* Slowly; and where margins differ, fast grains hit resting ones, and few steps lie between two rebuildings.
+ */
+static void list_is_complete(void)
+{
+    list_is_complete_of(0.0, 137);
+    list_is_complete_of(300.0, 7);
+}
+
+/* Grains that take the places of two that left keep their contacts with walls, and how far they may go. */
+static void leaving(void)
+{
+    const double r = 0.1, m = 0.0042, sinks = 1e-4;
+    dem_grain grains[5] = {{0.9, 0.6, r, m, 0.0, -300.0},
+                           {1.2, 0.65, r, m, 0.0, -300.0},
+                           {0.2, 1.0 + r - sinks, r, m, 0.0, 0.0},
+                           {0.2, 1.0 + 3.4 * r, r, m, 0.0, 0.0}, /* falls on the one before */
+                           {1.2, 1.6 + r - sinks, r, m, 0.0, 0.0}};
+    dem_definition def = dem_definition_default();
+    def.dt = 1e-5;
+    def.grains = grains;
+    def.n_grains = 5;
+    def.y_min = 0.5;
+    def.hard.on = true;
+    def.tension = false;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) {
+        def.walls[w] = line(w ? 1.2 : 0.2, w ? 1.6 : 1.0, 0.0, 1.0, &def.material);
+        def.walls[w].extent[0] = -0.2, def.walls[w].extent[1] = 0.2;
+    }
+    dem_sim *sim = grains_start(&def);
+    dem_state s[5];
+    CHECK_OK(dem_run(sim, 3000)); /* it takes 0.9 of these for the fall */
+    CU_ASSERT_EQUAL_FATAL(dem_count(sim), 3);
+    dem_states(sim, s);
+    CU_ASSERT(s[0].contacts > 0 && s[0].y < 1.0 + r && s[0].y > 1.0);
+    CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r);
+    CU_ASSERT(fabs(s[2].y - grains[4].y) < 1e-3);
+    dem_free(sim);
 }
 
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
@@ -999,6 +1043,7 @@ void suite_dem(void)
     static const check_case cases[] = {{"momentum", momentum},
                                        {"mirror and relabelling symmetry", mirror_and_relabel},
                                        {"neighbour list finds every contact", list_is_complete},
+                                       {"grains leave the list", leaving},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"each kernel matches the reference loop", kernels_match_reference},
                                        {"same bits however it is run", determinism},

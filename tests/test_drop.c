@@ -291,11 +291,12 @@ static void rest_takes_its_steps(void)
     }
 }
 
-/* Without rolling resistance disks roll away: they count as such, carry nothing and are no part of the pile.
+/* With little rolling resistance disks roll away: they count as such, carry nothing and are no part of the
+ * pile.
  */
 static void away_is_no_part(void)
 {
-    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0", "x_limit", "10", NULL});
+    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0.02", "x_limit", "10", NULL});
     CU_ASSERT(output(&r, "away") > 0.0);
     CHECK_NEAR(output(&r, "disks") + output(&r, "away"), 30.0, 0.0);
     CU_ASSERT(output(&r, "width") < 20.0);

@@ -118,8 +118,8 @@ static const golden_run runs[] = {
      {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
      drop_hashed,
      "ok",
-     0x270d8e3e85b98d8b,
-     {{"left_deg", 19.222360098316361}, {"right_deg", 35.789590133689615}}},
+     0x962d84e6db9f4558,
+     {{"left_deg", 28.633386523808948}, {"right_deg", 27.681157909637399}}},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

@@ -619,13 +619,16 @@ static void hits_while_it_slides(void)
     dem_free(sim);
 }
 
-/* A hard pair leaves the list's reach within a step of its end without being missed. */
+/* A hard pair leaves the list's reach within a step of its end without being missed, alone or among so many
+ * at rest that all are looked at several at once. */
 static void no_collision_is_missed(void)
 {
-    for (int k = 0; k < 60; k++) {
-        const dem_grain grains[2] = {{0.0, 3.0, R, 1.0, 8.0, 0.0},
-                                     {2.0 + 0.0173 * k, 3.1, R, 1.0, -9.0, 0.0}};
-        dem_definition def = on_ground(grains, 2);
+    enum { ALL = 16 };
+    for (int k = 0; k < 120; k++) {
+        dem_grain grains[ALL] = {{0.0, 3.0, R, 1.0, 8.0, 0.0},
+                                 {2.0 + 0.0173 * (k / 2), 3.1, R, 1.0, -9.0, 0.0}};
+        for (int i = 2; i < ALL; i++) grains[i] = (dem_grain){.x = 3.0 * i, .y = 9.0, .r = R, .m = 1.0};
+        dem_definition def = on_ground(grains, k % 2 ? ALL : 2);
         def.gravity[1] = 0.0;
         def.skin = 0.05; /* half of it is 1.4 steps of the faster */
         def.hard = (dem_hard){true, 1.0, 0.0};
@@ -728,6 +731,7 @@ static void refused(void)
     REFUSES(bad.integrator = DEM_GEAR5, "hard: collisions need the integrator verlet");
 #undef REFUSES
     dem_grain fast = {.x = 0.0, .y = 9.0, .r = R, .m = 1.0, .vx = 49.0}; /* half the skin: 50 dt */
+    def.skin = 0.2;
     def.grains = &fast;
     CHECK_OK(dem_create(&def, &sim));
     CHECK_OK(dem_run(sim, 1));

@@ -99,7 +99,7 @@ typedef struct {
 typedef struct {
     double gravity[2];
     double dt;
-    double skin; /* of the neighbour list; 0 chooses one */
+    double skin; /* of the neighbour list; 0: each grain has its own, by its speed */
     int integrator, normal, tangential, slip, damping;
     bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
     bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
@@ -157,8 +157,9 @@ const char *dem_fault_text(dem_fault fault);
  * neighbours than six, and omega^2 and gamma grow with them. A single pair becomes unstable at about twice
  * the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a
  * column of the start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact
- * that sets it. INFINITY without contacts to come, and for the implicit integrator. dem_create also looks at overlaps of the start, with Gear for
- * 0.85/hypot(18.4 gamma, 3 omega). Measured in validation/stability.c. */
+ * that sets it. INFINITY without contacts to come, and for the implicit integrator. dem_create also looks at
+ * overlaps of the start, with Gear for 0.85/hypot(18.4 gamma, 3 omega). Measured in validation/stability.c.
+ */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -275,8 +276,10 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
-    X(taken_out, -) X(gravity_turn, +) X(wall_work, +) X(normal_damping, -) X(shear_damping, -)              \
-        X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
+    X(taken_out, -)                                                                                          \
+    X(gravity_turn, +)                                                                                       \
+    X(wall_work, +) X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -)         \
+        X(hard, -) X(integration, +)
 typedef struct {
     double start;
 #define X(channel, sign) double channel;

@@ -147,36 +147,44 @@ static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
     return true;
 }
 
-/* Of grains that go no farther than `way` in the step, each no farther than sim->way says. */
-static bool collide_all(dem_sim *sim, double way)
+/* The first pair from k on that may come to touch, not below n_pairs for none, of grains that go no farther
+ * than `way` in the step, each no farther than sim->way says. */
+static size_t next_closing(const dem_sim *sim, size_t k, double way)
 {
-    bool any = false;
-    for (size_t k = 0; k < sim->n_pairs; k++) {
+    for (; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         const dem_vec d = sim->grain[i].x - sim->grain[j].x;
         const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], ways = sim->way[i] + sim->way[j],
                      most = reach + (ways < 2.0 * way ? ways : 2.0 * way);
-        if (r2 >= reach * reach && r2 <= most * most) /* nearer is a soft contact */
-            any |= collide_pair(sim, i, j, reach);
+        if (r2 >= reach * reach && r2 <= most * most) break; /* nearer is a soft contact */
     }
+    return k;
+}
+
+static bool collide_all(dem_sim *sim, double way)
+{
+    dem_closing *const next = sim->closing ? sim->closing : next_closing;
+    bool any = false;
+    for (size_t k = next(sim, 0, way); k < sim->n_pairs; k = next(sim, k + 1, way))
+        any |= collide_pair(sim, sim->pair_i[k], sim->pair_j[k], sim->pair_radii[k]);
     for (size_t k = 0; k < sim->n_wall_slots; k++) any |= collide_wall(sim, sim->wall_slot[k]);
     return any;
 }
 
 /* Longest way of a grain over the coming step, and in sim->way a little more than each one's; *beyond is a
  * grain that it brings to where the neighbour list may lack a pair of its, n for none. */
-static double longest_way(const dem_sim *sim, size_t *beyond)
+static double longest_way(dem_sim *sim, size_t *beyond)
 {
-    const double dt = sim->def.dt, reach = 0.25 * sim->skin * sim->skin;
+    const double dt = sim->def.dt;
     double most = 0.0;
     *beyond = sim->n;
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = sim->ways ? sim->ways(sim, &most, beyond) : 0; i < sim->n; i++) {
         const motion m = motion_of(sim, i);
         const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
         const double way2 = dem_dot(way, way);
         sim->way[i] = 1.01 * sqrt(way2) + 1e-9 * sim->radius[i]; /* more than round-off */
         most = way2 > most ? way2 : most;
-        if (!(dem_dot(moved, moved) <= reach)) *beyond = i;
+        if (!(dem_dot(moved, moved) <= sim->margin2[i])) *beyond = i;
     }
     return sqrt(most);
 }

@@ -547,7 +547,7 @@ static size_t beyond_list(const dem_sim *sim)
     return NOBODY;
 }
 
-rp_status dem_implicit_step(dem_sim *sim, bool *stale)
+rp_status dem_implicit_step(dem_sim *sim, unsigned *left)
 {
     struct dem_implicit *m = sim->implicit;
     rp_status status = solve(sim);
@@ -568,7 +568,7 @@ rp_status dem_implicit_step(dem_sim *sim, bool *stale)
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
         sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);
         sim->grain[i].x += m->u[i];
-        *stale |= dem_beyond(sim, sim->grain[i].x);
+        if (dem_beyond(sim, sim->grain[i].x)) *left |= DEM_GRAIN_OUT;
     }
     sim->grain_steps += (double)sim->n;
     return RP_OK;

@@ -57,18 +57,17 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
-bool dem_integrate(dem_sim *sim)
+unsigned dem_integrate(dem_sim *sim)
 {
     const bool turned = sim->box_angle != 0.0;
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const double reach = 0.25 * sim->skin * sim->skin; /* a pair closes by at most twice skin/2 */
     const dem_vec gravity = sim->gravity;
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
-    bool stale = false;
-    for (size_t i = sim->advance ? sim->advance(sim, &stale) : 0; i < sim->n; i++) {
+    unsigned left = 0;
+    for (size_t i = sim->advance ? sim->advance(sim, &left) : 0; i < sim->n; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
@@ -78,13 +77,14 @@ bool dem_integrate(dem_sim *sim)
         dem_vec x = grain[i].x, moved = x - sim->ref[i];
         force[i] = (dem_vec){0.0, 0.0};
         /* written so that NaN counts as moved */
-        stale |= !(dem_dot(moved, moved) <= reach) | (x[0] > x_max) | (x[1] < y_min);
+        left |= !(dem_dot(moved, moved) <= sim->margin2[i]) * DEM_LIST_OUT |
+                ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
-    for (size_t i = 0; i < sim->n && turned; i++) stale |= dem_beyond(sim, grain[i].x);
+    for (size_t i = 0; i < sim->n && turned; i++) left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
     hold_fixed(sim);
     if (sim->spin) integrate_spins(sim);
     sim->grain_steps += (double)sim->n;
-    return stale;
+    return left;
 }
 
 void dem_integrate_correct(dem_sim *sim)

@@ -6,5 +6,7 @@
 #define WIDE_KERNEL  dem_kernel_avx2
 #define WIDE_ADVANCE dem_advance_avx2
 #define WIDE_NEAR    dem_near_avx2
+#define WIDE_WAYS    dem_ways_avx2
+#define WIDE_CLOSING dem_closing_avx2
 #include "dem/kernels_wide.inl"
 #endif

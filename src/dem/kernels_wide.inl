@@ -1,7 +1,6 @@
 /* The pair loop of contact.inl and the integration of integrators.c for several pairs or grains at once, with
  * the same operations in the same order for each of them, and the same order of the sums of each grain. A
- * file that includes this one asks for instructions first, and defines WIDE_CHOOSE, the function, and
- * WIDE_NAME. */
+ * file that includes this one asks for instructions first, and defines the functions' names. */
 #include <math.h>
 
 #include "dem/simd.h"
@@ -159,16 +158,16 @@ void WIDE_KERNEL(dem_sim *sim, double h)
 }
 
 /* As dem_integrate; returns for how many grains. */
-size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
+size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const wide zero = {0}, gravity = wide_repeat(sim->gravity), reach = zero + 0.25 * sim->skin * sim->skin,
+    const wide zero = {0}, gravity = wide_repeat(sim->gravity),
                most = wide_repeat((dem_vec){x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, y_min});
-    unsigned out = 0;
+    unsigned far = 0, out = 0;
     size_t i = 0;
     for (; i + GRAINS <= sim->n; i += GRAINS) {
         double *force = (double *)(sim->force + i);
@@ -181,17 +180,17 @@ size_t WIDE_ADVANCE(dem_sim *sim, bool *stale)
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
         /* written so that NaN counts as moved */
-        out |= wide_bits(wide_at_most(moved + wide_swap(moved), reach)) ^ ALL;
+        far |= wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
-    *stale |= out != 0;
+    *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
     return i;
 }
 
 /* As add_near in neighbours.c. */
 void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), r = zero + sim->radius[i],
+    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), own = zero + sim->reach[i],
                inverse_mass = zero + sim->inverse_mass[i];
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j += WIDTH) {
@@ -201,7 +200,7 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
         a = (x - a) * (x - a);
         b = (x - b) * (x - b);
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide reach = r + wide_load(sim->radius + j) + sim->skin;
+        wide reach = own + wide_load(sim->reach + j);
         unsigned near = wide_bits(wide_less(d2, reach * reach)) &
                         wide_bits(wide_less(zero, inverse_mass + wide_load(sim->inverse_mass + j)));
         if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
@@ -209,4 +208,63 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
         k = wide_append(sim->pair_j, k, near, j);
     }
     sim->n_pairs = k;
+}
+
+/* The way of a step of WIDTH/2 grains from i on; *out has bits where they go beyond the list. */
+INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
+{
+    const wide zero = {0}, inverse_mass = wide_load_twice(sim->inverse_mass + i);
+    const double dt = sim->def.dt;
+    wide x, v;
+    wide_load_records(sim->grain + i, &x, &v);
+    wide a = wide_load((const double *)(sim->force + i)) * inverse_mass + gravity;
+    a = wide_choose(wide_less(zero, inverse_mass), a, zero);
+    const wide way = dt * (v + 0.5 * dt * a + 0.5 * dt * a);
+    wide moved = x + way - wide_load((const double *)(sim->ref + i));
+    moved *= moved;
+    *out = ~wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) &
+           ((1u << WIDTH) - 1);
+    return way;
+}
+
+/* As longest_way in impact.c. */
+size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
+{
+    const wide gravity = wide_repeat(sim->gravity);
+    wide most = {0};
+    size_t i = 0;
+    for (; i + WIDTH <= sim->n; i += WIDTH) {
+        unsigned out[2];
+        wide a = way_of(sim, i, gravity, &out[0]), b = way_of(sim, i + WIDTH / 2, gravity, &out[1]);
+        a *= a;
+        b *= b;
+        const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
+        wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
+        most = wide_max(way2, most);
+        if (out[0] | out[1]) *beyond = i + (size_t)__builtin_ctz(out[0] | out[1] << WIDTH) / 2;
+    }
+    double all[WIDTH];
+    wide_store(all, most);
+    for (int p = 0; p < WIDTH; p++) *most2 = all[p] > *most2 ? all[p] : *most2;
+    return i;
+}
+
+/* As next_closing in impact.c. */
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k, double way)
+{
+    const wide zero = {0}, both = zero + 2.0 * way;
+    unsigned from = ~0u << k % WIDTH;
+    for (k -= k % WIDTH; k < sim->n_pairs; k += WIDTH) {
+        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        wide x, y, vx, vy;
+        wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
+        const wide r2 = x * x + y * y, reach = wide_load(sim->pair_radii + k),
+                   ways = wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1),
+                   most = reach + wide_choose(wide_less(ways, both), ways, both);
+        const unsigned near =
+            wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most)) & from;
+        if (near) return k + (size_t)__builtin_ctz(near);
+        from = ~0u;
+    }
+    return sim->n_pairs;
 }

@@ -1,6 +1,7 @@
 /* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
- * large for them); each pair of grains closer than touching + skin has a slot, and each grain near a wall.
- * A rebuilding carries the springs of touching contacts over. It is a function of the state alone. */
+ * large for them). Each grain has a margin, how far it may go until the list is rebuilt; each pair closer
+ * than touching and their margins has a slot, and each grain as near to a wall. A rebuilding carries the
+ * springs of touching contacts over. It is a function of the state alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +32,17 @@ struct dem_scratch {
 
 static const uint32_t NOWHERE = UINT32_MAX;
 
+/* How far a grain may go before the list is rebuilt: half the skin, or where the skin was left open, more
+ * than it goes in so many steps at its speed, within bounds in mean radii. Few fast grains then neither ask
+ * for frequent rebuildings nor bring all the others a list of pairs that are far from touching. */
+static double margin(const dem_sim *sim, double speed)
+{
+    const double STEPS = 25.0, LEAST = 0.08, MOST = 1.0;
+    return sim->even_margins
+               ? 0.5 * sim->skin
+               : fmin(LEAST * sim->radius_mean + STEPS * sim->def.dt * speed, MOST * sim->radius_mean);
+}
+
 static size_t power_of_two(double at_least, size_t most)
 {
     size_t p = 4; /* three neighbouring columns must differ */
@@ -47,7 +59,7 @@ static void size_cells(dem_sim *sim, struct dem_scratch *w)
             lo[a] = fmin(lo[a], sim->grain[i].x[a]);
             hi[a] = fmax(hi[a], sim->grain[i].x[a]);
         }
-    const double size = 2.0 * sim->r_max + sim->skin;
+    const double size = 2.0 * (sim->r_max + margin(sim, 0.0));
     const size_t most = (size_t)1 << 14;
     w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, most);
     w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, most);
@@ -68,7 +80,7 @@ static bool grow(void *array, size_t size, size_t room)
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
     if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
-    size_t room = sim->pair_room = 2 * (sim->n_pairs + more) + 64;
+    size_t room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
     if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
         grow(&sim->touching, sizeof *sim->touching, room) &&
         grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
@@ -154,15 +166,17 @@ void dem_neighbours_free(dem_sim *sim)
     sim->scratch = NULL;
 }
 
-/* What must hold of every grain when the list is rebuilt. */
-static rp_status check_grains(dem_sim *sim)
+/* What must hold of every grain when the list is rebuilt; the largest speed. */
+static rp_status check_grains(dem_sim *sim, double *fastest)
 {
+    *fastest = 0.0;
     const double size = 2.0 * sim->r_max + sim->skin;
     for (size_t i = 0; i < sim->n; i++) {
         dem_vec x = sim->grain[i].x, v = sim->grain[i].v;
         if (!isfinite(x[0] + x[1] + v[0] + v[1]))
             return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
-        double travel = sqrt(dem_dot(v, v)) * sim->def.dt;
+        const double speed = sqrt(dem_dot(v, v)), travel = speed * sim->def.dt;
+        *fastest = fmax(*fastest, speed);
         if (travel > sim->radius[i])
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
                             sim->radius[i]);
@@ -180,11 +194,12 @@ static rp_status check_grains(dem_sim *sim)
     return RP_OK;
 }
 
-/* Drop the grains that left and sort the rest by cell, keeping their order within one. */
-static void sort_grains(dem_sim *sim)
+/* Drop the grains that left and sort the rest by square cells of that size, keeping their order within one.
+ */
+static void sort_grains(dem_sim *sim, double size)
 {
     struct dem_scratch *w = sim->scratch;
-    const double inverse_size = 1.0 / (2.0 * sim->r_max + sim->skin);
+    const double inverse_size = 1.0 / size;
     const size_t cells = w->cells_x * w->cells_y;
     memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
     for (size_t i = 0; i < sim->n; i++) {
@@ -235,7 +250,11 @@ static void sort_grains(dem_sim *sim)
 #undef SWAP
     sim->n_fixed = 0;
     for (size_t i = 0; i < sim->n; i++) {
-        sim->ref[i] = sim->grain[i].x;
+        const dem_record *grain = &sim->grain[i];
+        const double most = margin(sim, sqrt(dem_dot(grain->v, grain->v)));
+        sim->ref[i] = grain->x;
+        sim->margin2[i] = most * most;
+        sim->reach[i] = sim->radius[i] + most;
         if (sim->inverse_mass[i] == 0.0) sim->fixed[sim->n_fixed++] = (uint32_t)i;
     }
 }
@@ -302,12 +321,12 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grain[i].x;
-    const double r = sim->radius[i], inverse_mass = sim->inverse_mass[i], skin = sim->skin;
+    const double own = sim->reach[i], inverse_mass = sim->inverse_mass[i];
     uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grain[j].x;
-        double reach = r + sim->radius[j] + skin;
+        const double reach = own + sim->reach[j];
         pair_i[k] = (uint32_t)i;
         pair_j[k] = (uint32_t)j;
         /* not where both are fixed */
@@ -376,6 +395,9 @@ static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_scratch *w = sim->scratch;
     const size_t n_old = sim->n_wall_slots;
+    const bool turns =
+        sim->even_margins || (sim->def.box_turn_per_step != 0.0 && sim->step >= sim->box_from_step);
+    const double turn = turns ? 0.5 * sim->skin : 0.0;
     if (n_old > w->wall_room && !grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_room = sim->wall_room))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     if (n_old) memcpy(w->wall_slot, sim->wall_slot, n_old * sizeof *w->wall_slot);
@@ -391,7 +413,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             double distance = dem_dot(sim->grain[i].x - point, direction);
             uint32_t held = w->wall_held[i];
             w->wall_held[i] = NOWHERE;
-            if (!(fabs(distance) < sim->radius[i] + sim->skin) || sim->inverse_mass[i] == 0.0) continue;
+            if (!(fabs(distance) < sim->reach[i] + turn) || sim->inverse_mass[i] == 0.0) continue;
             if (sim->n_wall_slots == sim->wall_room &&
                 !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
@@ -409,12 +431,63 @@ static rp_status find_wall_slots(dem_sim *sim)
     return RP_OK;
 }
 
+/* Put the last grain in the place of one that left. */
+static void move_last(dem_sim *sim, size_t to)
+{
+    const size_t last = --sim->n;
+    sim->grain[to] = sim->grain[last];
+    sim->force[to] = sim->force[last];
+    sim->ref[to] = sim->ref[last];
+    if (sim->gear) sim->gear[to] = sim->gear[last];
+    sim->radius[to] = sim->radius[last];
+    sim->mass[to] = sim->mass[last];
+    sim->inverse_mass[to] = sim->inverse_mass[last];
+    sim->margin2[to] = sim->margin2[last];
+    sim->id[to] = sim->id[last];
+    if (sim->spin) sim->spin[to] = sim->spin[last];
+}
+
+/* A pair of a grain that left becomes one of grain 0 with itself, that never touches. */
+static void drop_pairs(dem_sim *sim, uint32_t gone, uint32_t last)
+{
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        uint32_t *i = &sim->pair_i[k], *j = &sim->pair_j[k];
+        if (*i == gone || *j == gone) {
+            *i = *j = 0;
+            sim->pair_radii[k] = 0.0;
+        }
+        if (*i == last) *i = gone;
+        if (*j == last) *j = gone;
+    }
+}
+
+void dem_neighbours_drop(dem_sim *sim)
+{
+    for (size_t i = sim->n; i-- > 0;) {
+        if (!dem_beyond(sim, sim->grain[i].x)) continue;
+        const uint32_t gone = (uint32_t)i, last = (uint32_t)sim->n - 1;
+        drop_pairs(sim, gone, last);
+        size_t n = 0;
+        for (size_t k = 0; k < sim->n_wall_slots; k++) {
+            if (sim->wall_slot[k].grain == gone) continue;
+            sim->wall_slot[n] = sim->wall_slot[k];
+            if (sim->wall_slot[n].grain == last) sim->wall_slot[n].grain = gone;
+            n++;
+        }
+        sim->n_wall_slots = n;
+        for (size_t k = 0; k < sim->n_fixed; k++)
+            if (sim->fixed[k] == last) sim->fixed[k] = gone;
+        move_last(sim, i);
+    }
+}
+
 rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
-    rp_status status = check_grains(sim);
+    double fastest;
+    rp_status status = check_grains(sim, &fastest);
     if (status) return status;
     sim->rebuilds++;
-    sort_grains(sim);
+    sort_grains(sim, 2.0 * (sim->r_max + margin(sim, fastest)));
     measure_room(sim);
     status = hold_springs(sim);
     if (!status) status = find_pairs(sim);

@@ -287,6 +287,6 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi)
 
 void dem_count_work(const dem_sim *sim, dem_counts *counts)
 {
-    *counts = (dem_counts){sim->n_pairs,  sim->n_touching, sim->n_wall_slots,
-                           sim->rebuilds, sim->collisions, sim->grain_steps, sim->iterations};
+    *counts = (dem_counts){sim->n_pairs,    sim->n_touching,  sim->n_wall_slots, sim->rebuilds,
+                           sim->collisions, sim->grain_steps, sim->iterations};
 }

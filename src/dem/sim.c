@@ -506,6 +506,8 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->ref = aligned_alloc(64, (room * sizeof *sim->ref + 63) / 64 * 64);
     sim->radius = calloc(room, sizeof *sim->radius);
     sim->mass = calloc(room, sizeof *sim->mass);
+    sim->margin2 = calloc(room, sizeof *sim->margin2);
+    sim->reach = calloc(room, sizeof *sim->reach);
     sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
     sim->id = calloc(room, sizeof *sim->id);
     sim->fixed = calloc(room, sizeof *sim->fixed);
@@ -515,7 +517,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if (sim->def.hard.on) sim->way = calloc(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
         !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->id || !sim->fixed)
+        !sim->margin2 || !sim->reach || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -680,6 +682,8 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
         sim->mass_mean += p->m / (double)sim->n;
     }
     sim->skin = def->skin > 0.0 ? def->skin : 0.4 * sim->radius_mean;
+    /* a scene of soft grains alone keeps the bits that it had before there were others */
+    sim->even_margins = def->skin > 0.0 || !def->hard.on;
     sim->start_speed = impact_speed(def);
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
@@ -711,7 +715,8 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->room = room;
-    c->grain = NULL, c->force = c->ref = NULL, c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
+    c->margin2 = c->reach = NULL, c->grain = NULL, c->force = c->ref = NULL,
+    c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
@@ -727,6 +732,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->ref, sim->ref, c->n * sizeof *c->ref);
     memcpy(c->radius, sim->radius, c->n * sizeof *c->radius);
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
+    memcpy(c->margin2, sim->margin2, c->n * sizeof *c->margin2);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
@@ -809,7 +815,7 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->gear), free(sim->fixed), free(sim->way);
+    free(sim->margin2), free(sim->reach), free(sim->gear), free(sim->fixed), free(sim->way);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
@@ -835,15 +841,18 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        bool stale = false;
-        if (sim->implicit) {
-            if ((status = dem_implicit_step(sim, &stale)) != RP_OK) return status;
-        } else {
-            stale = dem_integrate(sim) || sim->box_swept > sim->box_room;
-        }
+        unsigned left = 0;
+        if (!sim->implicit)
+            left = dem_integrate(sim);
+        else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
+            return status;
         sim->step++;
         if (times) lap(&times->integration, &clock);
-        if (stale && (status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
+        if (left & DEM_LIST_OUT || (left && sim->even_margins) || sim->box_swept > sim->box_room) {
+            if ((status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
+        } else if (left) {
+            dem_neighbours_drop(sim);
+        }
         if (times) lap(&times->lists, &clock);
         sim->kernel(sim, h);
         if (times) lap(&times->contacts, &clock);

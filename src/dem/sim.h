@@ -41,15 +41,25 @@ typedef struct {
 } dem_elastic;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
+/* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
+ * number is not finite; take out grains that left. */
+enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
 /* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
-typedef size_t dem_advance(struct dem_sim *sim, bool *stale);
+typedef size_t dem_advance(struct dem_sim *sim, unsigned *left);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
+
+/* Hard collisions: like longest_way in impact.c, for as many grains from the first on as it can, returns how
+ * many; like next_closing there. */
+typedef size_t dem_ways(struct dem_sim *sim, double *most2, size_t *beyond);
+typedef size_t dem_closing(const struct dem_sim *sim, size_t k, double way);
 
 /* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
+dem_ways dem_ways_avx512, dem_ways_avx2;
+dem_closing dem_closing_avx512, dem_closing_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -59,6 +69,8 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_advance *advance; /* NULL for none */
     dem_near *near;       /* NULL for that of neighbours.c */
+    dem_ways *ways;       /* NULL for none */
+    dem_closing *closing; /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
@@ -88,13 +100,16 @@ struct dem_sim {
     dem_gear *gear; /* NULL for other integrators */
     struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
+    double *margin2,
+        *reach;        /* of the neighbour list: the margin's square; radius and margin, while it is built */
+    bool even_margins; /* half the skin for all */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
-    /* pairs closer than touching + skin; `spring` and `roll` are 0 while they do not touch. Up to the next
-     * multiple of 8 follow pairs of grain 0 with itself that never touch. */
+    /* pairs closer than touching and margins; `spring` and `roll` are 0 while they do not touch. Up to the
+     * next multiple of 8 follow pairs of grain 0 with itself that never touch. */
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
@@ -145,9 +160,9 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
-/* Advance velocities and positions by a step, Gear's as a prediction, and clear the forces; true if the
- * neighbour list has run out, a grain left or a number is not finite; integrators.c. */
-bool dem_integrate(dem_sim *sim);
+/* Advance velocities and positions by a step, Gear's as a prediction, and clear the forces; gives
+ * DEM_LIST_OUT and DEM_GRAIN_OUT; integrators.c. */
+unsigned dem_integrate(dem_sim *sim);
 
 /* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
  * predicted. */
@@ -158,12 +173,12 @@ void dem_integrate_correct(dem_sim *sim);
 void dem_integrate_gravity(dem_sim *sim, dem_vec change);
 
 /* The implicit integrator: what it refuses; its work space, for sim->room grains; a step from sim->step to
- * the next, that clears the forces as dem_integrate does, with the same meaning of `stale`; implicit.c.
+ * the next, that clears the forces as dem_integrate does, and gives the same in *left; implicit.c.
  * Errors: RP_BAD_INPUT; RP_NO_MEMORY; RP_BROKEN (not solved; a grain moves too far), RP_NO_MEMORY. */
 rp_status dem_implicit_check(const dem_definition *def);
 rp_status dem_implicit_alloc(dem_sim *sim);
 void dem_implicit_free(dem_sim *sim);
-rp_status dem_implicit_step(dem_sim *sim, bool *stale);
+rp_status dem_implicit_step(dem_sim *sim, unsigned *left);
 
 /* Parts of the force that a contact has all through a step of the implicit integrator, on its first grain:
  * along n, which is shorter than 1 where a pair turns, and along s. */
@@ -180,6 +195,9 @@ dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
+
+/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is. */
+void dem_neighbours_drop(dem_sim *sim);
 
 /* Turn the walls on for a step if they turn now; walls.c. */
 void dem_walls_turn(dem_sim *sim);
