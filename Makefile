@@ -269,7 +269,7 @@ STUDY_li20_choices := 40
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 STUDY_li_disorder_mu := 200
-# Piles of one fill differ by 4 to 5 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
+# Piles of one fill differ by some 4 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
 STUDY_val_dt := 1400
 STUDY_val_integrator := 1400
 STUDY_val_cost := 200

@@ -6,12 +6,13 @@
  * disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a pile
  * creeps for as long as one waits, so that K_slip and the waiting time decide how steep it stands. The
  * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
- * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough not to shorten the time step; eps = 2e-3, for
- * steps as long as can be, gives the same slopes and D as 1e-3 within what 30 piles of 150 tell. The fall
- * itself is not simulated: a disk starts just above what it will hit, with the speed of its fall. The next
- * falls when no disk is fast or far from balance, though the pile may still sway; after the last it comes to
- * rest entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has
- * a maximum.
+ * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough to shorten the time step by no more than 3 %; eps
+ * = 2e-3 is for steps as long as can be. sweeps/li20_choices.cfg tells what harder contacts, K_slip and
+ * rolling resistance change in piles of 150, and sweeps/li20_rest.cfg what the waiting does. The fall itself
+ * is not simulated: a disk starts just above what it will hit, with the speed of its fall. The next falls
+ * when no disk is fast or far from balance, though the pile may still sway; after the last it comes to rest
+ * entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has a
+ * maximum.
  *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
  * saves most of the time, but its weight and its blows make whole flanks slip: held, piles stand 2 or 3

@@ -730,8 +730,8 @@ static void filling(void)
     CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "no room for grain");
 }
 
-/* Grains that cannot be followed stop the run, with step and grain. */
-/* A grain put in far away changes no bit of the others, but for the list's rebuilding. */
+/* A grain put in far away changes no bit of the others, but for the list's rebuilding; a large one that is
+ * refused changes not even the cells, and so the order of the sums. */
 static void added_far_away(void)
 {
     dem_grain *grains;
@@ -743,6 +743,8 @@ static void added_far_away(void)
     uint32_t id = 0;
     CHECK_OK(dem_add(more, &(dem_grain){-60.0, 0.08, 0.08, 0.002, 0.0, 0.0}, &id));
     CU_ASSERT(id == 81 && dem_count(more) == 81);
+    CHECK_FAILS(dem_add(sim, &(dem_grain){-50.0, 0.9, 1.0, 4.2, 0.0, 0.0}, &id), RP_BAD_INPUT,
+                "touches wall 1");
     CHECK_OK(dem_neighbours_rebuild(sim));
     CHECK_OK(dem_run(sim, 6000));
     CHECK_OK(dem_run(more, 6000));
@@ -872,6 +874,7 @@ static void added_names_and_errors(void)
     dem_free(same);
 }
 
+/* Grains that cannot be followed stop the run, with step and grain. */
 static void faults(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};

@@ -299,6 +299,9 @@ static void test_jump(void)
     def.branch = DEM_BRANCH_MINIMUM; /* is not followed, and so does not end */
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 0 && h.result.load == 1 && h.result.negative_modes == 0);
+    def.leave = 1; /* there is no primary state to leave */
+    CHECK_OK(solve(&h, def));
+    CU_ASSERT(h.result.jumps == 1 && h.result.negative_modes == 0 && isnan(h.result.released));
     free_heap(&h);
 }
 

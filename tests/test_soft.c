@@ -739,9 +739,23 @@ static void refused(void)
     fast.vx = 51.0;
     CHECK_OK(dem_create(&def, &sim));
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN,
-                "too_fast at step 0: grain 1: moves beyond half the skin of the neighbour list, 0.1, in");
+                "too_fast at step 0: grain 1: moves beyond its margin of the neighbour list, 0.1, in");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_TOO_FAST);
     dem_free(sim);
+    /* of several, each kernel names the same */
+    dem_grain all[21];
+    for (int i = 0; i < 21; i++)
+        all[i] = (dem_grain){.x = 1.5 * i, .y = 9.0, .r = R, .m = 1.0, .vx = i < 14 ? 51.0 : 49.0};
+    def.grains = all;
+    def.n_grains = 21;
+    char first[256] = "";
+    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
+        if (!dem_kernel_runs(def.kernel)) continue;
+        CHECK_OK(dem_create(&def, &sim));
+        CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, first);
+        snprintf(first, sizeof first, "%s", rp_message());
+        dem_free(sim);
+    }
 }
 
 void suite_soft(void)

@@ -333,7 +333,7 @@ double dem_inertia(int shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
  * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4 of
- * the spring's rate, the limit of no spring, good to 1e-8. A pair that never parts has restitution 0 and time
+ * the spring's rate, the limit of no spring, good to 1e-6. A pair that never parts has restitution 0 and time
  * INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 typedef struct {
     double restitution, overlap, time;

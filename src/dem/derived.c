@@ -28,7 +28,7 @@ static int impact_rates(double t, const double y[], double dydt[], void *params)
 
 /* Where damping is so strong that it stops the impact before the spring pushes, y = 1/damping there, and the
  * spring then pushes back at the speed y^(3/2)/damping, or y/damping, at which damping balances it. Without
- * tension that lasts; what it leaves out is a part of damping^-2 or less. */
+ * tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2 or less. */
 static void creep(const impact_problem *p, double *overlap, double *speed)
 {
     *overlap = 1.0 / p->damping;

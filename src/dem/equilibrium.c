@@ -780,7 +780,7 @@ static rp_status go_to_minimum(dem_pile *pile)
         if (!status) status = count_modes(pile);
         if (status) return status;
     }
-    if (pile->def.leave) pile->result.released = primary - energy(pile);
+    if (pile->def.leave && !pile->result.jumps) pile->result.released = primary - energy(pile);
     if (!pile->result.negative_modes) return RP_OK;
     pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;

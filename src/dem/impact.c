@@ -201,8 +201,8 @@ rp_status dem_impacts_apply(dem_sim *sim)
         way = longest_way(sim, &beyond);
         if (beyond < sim->n)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
-                            "moves beyond half the skin of the neighbour list, %g, in one step",
-                            0.5 * sim->skin);
+                            "moves beyond its margin of the neighbour list, %g, in one step",
+                            sqrt(sim->margin2[beyond]));
     }
     for (int round = 0; round < ROUNDS && collide_all(sim, way); round++) way = longest_way(sim, &beyond);
     return RP_OK;

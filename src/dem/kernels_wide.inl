@@ -241,7 +241,7 @@ size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
         const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
         wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
         most = wide_max(way2, most);
-        if (out[0] | out[1]) *beyond = i + (size_t)__builtin_ctz(out[0] | out[1] << WIDTH) / 2;
+        if (out[0] | out[1]) *beyond = i + (31 - (size_t)__builtin_clz(out[0] | out[1] << WIDTH)) / 2;
     }
     double all[WIDTH];
     wide_store(all, most);

@@ -259,7 +259,9 @@ static void sort_grains(dem_sim *sim, double size)
     }
 }
 
-/* A wall that turns may come nearer to the farthest grain by half the skin; the grain has the other half. */
+/* A wall that turns may come nearer to the farthest grain by half the skin; the grain has its margin beside
+ * that. (A margin can be above that half, and a grain go along the wall to where it turns faster, but then it
+ * does not go towards the wall so far.) */
 static void measure_room(dem_sim *sim)
 {
     double far2 = 0.0;

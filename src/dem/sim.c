@@ -651,8 +651,12 @@ static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
     if (sim->spin)
         sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0,
                                   p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
-    sim->r_min = fmin(sim->r_min, p->r);
-    sim->r_max = fmax(sim->r_max, p->r);
+}
+
+static void note_radius(dem_sim *sim, double r)
+{
+    sim->r_min = fmin(sim->r_min, r);
+    sim->r_max = fmax(sim->r_max, r);
 }
 
 static rp_status fill_in(dem_sim *sim, const dem_definition *def)
@@ -677,6 +681,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     for (size_t i = 0; i < sim->n; i++) {
         const dem_grain *p = &def->grains[i];
         put_grain(sim, i, p);
+        note_radius(sim, p->r);
         sim->id[i] = (uint32_t)i + 1;
         sim->radius_mean += p->r / (double)sim->n;
         sim->mass_mean += p->m / (double)sim->n;
@@ -802,6 +807,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     status = check_new_walls(sim, sim->n);
     if (status) return rp_prefix(status, "new particle: ");
     if (sim->book && (status = dem_ledger_add(sim, grain)) != RP_OK) return status;
+    note_radius(sim, grain->r);
     sim->id[sim->n++] = ++sim->last_id;
     dem_integrate_start(sim, sim->n - 1);
     if (id) *id = sim->last_id;
