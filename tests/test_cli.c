@@ -753,8 +753,9 @@ static void test_angle_dip(void)
     FILE *file = fopen(path, "w");
     fprintf(file, "# status\tleft_deg\tright_deg");
     for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
-    for (int i = 0; i < 4; i++) {
-        fprintf(file, "\n%s\t%d\t30", i == 3 ? "not_at_rest" : "ok", i == 3 ? 10 : 30);
+    for (int i = 0; i < 6; i++) {
+        static const char *const left[] = {"30", "30", "30", "10", "nan", "-31"};
+        fprintf(file, "\n%s\t%s\t30", i == 3 ? "not_at_rest" : "ok", left[i]);
         for (int k = 0; k < 20; k++) fprintf(file, "\t1");
     }
     fclose(file);
@@ -768,6 +769,7 @@ static void test_angle_dip(void)
     GOOD("angle dip piles.tsv --against zero");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "D_reference"), 0.0, 1e-15);
+    CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope is asked for */
     rp_table_free(&t);
     leave();
 }

@@ -976,6 +976,7 @@ static void test_program(void)
                  {64, "--k-x 1 --set-again"},
                  {64, "--leave 2"},
                  {64, "--linear --branch minimum --leave 2"},
+                 {64, "--linear --branch minimum"},
                  {64, "--seed 2"},
                  {0, "--base 24 --branch minimum --leave 2 --eps 1e-3"},
                  {0, "--base 12 --well 1 --set-again"},

@@ -46,7 +46,8 @@ static const cli_command command = {
     "a\n"
     "pile, columns n_01 to n_20, left_deg, right_deg, status, as repose sweep export writes for protocol "
     "drop;\n"
-    "rows whose status is not ok are left out.",
+    "rows whose status is not ok are left out, and against the triangle those whose mean slope is not in (0, "
+    "60).",
     "repose angle dip build/tables/li20_point_runs.tsv",
     params,
     1,
@@ -96,6 +97,7 @@ static rp_status read_profiles(const rp_table *t, int against, double **profiles
         if (strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") != 0) continue;
         double *N = *profiles + *n * ANG_DIP_BINS, *flat = *without + *n * ANG_DIP_BINS;
         const double slope = 0.5 * (block[LEFT * t->n_rows + i] + block[RIGHT * t->n_rows + i]);
+        if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
         for (size_t k = 0; k < ANG_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
         if (against == TRIANGLE) status = triangle_profile(slope * (M_PI / 180), flat);
         if (status) rp_prefix(status, "%s:%zu: ", t->path, t->lines[i]);

@@ -318,6 +318,7 @@ static rp_status check_idle(const options *o)
                 {"eps", o->linear, "--linear is the limit eps -> 0"},
                 {"load-steps", o->linear, "--linear has no steps of the load"},
                 {"leave", !o->branch || o->linear, "goes with --branch minimum, not with --linear"},
+                {"branch", o->linear, "--linear has one state"},
                 {"set-again", !(o->well > 0), "goes with --well"},
                 {"mu", !(o->well > 0), "goes with --well"},
                 {"seed", !(o->disorder > 0), "goes with --disorder"}};
