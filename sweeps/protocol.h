@@ -18,6 +18,10 @@ typedef struct {
     const char *meaning;
 } sweep_output;
 
+/* That of a bin of ANG_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
+#define SWEEP_BASE_BIN(k)                                                                                    \
+    {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
 typedef struct {

@@ -102,11 +102,7 @@ static const sweep_output outputs[] = {
     {"settled", "", "disks that the relaxation at the end moved by more than 0.1 d"},
     {"steps", "", "steps of the drops"},
     {"relax_steps", "", "steps of the relaxation at the end"},
-#define BIN(k) {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
-    BIN(01) BIN(02) BIN(03) BIN(04) BIN(05) BIN(06) BIN(07) BIN(08) BIN(09) BIN(10) BIN(11) BIN(12) BIN(13)
-        BIN(14) BIN(15) BIN(16) BIN(17) BIN(18) BIN(19) BIN(20)
-#undef BIN
-            {NULL, NULL, NULL}};
+    ANG_DIP_BIN_LIST(SWEEP_BASE_BIN){NULL, NULL, NULL}};
 
 typedef struct {
     const drop_params *p;

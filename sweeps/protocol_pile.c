@@ -91,11 +91,7 @@ static const sweep_output outputs[] = {
     {"load", "", "part of the load up to which equilibrium was followed"},
     {"left_deg", "degree", "slope of the left side; of a tent from the edge to the top"},
     {"right_deg", "degree", "of the right side"},
-#define BIN(k) {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
-    BIN(01) BIN(02) BIN(03) BIN(04) BIN(05) BIN(06) BIN(07) BIN(08) BIN(09) BIN(10) BIN(11) BIN(12) BIN(13)
-        BIN(14) BIN(15) BIN(16) BIN(17) BIN(18) BIN(19) BIN(20)
-#undef BIN
-            {NULL, NULL, NULL}};
+    ANG_DIP_BIN_LIST(SWEEP_BASE_BIN){NULL, NULL, NULL}};
 
 static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
 {

@@ -26,7 +26,7 @@ static double pick(double seed, long k)
     return modf(fabs(sin(12.9898 * (seed + 1.0) + 78.233 * (double)(k + 1))) * 43758.5453, &whole);
 }
 
-/* ---- the helper itself ---- */
+/* ---- the search for a simpler failure itself ---- */
 
 static double at_most_three(const double x[])
 {

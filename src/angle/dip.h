@@ -10,6 +10,11 @@
 /* Bins of the base: 20 of 0.05 B about the centroid of the load; B is the width about it that holds 98 % of
  * the load. */
 enum { ANG_DIP_BINS = 20 };
+/* Their numbers, left to right, as in the names of columns: n_01 to n_20. */
+#define ANG_DIP_BIN_LIST(X)                                                                                  \
+    X(01)                                                                                                    \
+    X(02) X(03) X(04) X(05) X(06) X(07) X(08) X(09) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18)    \
+        X(19) X(20)
 typedef struct {
     double centroid, width; /* of the load; B, lengths of x */
     double N[ANG_DIP_BINS]; /* pressure in each bin over the mean over the bins */

@@ -77,15 +77,11 @@ enum { LEFT = ANG_DIP_BINS, RIGHT, COLUMNS };
 /* Profiles of the rows that count, one after the other, and what each has without a dip. */
 static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
 {
-    char names[ANG_DIP_BINS][16];
-    const char *columns_of[COLUMNS];
+#define NAME(k) "n_" #k,
+    static const char *const columns_of[COLUMNS] = {ANG_DIP_BIN_LIST(NAME) "left_deg", "right_deg"};
+#undef NAME
     int columns[COLUMNS], status_column;
     double *block = NULL;
-    for (int k = 0; k < ANG_DIP_BINS; k++) {
-        snprintf(names[k], sizeof names[k], "n_%02d", k + 1);
-        columns_of[k] = names[k];
-    }
-    columns_of[LEFT] = "left_deg", columns_of[RIGHT] = "right_deg";
     *n = 0;
     *profiles = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **profiles);
     *without = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **without);

@@ -57,19 +57,12 @@ static rp_status no_memory(void)
     return rp_fail(RP_NO_MEMORY, "energy ledger: out of memory");
 }
 
-static bool grow(void *array, size_t size, size_t room)
-{
-    void *more = realloc(*(void **)array, size * room);
-    if (more) *(void **)array = more;
-    return more != NULL;
-}
-
 static rp_status grain_room(dem_sim *sim, size_t last_id)
 {
     struct dem_book *b = sim->book;
     if (last_id < b->room) return RP_OK;
     const size_t room = 2 * last_id + 2;
-    if (!grow(&b->grain, sizeof *b->grain, room)) return no_memory();
+    if (!dem_grow(&b->grain, sizeof *b->grain, room)) return no_memory();
     memset(b->grain + b->room, 0, (room - b->room) * sizeof *b->grain);
     b->room = room;
     return RP_OK;
@@ -81,8 +74,8 @@ static rp_status contact_room(dem_sim *sim)
     const size_t need = sim->n_touching + sim->n_wall_slots;
     if (need < b->contact_room) return RP_OK;
     const size_t room = 2 * need + 16;
-    if (!grow(&b->old_contact, sizeof *b->old_contact, room) ||
-        !grow(&b->new_contact, sizeof *b->new_contact, room))
+    if (!dem_grow(&b->old_contact, sizeof *b->old_contact, room) ||
+        !dem_grow(&b->new_contact, sizeof *b->new_contact, room))
         return no_memory();
     b->contact_room = room;
     return RP_OK;
@@ -220,7 +213,7 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
     struct dem_book *b = sim->book;
     const size_t need = sim->n_pairs + sim->n_wall_slots;
     if (need > b->between_room) {
-        if (!grow(&b->between, sizeof *b->between, need)) return no_memory();
+        if (!dem_grow(&b->between, sizeof *b->between, need)) return no_memory();
         b->between_room = need;
     }
     b->n_between = 0;

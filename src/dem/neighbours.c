@@ -70,23 +70,17 @@ static void size_cells(dem_sim *sim, struct dem_scratch *w)
             w->cells_y /= 2;
 }
 
-static bool grow(void *array, size_t size, size_t room)
-{
-    void *more = realloc(*(void **)array, size * room);
-    if (more) *(void **)array = more;
-    return more != NULL;
-}
-
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
     if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
     size_t room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
-    if (grow(&sim->pair_i, sizeof *sim->pair_i, room) && grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
-        grow(&sim->touching, sizeof *sim->touching, room) &&
-        grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
-        grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
-        grow(&sim->spring, sizeof *sim->spring, room) &&
-        (!sim->rolling || grow(&sim->roll, sizeof *sim->roll, room)))
+    if (dem_grow(&sim->pair_i, sizeof *sim->pair_i, room) &&
+        dem_grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
+        dem_grow(&sim->touching, sizeof *sim->touching, room) &&
+        dem_grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
+        dem_grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
+        dem_grow(&sim->spring, sizeof *sim->spring, room) &&
+        (!sim->rolling || dem_grow(&sim->roll, sizeof *sim->roll, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
@@ -105,7 +99,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     sim->n_pairs = sim->pair_room = 0;
     rp_status status = pair_room(sim, like->n_pairs + 1); /* so that the arrays exist */
     sim->wall_room = like->n_wall_slots + 1;
-    if (status || !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room))
+    if (status || !dem_grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     sim->n_pairs = like->n_pairs;
     memcpy(sim->pair_i, like->pair_i, sim->n_pairs * sizeof *sim->pair_i);
@@ -276,9 +270,9 @@ static rp_status hold_springs(dem_sim *sim)
     struct dem_scratch *w = sim->scratch;
     if (sim->n_touching > w->held_room) {
         w->held_room = sim->n_touching + sim->n_touching / 2;
-        if (!grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
-            !grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
-            (sim->rolling && !grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
+        if (!dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
+            !dem_grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
+            (sim->rolling && !dem_grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
     memset(w->held_start, 0, (sim->n + 1) * sizeof *w->held_start);
@@ -399,7 +393,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     const size_t n_old = sim->n_wall_slots;
     const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->box_from_step;
     const double turn = turns ? 0.5 * sim->skin : 0.0;
-    if (n_old > w->wall_room && !grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_room = sim->wall_room))
+    if (n_old > w->wall_room && !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_room = sim->wall_room))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     if (n_old) memcpy(w->wall_slot, sim->wall_slot, n_old * sizeof *w->wall_slot);
     sim->n_wall_slots = 0;
@@ -416,7 +410,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             w->wall_held[i] = NOWHERE;
             if (!(fabs(distance) < sim->reach[i] + turn) || sim->inverse_mass[i] == 0.0) continue;
             if (sim->n_wall_slots == sim->wall_room &&
-                !grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
+                !dem_grow(&sim->wall_slot, sizeof *sim->wall_slot, sim->wall_room = 2 * sim->wall_room + 64))
                 return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
             dem_wall_slot *slot = &sim->wall_slot[sim->n_wall_slots++];
             *slot = (dem_wall_slot){.wall = k, .grain = i, .side = distance < 0.0 ? -1.0 : 1.0};

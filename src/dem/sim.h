@@ -2,6 +2,8 @@
 #ifndef DEM_SIM_H
 #define DEM_SIM_H
 
+#include <stdlib.h>
+
 #include "dem/dem.h"
 #include "dem/impact.h"
 
@@ -136,6 +138,14 @@ static inline double dem_dot(dem_vec a, dem_vec b)
 static inline dem_vec dem_clockwise(dem_vec n)
 {
     return (dem_vec){n[1], -n[0]};
+}
+
+/* Let the array that `array` points to hold `room` items; false, and as it was, if memory is short. */
+static inline bool dem_grow(void *array, size_t size, size_t room)
+{
+    void *more = realloc(*(void **)array, size * room);
+    if (more) *(void **)array = more;
+    return more != NULL;
 }
 
 /* Choose the kernel of the definition; kernels.c. */
