@@ -145,8 +145,6 @@ static void list_is_complete_of(double speed, long steps)
     dem_grain *grains;
     dem_definition def = grains_box(120, 2.6, 11, &grains);
     for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
-    def.hard = (dem_hard){speed > 0.0, 0.9, 0.5}; /* those have margins of their own */
-    def.tension = false;
     if (speed > 0.0) def.dt = 2e-5;
     dem_sim *sim = grains_start(&def);
     dem_state s[120];
@@ -176,8 +174,41 @@ static void list_is_complete(void)
     list_is_complete_of(300.0, 7);
 }
 
+/* What is taken out of a list that goes on leaves it as a rebuilding would, but for the order of sums. */
+static void leaving_of(bool rotation)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(100, 2.2, 2, &grains);
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
+    def.x_max = 2.3;
+    dem_sim *sim = grains_start(&def), *rebuilt;
+    CHECK_OK(dem_run(sim, 8000));
+    dem_wall_open(sim, DEM_BOX_RIGHT, INF);
+    CHECK_OK(dem_run(sim, 1000));
+    CHECK_OK(dem_clone(sim, &rebuilt));
+    const size_t before = dem_count(sim);
+    dem_counts start, end, each;
+    dem_count_work(sim, &start);
+    for (int k = 0; k < 400; k++) {
+        CHECK_OK(dem_run(sim, 1));
+        CHECK_OK(dem_run(rebuilt, 1));
+        CHECK_OK(dem_neighbours_rebuild(rebuilt));
+        if (k % 100 == 99) CU_ASSERT(distance(sim, rebuilt) < 1e-9);
+        CU_ASSERT_EQUAL(dem_count(sim), dem_count(rebuilt));
+        dem_count_work(sim, &end);
+        dem_count_work(rebuilt, &each);
+        CU_ASSERT(end.contacts == each.contacts);
+    }
+    CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50);
+    CU_ASSERT(end.rebuilds - start.rebuilds < 40);
+    dem_free(sim);
+    dem_free(rebuilt);
+    free(grains);
+}
+
 /* Grains that take the places of two that left keep their contacts with walls, and how far they may go. */
-static void leaving(void)
+static void leaving_below_others(void)
 {
     const double r = 0.1, m = 0.0042, sinks = 1e-4;
     dem_grain grains[5] = {{0.9, 0.6, r, m, 0.0, -300.0},
@@ -190,8 +221,6 @@ static void leaving(void)
     def.grains = grains;
     def.n_grains = 5;
     def.y_min = 0.5;
-    def.hard.on = true;
-    def.tension = false;
     def.n_walls = 2;
     for (int w = 0; w < 2; w++) {
         def.walls[w] = line(w ? 1.2 : 0.2, w ? 1.6 : 1.0, 0.0, 1.0, &def.material);
@@ -206,6 +235,13 @@ static void leaving(void)
     CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r);
     CU_ASSERT(fabs(s[2].y - grains[4].y) < 1e-3);
     dem_free(sim);
+}
+
+static void leaving(void)
+{
+    leaving_of(false);
+    leaving_of(true);
+    leaving_below_others();
 }
 
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */

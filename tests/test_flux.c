@@ -240,7 +240,7 @@ static void ends_without_result(void)
     CU_ASSERT(isnan(output(&result, "theta_deg")) && output(&result, "insertions_made") == 30.0);
     free(p);
     /* too short for a correlation time: mean and largest angle stay */
-    static const char *const no_plateau[] = {"W=1.4", "insertions=40", NULL};
+    static const char *const no_plateau[] = {"W=1.4", "insertions=44", NULL};
     p = params(no_plateau);
     CHECK_OK(protocol->run(p, 1993, 0, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "ok");

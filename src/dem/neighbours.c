@@ -391,8 +391,7 @@ static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_scratch *w = sim->scratch;
     const size_t n_old = sim->n_wall_slots;
-    const bool turns =
-        sim->even_margins || (sim->def.box_turn_per_step != 0.0 && sim->step >= sim->box_from_step);
+    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->box_from_step;
     const double turn = turns ? 0.5 * sim->skin : 0.0;
     if (n_old > w->wall_room && !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_room = sim->wall_room))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");

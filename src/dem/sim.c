@@ -687,8 +687,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
         sim->mass_mean += p->m / (double)sim->n;
     }
     sim->skin = def->skin > 0.0 ? def->skin : 0.4 * sim->radius_mean;
-    /* a scene of soft grains alone keeps the bits that it had before there were others */
-    sim->even_margins = def->skin > 0.0 || !def->hard.on;
+    sim->even_margins = def->skin > 0.0 || def->integrator == DEM_IMPLICIT; /* that has no speeds to go by */
     sim->start_speed = impact_speed(def);
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
@@ -854,7 +853,7 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
             return status;
         sim->step++;
         if (times) lap(&times->integration, &clock);
-        if (left & DEM_LIST_OUT || (left && sim->even_margins) || sim->box_swept > sim->box_room) {
+        if (left & DEM_LIST_OUT || (left && sim->implicit) || sim->box_swept > sim->box_room) {
             if ((status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
         } else if (left) {
             dem_neighbours_drop(sim);

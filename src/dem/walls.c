@@ -21,8 +21,7 @@ void dem_walls_turn(dem_sim *sim)
     dem_vec box = {c * sim->box[0] - s * sim->box[1], c * sim->box[1] + s * sim->box[0]};
     sim->box = box * (1.0 / sqrt(dem_dot(box, box)));
     sim->box_angle += sim->def.box_turn_per_step;
-    if (!sim->even_margins && sim->step == sim->box_from_step)
-        sim->box_swept = INFINITY; /* the list has not reckoned with it */
+    if (sim->step == sim->box_from_step) sim->box_swept = INFINITY; /* the list has not reckoned with it */
     sim->box_swept += fabs(sim->def.box_turn_per_step);
     /* of p, where the step has brought it: (1 - cos) p + sin (p turned clockwise) */
     sim->box_swing = (dem_vec){s * s / (1.0 + c), s} / sim->def.dt;
