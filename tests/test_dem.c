@@ -178,7 +178,7 @@ static void list_is_complete(void)
 static void leaving_of(bool rotation)
 {
     dem_grain *grains;
-    dem_definition def = grains_box(100, 2.2, 2, &grains);
+    dem_definition def = grains_box(100, 2.2, 3, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     def.x_max = 2.3;
@@ -248,7 +248,7 @@ static void leaving(void)
 static void extra_rebuilds_of(bool rotation)
 {
     dem_grain *grains;
-    dem_definition def = grains_box(100, 2.2, 2, &grains);
+    dem_definition def = grains_box(100, 2.2, 3, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     /* 16 columns of some 0.3 cm wrap around inside the box, so that either grain of a pair may come first */
@@ -573,7 +573,7 @@ static void contacts_add_up(void)
 {
     enum { N = 80 };
     dem_grain *grains;
-    dem_definition def = grains_box(N, 2.0, 23, &grains);
+    dem_definition def = grains_box(N, 2.0, 25, &grains);
     def.rotation = true;
     def.damping = DEM_DAMPING_INSIDE;
     def.material.gamma_s = 200.0;

@@ -41,7 +41,7 @@ INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes 
         of_spring -= dashpot;
     else
         force = -dashpot - held;
-    if (c.truncated && wide_bits(slides) & wide_bits(touch)) ds = wide_choose(slides, of_spring / c.k, ds);
+    if (c.truncated && wide_bits(slides) & wide_bits(touch)) ds = wide_choose(slides, of_spring * (1.0 / c.k), ds);
     *spring = ds;
     return force;
 }

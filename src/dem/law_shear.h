@@ -27,7 +27,7 @@ static inline double dem_law_shear(int slip, int damping, double k_s, double gam
     double cap = mu * (normal_force > 0.0 ? normal_force : 0.0);
     double pull = inside ? k_s * ds + dashpot : k_s * ds;
     double held = fabs(pull) > cap ? copysign(cap, pull) : pull;
-    if (slip == DEM_TRUNCATED && fabs(pull) > cap) ds = (inside ? held - dashpot : held) / k_s;
+    if (slip == DEM_TRUNCATED && fabs(pull) > cap) ds = (inside ? held - dashpot : held) * (1.0 / k_s);
     *spring = ds;
     return inside ? -held : -dashpot - held;
 }
