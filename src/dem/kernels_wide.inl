@@ -15,7 +15,7 @@ typedef struct {
 
 /* A spring and a dashpot under a limit: shear, or rolling. */
 typedef struct {
-    double k, gamma, mu;
+    double k, inverse_k, gamma, mu;
     bool truncated, inside;
 } slider;
 
@@ -28,8 +28,8 @@ INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
     return law->tension ? f : wide_max(f, (wide){0});
 }
 
-/* dem_law_shear; the division only where a contact slides. */
-INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
+/* dem_law_shear */
+INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *spring)
 {
     wide ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
     wide cap = c.mu * wide_max(f_n, (wide){0});
@@ -41,7 +41,7 @@ INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes 
         of_spring -= dashpot;
     else
         force = -dashpot - held;
-    if (c.truncated && wide_bits(slides) & wide_bits(touch)) ds = wide_choose(slides, of_spring * (1.0 / c.k), ds);
+    if (c.truncated) ds = wide_choose(slides, of_spring * c.inverse_k, ds);
     *spring = ds;
     return force;
 }
@@ -54,11 +54,9 @@ INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
 }
 
 /* Rolling resistance: the couple on grain i. */
-INLINE wide law_rolling(const laws *law, wide r_eff, wide m_eff, wide omega, wide f_n, double h, lanes touch,
-                        wide *roll)
+INLINE wide law_rolling(slider c, wide r_eff, wide m_eff, wide omega, wide f_n, double h, wide *roll)
 {
-    const slider c = {law->c.k_roll, law->c.gamma_roll, law->c.mu_roll, true, true};
-    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, touch, roll);
+    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, roll);
 }
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
@@ -75,7 +73,8 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                       def->tangential == DEM_SLIP_ROLL,
                       def->slip == DEM_TRUNCATED,
                       def->damping == DEM_DAMPING_INSIDE};
-    const slider shear = {law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside};
+    const slider shear = {law.c.k_s, 1.0 / law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside},
+                 rolls = {law.c.k_roll, 1.0 / law.c.k_roll, law.c.gamma_roll, law.c.mu_roll, true, true};
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
@@ -112,7 +111,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
             }
             if (law.shear) {
                 wide ds = wide_load(spring + k);
-                f_s = law_shear(shear, m_eff, v_s, f_n, h, touch, &ds);
+                f_s = law_shear(shear, m_eff, v_s, f_n, h, &ds);
                 wide_store(spring + k, wide_choose(touch, ds, zero));
             } else {
                 f_s = law_slip_roll(&law, m_eff, v_s, f_n);
@@ -123,8 +122,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple =
-                        law_rolling(&law, r_i * r_j / radii, m_eff, omega_i - omega_j, f_n, h, touch, &xi);
+                    couple = law_rolling(rolls, r_i * r_j / radii, m_eff, omega_i - omega_j, f_n, h, &xi);
                     wide_store(roll + k, wide_choose(touch, xi, zero));
                 }
                 double on_i[WIDTH], on_j[WIDTH];
