@@ -104,7 +104,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
             /* along s = (ny, -nx), the normal turned clockwise */
             wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
             if (rotation) {
-                r_i = wide_gather(sim->radius, i, 1), r_j = wide_gather(sim->radius, j, 1);
+                r_i = wide_load(sim->radius_i + k), r_j = wide_load(sim->radius_j + k);
                 omega_i = wide_gather(&spin->omega, i, sizeof *spin / sizeof(double));
                 omega_j = wide_gather(&spin->omega, j, sizeof *spin / sizeof(double));
                 v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
@@ -122,7 +122,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple = law_rolling(rolls, r_i * r_j / radii, m_eff, omega_i - omega_j, f_n, h, &xi);
+                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j, f_n, h, &xi);
                     wide_store(roll + k, wide_choose(touch, xi, zero));
                 }
                 double on_i[WIDTH], on_j[WIDTH];

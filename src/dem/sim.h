@@ -115,7 +115,14 @@ struct dem_sim {
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
+    double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll; /* rolling displacements; NULL without rolling resistance */
+
+    /* hard collisions: the pairs that do not touch, in their order. It holds where a kernel that makes it has
+     * run since the pairs or places changed. */
+    uint32_t *apart; /* NULL without */
+    size_t n_apart;
+    bool apart_holds;
 
     size_t n_wall_slots, wall_room;
     dem_wall_slot *wall_slot;
