@@ -79,9 +79,9 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    uint32_t *restrict touching = sim->touching;
+    uint32_t *restrict touching = sim->touching, *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
-    size_t n = 0;
+    size_t n = 0, n_apart = 0;
     unsigned alarm = 0;
     for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
@@ -89,6 +89,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
         wide_difference(grain, i, j, &x, &y, &vx, &vy);
         const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
         const lanes touch = wide_less(r2, radii * radii);
+        if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
@@ -122,7 +123,8 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j, f_n, h, &xi);
+                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j,
+                                         f_n, h, &xi);
                     wide_store(roll + k, wide_choose(touch, xi, zero));
                 }
                 double on_i[WIDTH], on_j[WIDTH];
@@ -143,6 +145,11 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
     }
     sim->n_touching = n;
     sim->alarm |= alarm != 0;
+    if (!apart) return;
+    while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
+    for (size_t p = 0; p < WIDTH && n_apart > 0; p++) apart[n_apart + p] = apart[n_apart - 1];
+    sim->n_apart = n_apart;
+    sim->apart_holds = true;
 }
 
 void WIDE_KERNEL(dem_sim *sim, double h)
@@ -225,11 +232,10 @@ INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
     return way;
 }
 
-/* As longest_way in impact.c. */
-size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
+/* As set_ways in impact.c. */
+size_t WIDE_WAYS(dem_sim *sim, size_t *beyond)
 {
     const wide gravity = wide_repeat(sim->gravity);
-    wide most = {0};
     size_t i = 0;
     for (; i + WIDTH <= sim->n; i += WIDTH) {
         unsigned out[2];
@@ -238,31 +244,43 @@ size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
         b *= b;
         const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
         wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
-        most = wide_max(way2, most);
         if (out[0] | out[1]) *beyond = i + (31 - (size_t)__builtin_clz(out[0] | out[1] << WIDTH)) / 2;
     }
-    double all[WIDTH];
-    wide_store(all, most);
-    for (int p = 0; p < WIDTH; p++) *most2 = all[p] > *most2 ? all[p] : *most2;
     return i;
 }
 
-/* As next_closing in impact.c. */
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k, double way)
+/* Which of WIDTH pairs may come to touch; as next_closing in impact.c. */
+INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
 {
-    const wide zero = {0}, both = zero + 2.0 * way;
+    wide x, y, vx, vy;
+    wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
+    const wide r2 = x * x + y * y, most = reach + (wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1));
+    return wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most));
+}
+
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
+{
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < sim->n_pairs; k += WIDTH) {
-        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        wide x, y, vx, vy;
-        wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
-        const wide r2 = x * x + y * y, reach = wide_load(sim->pair_radii + k),
-                   ways = wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1),
-                   most = reach + wide_choose(wide_less(ways, both), ways, both);
         const unsigned near =
-            wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most)) & from;
+            may_touch(sim, sim->pair_i + k, sim->pair_j + k, wide_load(sim->pair_radii + k)) & from;
         if (near) return k + (size_t)__builtin_ctz(near);
         from = ~0u;
     }
     return sim->n_pairs;
+}
+
+/* The list is filled up to a whole block with its last pair. */
+size_t WIDE_APART(const dem_sim *sim, size_t t)
+{
+    unsigned from = ~0u << t % WIDTH;
+    for (t -= t % WIDTH; t < sim->n_apart; t += WIDTH) {
+        const uint32_t *k = sim->apart + t;
+        uint32_t i[WIDTH], j[WIDTH];
+        for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
+        const unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1)) & from;
+        if (near) return t + (size_t)__builtin_ctz(near);
+        from = ~0u;
+    }
+    return sim->n_apart;
 }
