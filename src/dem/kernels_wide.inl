@@ -59,6 +59,26 @@ INLINE wide law_rolling(slider c, wide r_eff, wide m_eff, wide omega, wide f_n, 
     return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, roll);
 }
 
+/* Where the pairs of a block touch: normal from j to i, overlap, relative velocity. */
+typedef struct {
+    wide nx, ny, overlap, vx, vy;
+    lanes touch;
+} geometry;
+
+INLINE geometry geometry_of(const dem_sim *sim, size_t k)
+{
+    geometry m;
+    wide x, y;
+    wide_difference(sim->grain, sim->pair_i + k, sim->pair_j + k, &x, &y, &m.vx, &m.vy);
+    const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
+    m.touch = wide_less(r2, radii * radii);
+    m.nx = m.ny = m.overlap = (wide){0};
+    if (!wide_bits(m.touch)) return m;
+    const wide r = wide_sqrt(r2), inverse = 1.0 / r;
+    m.overlap = radii - r, m.nx = x * inverse, m.ny = y * inverse;
+    return m;
+}
+
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
  * since it starts from +0. The list ends in pairs that never touch. */
@@ -75,7 +95,6 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                       def->damping == DEM_DAMPING_INSIDE};
     const slider shear = {law.c.k_s, 1.0 / law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside},
                  rolls = {law.c.k_roll, 1.0 / law.c.k_roll, law.c.gamma_roll, law.c.mu_roll, true, true};
-    const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
@@ -83,12 +102,14 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
     const wide zero = {0}, limit = zero + sim->r_min;
     size_t n = 0, n_apart = 0;
     unsigned alarm = 0;
+    geometry next = {0};
+    if (sim->n_pairs > 0) next = geometry_of(sim, 0);
     for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        wide x, y, vx, vy;
-        wide_difference(grain, i, j, &x, &y, &vx, &vy);
-        const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
-        const lanes touch = wide_less(r2, radii * radii);
+        const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
+        const lanes touch = next.touch;
+        if (k + WIDTH < sim->n_pairs)
+            next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
         if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
@@ -96,8 +117,7 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
             continue;
         }
         n = wide_append(touching, n, wide_bits(touch), k);
-        const wide r = wide_sqrt(r2), inverse = 1.0 / r, overlap = radii - r, nx = x * inverse,
-                   ny = y * inverse, m_eff = wide_load(sim->pair_mass + k);
+        const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
