@@ -182,7 +182,22 @@ void WIDE_KERNEL(dem_sim *sim, double h)
         wide_loop(sim, h, true, true);
 }
 
-/* As dem_integrate; returns for how many grains. */
+/* As integrate_spins in integrators.c, for the first n, a multiple of WIDTH/2: (angle, omega) and (torque,
+ * inverse inertia) are taken as vectors. */
+INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
+{
+    const wide zero = {0};
+    const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
+    for (size_t i = 0; i < n; i += WIDTH / 2) {
+        dem_record *at = (dem_record *)(spin + i);
+        wide turn, drive;
+        wide_load_records(at, &turn, &drive);
+        const wide omega = turn + dt * drive * wide_swap(drive), angle = turn + dt * wide_swap(omega);
+        wide_store_records(at, wide_choose(first, angle, omega), wide_choose(first, zero, drive));
+    }
+}
+
+/* As dem_integrate, spins included; returns for how many grains. */
 size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
@@ -209,6 +224,7 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
     *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
+    if (sim->spin) advance_spins(sim->spin, i, dt);
     return i;
 }
 

@@ -149,7 +149,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->mass = calloc(n, sizeof *w->mass);
     w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
     w->id = calloc(n, sizeof *w->id);
-    if (sim->def.rotation) w->spin = calloc(n, sizeof *w->spin);
+    if (sim->def.rotation) w->spin = aligned_alloc(64, (n * sizeof *w->spin + 63) / 64 * 64);
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
