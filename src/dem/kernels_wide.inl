@@ -1,6 +1,7 @@
 /* The pair loop of contact.inl and the integration of integrators.c for several pairs or grains at once, with
  * the same operations in the same order for each of them, and the same order of the sums of each grain. A
  * file that includes this one asks for instructions first, and defines the functions' names. */
+#include <float.h>
 #include <math.h>
 
 #include "dem/simd.h"
@@ -18,6 +19,30 @@ typedef struct {
     double k, inverse_k, gamma, mu;
     bool truncated, inside;
 } slider;
+
+INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return (laws){*c,
+                  mu,
+                  def->normal == DEM_HERTZ,
+                  def->tension,
+                  def->tangential == DEM_SPRING,
+                  def->tangential == DEM_SLIP_ROLL,
+                  def->slip == DEM_TRUNCATED,
+                  def->damping == DEM_DAMPING_INSIDE};
+}
+
+INLINE slider shear_of(const laws *law)
+{
+    const dem_material *c = &law->c;
+    return (slider){c->k_s, 1.0 / c->k_s, c->gamma_s, law->mu, law->truncated, law->inside};
+}
+
+INLINE slider rolls_of(const laws *law)
+{
+    const dem_material *c = &law->c;
+    return (slider){c->k_roll, 1.0 / c->k_roll, c->gamma_roll, c->mu_roll, true, true};
+}
 
 /* law_normal.h */
 INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
@@ -84,17 +109,8 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
  * since it starts from +0. The list ends in pairs that never touch. */
 INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
 {
-    const dem_definition *def = &sim->def;
-    const laws law = {def->material,
-                      sim->mu,
-                      def->normal == DEM_HERTZ,
-                      def->tension,
-                      def->tangential == DEM_SPRING,
-                      def->tangential == DEM_SLIP_ROLL,
-                      def->slip == DEM_TRUNCATED,
-                      def->damping == DEM_DAMPING_INSIDE};
-    const slider shear = {law.c.k_s, 1.0 / law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside},
-                 rolls = {law.c.k_roll, 1.0 / law.c.k_roll, law.c.gamma_roll, law.c.mu_roll, true, true};
+    const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
@@ -180,6 +196,83 @@ void WIDE_KERNEL(dem_sim *sim, double h)
         wide_loop(sim, h, true, false);
     else
         wide_loop(sim, h, true, true);
+}
+
+/* As apply_slot in walls.c, for the slots from k on of a wall that is a whole line at rest and not the
+ * ground; returns the first slot of the next. A block's places beyond the last slot repeat it. */
+size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
+{
+    dem_wall_slot *const slots = sim->wall_slot;
+    const uint32_t w = slots[k].wall;
+    const int stride = sizeof *slots / sizeof(double), of_grain = sizeof *sim->grain / sizeof(double),
+              of_spin = sizeof *sim->spin / sizeof(double);
+    const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
+    const slider shear = shear_of(&law), rolls = rolls_of(&law);
+    const dem_vec point = sim->wall[w].point, direction = sim->wall[w].direction;
+    const bool tangential = law.shear || law.slip_roll;
+    const wide zero = {0};
+    dem_vec sum = sim->wall_force[w];
+    size_t end = k;
+    unsigned alarm = 0;
+    while (end < sim->n_wall_slots && slots[end].wall == w) end++;
+    for (; k < end; k += WIDTH) {
+        uint32_t at[WIDTH], i[WIDTH];
+        for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + p < end ? k + p : end - 1);
+        for (size_t p = 0; p < WIDTH; p++) i[p] = slots[at[p]].grain;
+        const wide radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
+                   side = wide_gather(&slots->side, at, stride);
+        const double *grain = (const double *)sim->grain;
+        const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
+                   vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
+        const wide distance = (x - point[0]) * direction[0] + (y - point[1]) * direction[1],
+                   overlap = radius - side * distance, nx = side * direction[0], ny = side * direction[1];
+        const unsigned all = (1u << WIDTH) - 1, touch = ~wide_bits(wide_at_most(overlap, zero)) & all;
+        alarm |= ~wide_bits(wide_at_most(overlap, radius)) & all;
+        const wide f_n = law_normal(&law, mass, overlap, vx * nx + vy * ny);
+        wide fx = f_n * nx, fy = f_n * ny, ds = zero, xi = zero, slip = zero, couple = zero;
+        if (tangential) {
+            wide v_s = vx * ny - vy * nx, f_s, omega = zero;
+            const wide arm = radius - overlap;
+            if (sim->spin) {
+                omega = wide_gather(&sim->spin->omega, i, of_spin);
+                v_s += arm * omega;
+            }
+            ds = wide_gather(&slots->spring, at, stride);
+            f_s = law.shear ? law_shear(shear, mass, v_s, f_n, h, &ds)
+                            : law_slip_roll(&law, mass, v_s, f_n);
+            fx += ny * f_s;
+            fy -= nx * f_s;
+            slip = arm * f_s;
+            if (sim->rolling) {
+                xi = wide_gather(&slots->roll, at, stride);
+                couple = law_rolling(rolls, radius, mass, omega, f_n, h, &xi);
+            }
+        }
+        dem_vec f[WIDTH];
+        double spring[WIDTH], roll[WIDTH], torque[2][WIDTH];
+        wide_store_vectors(f, fx, fy);
+        wide_store(spring, ds);
+        wide_store(roll, xi);
+        wide_store(torque[0], slip);
+        wide_store(torque[1], couple);
+        for (size_t p = 0; p < WIDTH && k + p < end; p++) {
+            dem_wall_slot *slot = &slots[k + p];
+            if (!(touch >> p & 1)) {
+                slot->spring = slot->roll = 0.0;
+                slot->well = DEM_WELL_NONE;
+                continue;
+            }
+            slot->spring = spring[p];
+            slot->roll = roll[p];
+            if (sim->spin) sim->spin[i[p]].torque += torque[0][p];
+            if (sim->rolling) sim->spin[i[p]].torque += torque[1][p];
+            sim->force[i[p]] += f[p];
+            sum -= f[p];
+        }
+    }
+    sim->wall_force[w] = sum;
+    sim->alarm |= alarm != 0;
+    return end;
 }
 
 /* As integrate_spins in integrators.c, for the first n, a multiple of WIDTH/2: (angle, omega) and (torque,
@@ -306,17 +399,35 @@ size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
     return sim->n_pairs;
 }
 
-/* The list is filled up to a whole block with its last pair. */
-size_t WIDE_APART(const dem_sim *sim, size_t t)
+/* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last pair. */
+void WIDE_APART(dem_sim *sim)
 {
-    unsigned from = ~0u << t % WIDTH;
-    for (t -= t % WIDTH; t < sim->n_apart; t += WIDTH) {
-        const uint32_t *k = sim->apart + t;
+    size_t n = 0;
+    for (size_t t = 0; t < sim->n_apart; t += WIDTH) {
+        uint32_t *const k = sim->apart + t;
         uint32_t i[WIDTH], j[WIDTH];
         for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
-        const unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1)) & from;
-        if (near) return t + (size_t)__builtin_ctz(near);
-        from = ~0u;
+        unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1));
+        if (sim->n_apart - t < WIDTH) near &= (1u << (sim->n_apart - t)) - 1;
+        for (; near; near &= near - 1) sim->apart[n++] = k[__builtin_ctz(near)];
     }
-    return sim->n_apart;
+    sim->n_apart = n;
+}
+
+/* As next_deflected in impact.c, but passes over those that touch. */
+size_t WIDE_DEFLECTED(const dem_sim *sim, size_t k, size_t end)
+{
+    const wide most = (wide){0} + DBL_MAX;
+    unsigned from = ~0u << k % WIDTH;
+    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
+        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        unsigned hit = (wide_bits(wide_less(most, wide_gather(sim->way, i, 1))) |
+                        wide_bits(wide_less(most, wide_gather(sim->way, j, 1)))) &
+                       from;
+        if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pair_radii + k));
+        if (!hit) continue;
+        k += (size_t)__builtin_ctz(hit);
+        break;
+    }
+    return k < end ? k : end;
 }
