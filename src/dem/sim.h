@@ -79,13 +79,13 @@ struct dem_sim {
     dem_fault fault;
     char kernel_name[40];
     dem_kernel *kernel;
-    dem_line *line;             /* NULL for none */
-    dem_advance *advance;       /* the same */
-    dem_near *near;             /* NULL for that of neighbours.c */
-    dem_ways *ways;             /* NULL for none */
-    dem_closing *closing;       /* NULL for that of impact.c */
+    dem_line *line;                 /* NULL for none */
+    dem_advance *advance;           /* the same */
+    dem_near *near;                 /* NULL for that of neighbours.c */
+    dem_ways *ways;                 /* NULL for none */
+    dem_closing *closing;           /* NULL for that of impact.c */
     dem_keep_closing *keep_closing; /* NULL for none */
-    dem_deflected *deflected;   /* NULL for that of impact.c */
+    dem_deflected *deflected;       /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last

@@ -76,26 +76,23 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
     const dem_material *c = &sim->def.walls[slot->wall].material;
     dem_vec v = sim->grain[i].v - wall_velocity;
     sim->alarm |= !(overlap <= sim->radius[i]);
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i],
-                                overlap, dem_dot(v, n));
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
+                                dem_dot(v, n));
     dem_vec f = f_n * n;
     if (sim->def.tangential != DEM_NONE) {
         dem_vec s = dem_clockwise(n);
-        if (sim->gear && sim->def.tangential == DEM_SPRING)
-            slot->spring += dem_dot(sim->gear[i].slide, s);
+        if (sim->gear && sim->def.tangential == DEM_SPRING) slot->spring += dem_dot(sim->gear[i].slide, s);
         double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
         if (sim->spin) v_s += arm * sim->spin[i].omega;
-        double f_s =
-            dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
-                               sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+        double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
+                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
         f += s * f_s;
         if (sim->spin) sim->spin[i].torque += arm * f_s;
         if (sim->rolling)
             sim->spin[i].torque +=
-                sim->radius[i] *
-                dem_law_rolling(c, sim->mass[i],
-                                sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
-                                &slot->roll);
+                sim->radius[i] * dem_law_rolling(c, sim->mass[i],
+                                                 sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
+                                                 f_n, h, &slot->roll);
     }
     if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
     sim->force[i] += f;
