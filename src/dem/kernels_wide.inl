@@ -205,79 +205,96 @@ void WIDE_KERNEL(dem_sim *sim, double h)
         wide_loop(sim, h, law, true, true);
 }
 
-/* As apply_slot in walls.c, for the slots from k on of a wall that is a whole line at rest and not the
- * ground; returns the first slot of the next. A block's places beyond the last slot repeat it. */
+/* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
+ * and of those that are too deep. */
+typedef struct {
+    wide fx, fy, slip, couple, spring, roll;
+    unsigned touch, deep;
+} blows;
+
+/* As apply_slot in walls.c, for grains i[] in the slots at[] of wall w. */
+INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uint32_t *at, const uint32_t *i,
+                      double h)
+{
+    const dem_wall_slot *slot = sim->wall_slot;
+    const double *grain = (const double *)sim->grain;
+    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grain / sizeof *grain,
+              of_spin = sizeof *sim->spin / sizeof *grain;
+    const dem_vec point = sim->wall[w].point, n = sim->wall[w].direction;
+    const unsigned all = (1u << WIDTH) - 1;
+    const wide zero = {0}, radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
+               side = wide_gather(&slot->side, at, of_slot);
+    const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
+               vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
+    const wide distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
+               nx = side * n[0], ny = side * n[1];
+    const wide f_n = law_normal(law, mass, overlap, vx * nx + vy * ny);
+    blows b = {.fx = f_n * nx,
+               .fy = f_n * ny,
+               .spring = wide_gather(&slot->spring, at, of_slot),
+               .roll = wide_gather(&slot->roll, at, of_slot),
+               .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
+               .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
+    if (!law->shear && !law->slip_roll) return b;
+    const wide arm = radius - overlap, omega = sim->spin ? wide_gather(&sim->spin->omega, i, of_spin) : zero;
+    wide v_s = vx * ny - vy * nx, f_s;
+    if (sim->spin) v_s += arm * omega;
+    f_s = law->shear ? law_shear(shear_of(law), mass, v_s, f_n, h, &b.spring)
+                     : law_slip_roll(law, mass, v_s, f_n);
+    b.fx += ny * f_s;
+    b.fy -= nx * f_s;
+    b.slip = arm * f_s;
+    if (sim->rolling) b.couple = law_rolling(rolls_of(law), radius, mass, omega, f_n, h, &b.roll);
+    return b;
+}
+
+/* Slots from k on, n of them, of grains i[], take what a block gives; what of it acts on the wall is taken
+ * from *wall. */
+INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, const blows *b, dem_vec *wall)
+{
+    dem_vec f[WIDTH];
+    double spring[WIDTH], roll[WIDTH], slip[WIDTH], couple[WIDTH];
+    wide_store_vectors(f, b->fx, b->fy);
+    wide_store(spring, b->spring);
+    wide_store(roll, b->roll);
+    wide_store(slip, b->slip);
+    wide_store(couple, b->couple);
+    for (size_t p = 0; p < n; p++) {
+        dem_wall_slot *slot = &sim->wall_slot[k + p];
+        if (!(b->touch >> p & 1)) {
+            slot->spring = slot->roll = 0.0;
+            slot->well = DEM_WELL_NONE;
+            continue;
+        }
+        slot->spring = spring[p];
+        slot->roll = roll[p];
+        if (sim->spin) sim->spin[i[p]].torque += slip[p];
+        if (sim->rolling) sim->spin[i[p]].torque += couple[p];
+        sim->force[i[p]] += f[p];
+        *wall -= f[p];
+    }
+}
+
+/* As apply_slot for the slots from k on of one wall, a whole line at rest and not the ground; returns the
+ * first of the next. The last block is filled up with its last slot. */
 size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
 {
-    dem_wall_slot *const slots = sim->wall_slot;
-    const uint32_t w = slots[k].wall;
-    const int stride = sizeof *slots / sizeof(double), of_grain = sizeof *sim->grain / sizeof(double),
-              of_spin = sizeof *sim->spin / sizeof(double);
+    const dem_wall_slot *slot = sim->wall_slot;
+    const uint32_t w = slot[k].wall;
     const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
-    const slider shear = shear_of(&law), rolls = rolls_of(&law);
-    const dem_vec point = sim->wall[w].point, direction = sim->wall[w].direction;
-    const bool tangential = law.shear || law.slip_roll;
-    const wide zero = {0};
-    dem_vec sum = sim->wall_force[w];
+    dem_vec wall = sim->wall_force[w];
     size_t end = k;
-    unsigned alarm = 0;
-    while (end < sim->n_wall_slots && slots[end].wall == w) end++;
+    while (end < sim->n_wall_slots && slot[end].wall == w) end++;
     for (; k < end; k += WIDTH) {
+        const size_t n = end - k < WIDTH ? end - k : WIDTH;
         uint32_t at[WIDTH], i[WIDTH];
-        for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + p < end ? k + p : end - 1);
-        for (size_t p = 0; p < WIDTH; p++) i[p] = slots[at[p]].grain;
-        const wide radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
-                   side = wide_gather(&slots->side, at, stride);
-        const double *grain = (const double *)sim->grain;
-        const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
-                   vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
-        const wide distance = (x - point[0]) * direction[0] + (y - point[1]) * direction[1],
-                   overlap = radius - side * distance, nx = side * direction[0], ny = side * direction[1];
-        const unsigned all = (1u << WIDTH) - 1, touch = ~wide_bits(wide_at_most(overlap, zero)) & all;
-        alarm |= ~wide_bits(wide_at_most(overlap, radius)) & all;
-        const wide f_n = law_normal(&law, mass, overlap, vx * nx + vy * ny);
-        wide fx = f_n * nx, fy = f_n * ny, ds = zero, xi = zero, slip = zero, couple = zero;
-        if (tangential) {
-            wide v_s = vx * ny - vy * nx, f_s, omega = zero;
-            const wide arm = radius - overlap;
-            if (sim->spin) {
-                omega = wide_gather(&sim->spin->omega, i, of_spin);
-                v_s += arm * omega;
-            }
-            ds = wide_gather(&slots->spring, at, stride);
-            f_s = law.shear ? law_shear(shear, mass, v_s, f_n, h, &ds) : law_slip_roll(&law, mass, v_s, f_n);
-            fx += ny * f_s;
-            fy -= nx * f_s;
-            slip = arm * f_s;
-            if (sim->rolling) {
-                xi = wide_gather(&slots->roll, at, stride);
-                couple = law_rolling(rolls, radius, mass, omega, f_n, h, &xi);
-            }
-        }
-        dem_vec f[WIDTH];
-        double spring[WIDTH], roll[WIDTH], torque[2][WIDTH];
-        wide_store_vectors(f, fx, fy);
-        wide_store(spring, ds);
-        wide_store(roll, xi);
-        wide_store(torque[0], slip);
-        wide_store(torque[1], couple);
-        for (size_t p = 0; p < WIDTH && k + p < end; p++) {
-            dem_wall_slot *slot = &slots[k + p];
-            if (!(touch >> p & 1)) {
-                slot->spring = slot->roll = 0.0;
-                slot->well = DEM_WELL_NONE;
-                continue;
-            }
-            slot->spring = spring[p];
-            slot->roll = roll[p];
-            if (sim->spin) sim->spin[i[p]].torque += torque[0][p];
-            if (sim->rolling) sim->spin[i[p]].torque += torque[1][p];
-            sim->force[i[p]] += f[p];
-            sum -= f[p];
-        }
+        for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + (p < n ? p : n - 1));
+        for (size_t p = 0; p < WIDTH; p++) i[p] = slot[at[p]].grain;
+        const blows b = blows_of(sim, &law, w, at, i, h);
+        take_blows(sim, k, n, i, &b, &wall);
+        sim->alarm |= b.deep != 0;
     }
-    sim->wall_force[w] = sum;
-    sim->alarm |= alarm != 0;
+    sim->wall_force[w] = wall;
     return end;
 }
 
@@ -406,7 +423,7 @@ size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
 }
 
 /* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last
- * pair. */
+ * pair, which may then be kept more than once. */
 void WIDE_APART(dem_sim *sim)
 {
     size_t n = 0;
@@ -415,7 +432,6 @@ void WIDE_APART(dem_sim *sim)
         uint32_t i[WIDTH], j[WIDTH];
         for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
         unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1));
-        if (sim->n_apart - t < WIDTH) near &= (1u << (sim->n_apart - t)) - 1;
         for (; near; near &= near - 1) sim->apart[n++] = k[__builtin_ctz(near)];
     }
     sim->n_apart = n;
