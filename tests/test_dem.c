@@ -1031,6 +1031,32 @@ static void limit_of_a_fall(void)
         }
 }
 
+/* Of several grains the highest, the fastest and the lightest count, wherever they stand in the list. */
+static void limit_of_several(void)
+{
+    const dem_grain plain = {.x = 0.3, .y = 0.5, .r = 0.1, .m = 0.004};
+    dem_grain grains[4] = {plain, plain, plain, plain};
+    dem_definition def = dem_definition_default();
+    dem_box_walls(&def, 2.0, &def.material);
+    def.grains = grains;
+    def.n_grains = 4;
+    for (size_t i = 1; i < 4; i++) grains[i].x += 0.4 * (double)i;
+    const double slow = dem_time_step_limit(&def, NULL);
+    for (int what = 0; what < 3; what++) {
+        double limit[4];
+        for (size_t i = 0; i < 4; i++) {
+            const dem_grain before = grains[i];
+            if (what == 0) grains[i].y = 2.3;
+            if (what == 1) grains[i].vx = -80.0;
+            if (what == 2) grains[i].m = 0.002;
+            limit[i] = dem_time_step_limit(&def, NULL);
+            grains[i] = before;
+        }
+        CU_ASSERT(limit[0] < 0.95 * slow);
+        CU_ASSERT(limit[1] == limit[0] && limit[2] == limit[0] && limit[3] == limit[0]);
+    }
+}
+
 /* What is read of grains near rest, against what they are given: in the frame of a box that turns, of the
  * grains within, without those that are fixed; and the largest force of those that touch something. */
 static void state_near_rest(void)
@@ -1104,6 +1130,7 @@ void suite_dem(void)
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},
                                        {"limit of a fall", limit_of_a_fall},
+                                       {"limit of several grains", limit_of_several},
                                        {"state near rest", state_near_rest},
                                        {NULL, NULL}};
     check_register("dem", cases);
