@@ -128,7 +128,10 @@ BENCH_FIGURES := bench
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
-figures: $(B)/paper-repro.md ## every figure, into build/figures, and build/paper-repro.md
+# The validation suites run on one core each: side by side first, the longest before the others; all else uses all cores by itself.
+figures: | $(SETUP_FIRST) ## every figure, into build/figures, and build/paper-repro.md
+	@$(MAKE) --no-print-directory -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED)
+	@$(MAKE) --no-print-directory $(B)/paper-repro.md
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
@@ -246,6 +249,11 @@ $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
+STUDY_lh3 := 20
+STUDY_lh3_best := 20
+STUDY_lh3_total := 20
+STUDY_lh5 := 10
+STUDY_lh_floor := 40
 STUDY_lh2a := 60
 STUDY_lh2b := 60
 STUDY_lh2b_beyond := 10
@@ -272,12 +280,13 @@ STUDY_li_disorder_mu := 200
 # Piles of one fill differ by some 4 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
 STUDY_val_dt := 1400
 STUDY_val_integrator := 1400
-STUDY_val_cost := 200
+STUDY_val_cost := 20
+STUDY_calibrate := 12
 $(B)/studies/%: sweeps/%.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val%,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
+studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val% STUDY_calibrate,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
 	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
@@ -298,7 +307,7 @@ $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 	  $(REPOSE) angle maximum - --column theta_r3_deg --draws 10 >$@
 
 # The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
-STRESS_ROWS := $(shell seq 40 59)
+STRESS_ROWS := $(shell seq 20 39)
 $(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
 	@echo "run     lh_stress"
 	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(JOBS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
@@ -369,7 +378,7 @@ $(T)/validation_%.tsv: $(T)/.validation_$$(firstword $$(subst _, ,$$*)) ;
 $(T)/.validation_%: $(call objects,validation) $(CODE) $(B)/check
 	@mkdir -p $(T)
 	@echo "check   --full $*"
-	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $* >$(B)/validation.log || { cat $(B)/validation.log; exit 1; }
+	@REPOSE=$(B)/repose $(B)/check --full -o $(T) $* >$(B)/validation_$*.log || { cat $(B)/validation_$*.log; exit 1; }
 	@touch $@
 # last and alone: nothing else may run while it is timed
 $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
@@ -398,6 +407,17 @@ REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
 REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+# Where the time goes: processor time of each sweep and validation suite whose table is there.
+$(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPORT_TABLES)))
+	@for s in $(basename $(notdir $(wildcard sweeps/*.cfg))); do \
+	  sed -n "s/^# run_time: \([0-9.]*\) s/$$s\tsweep\t\1/p" $(T)/$$s.tsv 2>/dev/null; done >$@.rows
+	@for s in $(patsubst $(B)/validation_%.log,%,$(wildcard $(B)/validation_*.log)); do \
+	  sed -n "s/^Elapsed time = *\([0-9.]*\) seconds/$$s\tvalidation\t\1/p" $(B)/validation_$$s.log; done >>$@.rows
+	@sort -t'	' -k3 -gr $@.rows | awk -F'\t' '{ sum[$$2] += $$3; line[NR] = $$0; if (NR <= 8) most = most (NR > 1 ? ", " : "") $$1 " " int($$3 + 0.5) " s" } \
+	  END { print "# most: " most; for (k in sum) printf "# %s: %.0f s\n", k, sum[k]; print "# units: \t\ts\n# name\tkind\tseconds"; \
+	        for (i = 1; i <= NR; i++) print line[i] }' >$@
+	@rm $@.rows
+VALIDATED := $(addprefix $(T)/.,$(sort $(foreach t,$(filter validation_%,$(REPORT_TABLES) $(notdir $(basename $(foreach f,$(FIGURES),$(call figure_tables,$(f)))))),validation_$(word 2,$(subst _, ,$(t))))))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"
