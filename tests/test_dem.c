@@ -4,7 +4,7 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "dem/dem.h"
+#include "dem/scene.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -1057,6 +1057,71 @@ static void limit_of_several(void)
     }
 }
 
+/* A wall along gravity has no height, wherever its point is; the same scene in another direction. */
+static void limit_in_any_direction(void)
+{
+    double upright = NAN;
+    for (int k = 0; k < 5; k++) {
+        const double turn = 0.37 * k, c = cos(turn), s = sin(turn);
+        dem_definition def = dem_definition_default();
+        dem_grain grains[2] = {{.x = 0.3, .y = 1.7, .r = 0.1, .m = 0.004},
+                               {.x = 0.6, .y = 0.4, .r = 0.1, .m = 0.004}};
+        for (int i = 0; i < 2; i++) {
+            const double x = grains[i].x, y = grains[i].y;
+            grains[i].x = c * x - s * y;
+            grains[i].y = s * x + c * y;
+        }
+        def.gravity[0] = 981.0 * s;
+        def.gravity[1] = -981.0 * c;
+        def.grains = grains;
+        def.n_grains = 2;
+        def.n_walls = 2;
+        def.walls[0] = line(0.0, 0.0, -s, c, &def.material);
+        def.walls[1] = line(9.0 * s, -9.0 * c, c, s, &def.material); /* through a point far below the floor */
+        const double limit = dem_time_step_limit(&def, NULL);
+        if (k == 0) upright = limit;
+        CHECK_NEAR(limit / upright, 1.0, 1e-13);
+        def.n_walls = 1;
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / upright, 1.0, 1e-13);
+    }
+}
+
+/* What a table's header says of a scene of unequal grains that fly: of the mean grain, at twice the largest
+ * speed. */
+static void header_notes(void)
+{
+    const dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 30.0},
+                                 {.x = 1.5, .y = 0.5, .r = 0.13, .m = 0.009, .vy = 13.0},
+                                 {.x = 2.5, .y = 0.5, .r = 0.08, .m = 0.002}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.grains = grains;
+    def.n_grains = 3;
+    dem_sim *sim = grains_start(&def);
+    char *text = NULL, expected[200];
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    dem_write_notes(sim, out);
+    fclose(out);
+    const double m_eff = 0.5 * 0.015 / 3.0, r = 0.31 / 3.0;
+    dem_collision_result c;
+    CHECK_OK(dem_collision(DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0, &c));
+    const char *what;
+    const double limit = dem_time_step_limit(&def, &what);
+    snprintf(expected, sizeof expected, "dt = 5e-05 s; limit %.3g s, set by %s", limit, what);
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "sticking speed: %.3g cm/s",
+             dem_sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r));
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "at 60 cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
+             c.restitution, c.overlap / (2.0 * r), def.dt / c.time);
+    CU_ASSERT(strstr(text, expected) != NULL);
+    free(text);
+    dem_free(sim);
+}
+
 /* What is read of grains near rest, against what they are given: in the frame of a box that turns, of the
  * grains within, without those that are fixed; and the largest force of those that touch something. */
 static void state_near_rest(void)
@@ -1131,6 +1196,8 @@ void suite_dem(void)
                                        {"limit of the time step", time_step_limit},
                                        {"limit of a fall", limit_of_a_fall},
                                        {"limit of several grains", limit_of_several},
+                                       {"limit in any direction", limit_in_any_direction},
+                                       {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},
                                        {NULL, NULL}};
     check_register("dem", cases);

@@ -246,7 +246,7 @@ static void test_frictions(void)
         double wall, floor;
     } cases[] = {{"auto", "auto", 0.2, 0.2},
                  {"0.3", "auto", 0.3, 0.2},
-                 {"auto", "0.4", 0.2, 0.4},
+                 {"auto", "1", 0.2, 1.0},
                  {"0.3", "0", 0.3, 0.0},
                  {"auto", "infinite", 0.2, INFINITY}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -263,6 +263,7 @@ static void test_frictions(void)
         dem_scene scene;
         CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
         CU_ASSERT(scene.def.material.mu == 0.2);
+        CU_ASSERT((strstr(result.message, "a floor without friction") != NULL) == (cases[i].floor == 0.0));
         CU_ASSERT(scene.def.walls[DEM_BOX_FLOOR].material.mu == cases[i].floor);
         CU_ASSERT(scene.def.walls[DEM_BOX_LEFT].material.mu == cases[i].wall);
         CU_ASSERT(scene.def.walls[DEM_BOX_RIGHT].material.mu == cases[i].wall);

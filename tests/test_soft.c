@@ -97,6 +97,29 @@ static void well_holds_and_breaks(void)
     dem_free(sim);
 }
 
+/* A state that is read and started again: the well holds by as much as before, and so does the force. */
+static void well_of_the_start(void)
+{
+    dem_grain grain = resting();
+    dem_definition def = on_ground(&grain, 1);
+    def.gravity[0] = 0.4 * MU_STATIC;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 8000));
+    const dem_contact held = grains_only_contact(sim);
+    const dem_state s = grains_state_of_one(sim);
+    CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
+    dem_free(sim);
+    grain = (dem_grain){.x = s.x, .y = s.y, .r = R, .m = 1.0, .vx = s.vx, .vy = s.vy};
+    def.contacts = &held;
+    def.n_contacts = 1;
+    sim = grains_start(&def);
+    const dem_contact again = grains_only_contact(sim);
+    CU_ASSERT(again.well == DEM_WELL_HOLDS);
+    CHECK_NEAR(again.shear_spring, held.shear_spring, 1e-15);
+    CHECK_NEAR(again.shear_force, held.shear_force, 1e-15 * MU_STATIC / A);
+    dem_free(sim);
+}
+
 /* Without other friction a disk in its well is a harmonic oscillator, omega^2 = mu_static g/a; it leaves with
  * what its energy is above the depth mu N a/2. */
 static void energy_of_well(void)
@@ -762,6 +785,7 @@ void suite_soft(void)
 {
     static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
                                        {"a well holds up to mu N, then breaks", well_holds_and_breaks},
+                                       {"a well of the start", well_of_the_start},
                                        {"a well's energy", energy_of_well},
                                        {"when wells are set", when_wells_are_set},
                                        {"slip: viscous, then capped", slip_is_viscous_then_capped},
