@@ -1086,6 +1086,50 @@ static void limit_in_any_direction(void)
     }
 }
 
+/* The limit of dt for an overlap d of the start is 0.85 of 4/sqrt(12 k/m_eff), k = 3/2 k_n sqrt(d), of the
+ * pair itself whatever else is there; a fixed grain and a wall are infinite masses. The energy is 2/5 k_n
+ * d^(5/2), and k_n d^2/2 of the linear law. */
+static void overlap_of_the_start(void)
+{
+    const double d = 0.01, m[3] = {0.004, 0.009, 0.03};
+    for (int k = 0; k < 5; k++) {
+        dem_definition def = dem_definition_default();
+        dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = m[0]},
+                               {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = m[1]},
+                               {.x = 2.0, .y = 0.5, .r = 0.1, .m = m[2]}};
+        if (k == 1) grains[0].m = m[1], grains[1].m = m[0];
+        if (k == 2 || k == 3) grains[k - 2].fixed = true;
+        if (k == 4) grains[1].x = 1.2;
+        def.gravity[1] = 0.0;
+        def.material.gamma_n = def.material.mu = 0.0;
+        def.tangential = DEM_NONE;
+        def.grains = grains;
+        def.n_grains = 3;
+        def.n_walls = k == 4;
+        def.walls[0] = grains_line(0.4 + d, 0.0, 1.0, 0.0, &def.material);
+        const double k_n = def.material.k_n,
+                     m_eff = k == 2   ? m[1]
+                             : k >= 3 ? m[0]
+                                      : m[0] * m[1] / (m[0] + m[1]),
+                     limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) / m_eff);
+        dem_sim *sim = NULL;
+        dem_energy energy;
+        def.dt = 1.0001 * limit;
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an overlap of the start");
+        def.dt = 0.9999 * limit;
+        sim = grains_start(&def);
+        dem_energies(sim, &energy);
+        CHECK_NEAR(energy.elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
+        dem_free(sim);
+        def.normal = DEM_LINEAR;
+        def.dt = 1e-7;
+        sim = grains_start(&def);
+        dem_energies(sim, &energy);
+        CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
+        dem_free(sim);
+    }
+}
+
 /* What a table's header says of a scene of unequal grains that fly: of the mean grain, at twice the largest
  * speed. */
 static void header_notes(void)
@@ -1197,6 +1241,7 @@ void suite_dem(void)
                                        {"limit of a fall", limit_of_a_fall},
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},
+                                       {"an overlap of the start", overlap_of_the_start},
                                        {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},
                                        {NULL, NULL}};

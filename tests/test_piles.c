@@ -421,6 +421,7 @@ static void without_result(void)
     CHECK_FAILS(RUN(0, &r, "eps=0", "disorder=1e-3"), RP_BAD_INPUT, "overlap");
     CHECK_FAILS(RUN(0, &r, "alpha_deg=60", "inner_deg=30"), RP_BAD_INPUT, "alpha_1");
     CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1"), RP_BAD_INPUT, "alpha");
+    CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1", "disorder=1e-3"), RP_BAD_INPUT, "alpha");
 }
 
 void suite_piles(void)

@@ -687,6 +687,28 @@ static void test_stands(void)
     }
 }
 
+/* A slide that is not over after max_steps ends a tilt from rest to rest, with the angle all the same. */
+static void test_restless(void)
+{
+    double theta[2];
+    for (int bounded = 0; bounded < 2; bounded++) {
+        sweep_result result;
+        traced_run((const setting[]){{"W", "1"},
+                                     {"H", "1"},
+                                     {"measure", "theta_t_static"},
+                                     {"tilt_rate_deg", "0.01"},
+                                     {"max_steps", bounded ? "12500" : "auto"},
+                                     {0}},
+                   &result);
+        CU_ASSERT_STRING_EQUAL(result.status, "ok");
+        CU_ASSERT_STRING_EQUAL(result.message,
+                               bounded ? "quasi-static tilt: not at rest after 12500 further steps" : "");
+        theta[bounded] = output(&result, "theta_t_static_deg");
+        clean();
+    }
+    CU_ASSERT(theta[0] > 1.0 && theta[1] == theta[0]);
+}
+
 static void test_refusals(void)
 {
     static const struct {
@@ -724,6 +746,7 @@ void suite_repose(void)
                                        {"rest in a turning box", test_rest_in_turning_box},
                                        {"all outputs a second way", test_outputs},
                                        {"a pile that stands", test_stands},
+                                       {"a slide that goes on", test_restless},
                                        {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);
