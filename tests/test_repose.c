@@ -204,8 +204,8 @@ static void test_other_rests(void)
 {
     if (check_fast()) return;
     sweep_result result;
-    traced_run((const setting[]){{"W", "1.4"},
-                                 {"H", "1.4"},
+    traced_run((const setting[]){{"W", "1.2"},
+                                 {"H", "1.2"},
                                  {"mu", "0.6"},
                                  {"rest_energy", "1e-12"}, /* it comes to rest after more than 50000 steps */
                                  {"rest_force", "1e-4"},
@@ -224,11 +224,11 @@ static void test_other_rests(void)
     while (dem_step(sim) < scene.steps) {
         dem_rest rest;
         CHECK_OK(dem_run(sim, 500));
-        CHECK_OK(dem_rest_state(sim, 0.0, 1.4, &rest));
-        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 1.4);
-        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 1.4);
+        CHECK_OK(dem_rest_state(sim, 0.0, 1.2, &rest));
+        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 1.2);
+        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 1.2);
     }
-    double at_rest = slope_now(sim, 1.4);
+    double at_rest = slope_now(sim, 1.2);
     CHECK_NEAR(output(&result, "theta_r3_deg"), at_rest, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(&result, "theta_r3_loose_deg"), loose, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(&result, "theta_r3_fixed_deg"), fixed, ANGLE_TOLERANCE_DEG);
@@ -621,16 +621,15 @@ static double static_onset(dem_sim *sim, const tilting *t)
 /* All outputs again: of the pile from its tables, of the tilts from its scene. */
 static void test_outputs(void)
 {
-    static const tilting cases[] = {
-        {1.4, 1e-2, false}, {1.4, 1e-2, true}, {1.0, 1e-3, false}, {1.0, 1e-3, true}};
-    for (int k = 0; k < (check_fast() ? 1 : 4); k++) {
+    static const tilting cases[] = {{1.4, 1e-2, true}, {1.0, 1e-3, false}, {1.0, 1e-3, true}};
+    for (int k = 0; k < (check_fast() ? 1 : 3); k++) {
         const tilting *t = &cases[k];
         sweep_result result;
-        traced_run((const setting[]){{"W", k < 2 ? "1.4" : "1"},
-                                     {"H", k < 2 ? "1.4" : "1"},
+        traced_run((const setting[]){{"W", k == 0 ? "1.4" : "1"},
+                                     {"H", k == 0 ? "1.4" : "1"},
                                      {"measure", "theta_t,theta_t_static"},
                                      {"tilt", t->box ? "box" : "gravity"},
-                                     {"tilt_rate_deg", k < 2 ? "0.01" : "0.001"},
+                                     {"tilt_rate_deg", k == 0 ? "0.01" : "0.001"},
                                      {0}},
                    &result);
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
@@ -664,8 +663,9 @@ static void test_stands(void)
     for (int quasi_static = 0; quasi_static < 2; quasi_static++) {
         sweep_result result;
         traced_run((const setting[]){{"W", "1"},
-                                     {"N", "9"},
+                                     {"N", "8"},
                                      {"mu", "10"},
+                                     {"floor", "ends"},
                                      {"floor_grains", "true"},
                                      {"measure", measures[quasi_static]},
                                      {"tilt_rate_deg", "0.01"},
