@@ -387,7 +387,7 @@ $(T)/bench.tsv: $(CODE) $(FIGURES:%=$(B)/figures/%.svg) $(T)/lh_floor.tsv
 	@echo "bench   1372 grains"
 	@$(REPOSE) bench --n 1372 >$@
 
-# Speed, against LAMMPS where it is installed, and what it depends on; for a quiet machine, an hour. Starts are kept.
+# Speed, against LAMMPS and LIGGGHTS where they are installed, and what it depends on; for a quiet machine, an hour. Starts are kept.
 BENCH_SETTLED := 400 1600 10000 100000
 BENCH_FLOWING := 400 1600 10000
 BENCH_PAIRS := 5
@@ -400,7 +400,7 @@ BENCH_peers = peers.sh $(REPOSE) $(B)/bench '$(BENCH_SETTLED)' '$(BENCH_FLOWING)
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_growth = growth.sh $(REPOSE) $(B)/bench growth '$(BENCH_GROWTH)'
 BENCH_workers = growth.sh $(REPOSE) $(B)/bench workers $(BENCH_PAIRS)
-bench: $(B)/figures/bench.svg ## speed against LAMMPS, instructions, growth, two workers; tables and a figure, one at a time
+bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, growth, two workers; tables and a figure, one at a time
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv
 
 # The report. `make report` puts it, and the few pictures that it and README show, into the repository.

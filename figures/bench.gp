@@ -1,4 +1,4 @@
-# Speed: particle-steps a second on one core against LAMMPS, on the same scene and start.
+# Speed: particle-steps a second on one core against LAMMPS and LIGGGHTS, on the same scene and start.
 width = 16.0
 load 'figures/style.gp'
 data = t('bench_peers.tsv')
@@ -10,16 +10,25 @@ set ylabel '10^6 particle-steps a second of processor time'
 set yrange [0:*]
 set offsets 0, 0, graph 0.15, 0
 set xtics scale 0
-set bmargin 5.5
+set bmargin 6
 set grid noxtics
 set key top right
 rates = "< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 != \"sample\"' ".T.'bench_peers.tsv'
 label(state, n) = sprintf("%s\n%s", int(n) % 1000 == 0 ? sprintf('%d 000', int(n)/1000) : sprintf('%d', int(n)), state eq 'settled' ? 'at rest' : 'flowing')
-times(r, lo, hi) = sprintf("×%.1f\n(%.1f–%.1f)", r, lo, hi)
-sample(col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"sample\" { printf \"%.2f\", $c[\"".col."\"] }' ".T.'bench_peers.tsv')
-set xlabel 'grains; over the bars the ratio, median of pairs (least–largest). A whole sample of 400 grains: '. \
-           sample('repose').' s against '.sample('lammps').' s, ×'.sample('ratio') font ',8' offset 0,-1
-plot rates using 'repose':xticlabels(label(strcol('state'), column('grains'))) title 'repose' lc 7, \
-     '' using 'lammps' title 'LAMMPS '.system("sed -n 's/^# lammps: //p' ".T.'bench_peers.tsv') lc 3, \
-     '' using ($0 - 0.17):'repose':(times(column('ratio'), column('ratio_min'), column('ratio_max'))) \
-        with labels offset 0, 1.2 font ',8' notitle
+times(r, lo, hi) = sprintf("×%.1f (%.1f–%.1f)", r, lo, hi)
+sample(col, format) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"sample\" { printf \"".format."\", $c[\"".col."\"] }' ".T.'bench_peers.tsv')
+version(peer) = system("sed -n 's/^# ".peer.": //p' ".T.'bench_peers.tsv')
+# with the peers that are installed
+programs = 'repose '.system("sed -nE '/not installed/d; s/^# (lammps|liggghts): .*/\\1/p' ".T.'bench_peers.tsv')
+n = words(programs)
+program(i) = word(programs, i)
+name(i) = i == 1 ? 'repose' : program(i) eq 'lammps' ? 'LAMMPS' : 'LIGGGHTS'
+colour(i) = i == 1 ? 7 : program(i) eq 'lammps' ? 3 : 4
+bar(i) = (i - 0.5*(n + 1))/(n + 1)
+faster(i) = i == 1 ? '' : times(column(program(i).'_ratio'), column(program(i).'_min'), column(program(i).'_max'))
+samples = 'A whole sample of 400 grains: repose '.sample('repose', '%.2f').' s'
+do for [i=2:n] { samples = samples.', '.name(i).' '.sample(program(i), '%.1f').' s, ×'.sample(program(i).'_ratio', '%.1f') }
+set xlabel "grains; over the bars by how much repose is faster, median of pairs (least–largest)\n".samples font ',8' offset 0,-1
+plot for [i=1:n] rates using program(i):xticlabels(label(strcol('state'), column('grains'))) \
+        title name(i).' '.version(program(i)) lc colour(i), \
+     for [i=1:n] rates using ($0 + bar(i)):program(i):(faster(i)) with labels rotate by 90 left offset 0, 0.4 font ',8' notitle

@@ -1,12 +1,13 @@
 #!/bin/bash
-# Repose against LAMMPS on the same scene, from the same start: a table on standard output.
+# Repose against LAMMPS and LIGGGHTS on the same scene, from the same start: a table on standard output.
 # usage: peers.sh REPOSE WORK SETTLED FLOWING PAIRS   the sizes as lists in one word: "400 1600"
 #
-# Each ratio is the median of paired runs, ours and theirs in turn, of processor time on one core, so that a busy
-# machine slows both. At rest and flowing the time is that of the timed steps alone, 2000 steps after the start;
-# of a sample that of the whole process. Particle-steps are summed over the grains present at each step (in LAMMPS
-# every 50th). A peer that is not installed gets a note instead of rows.
+# Each ratio is the median of paired runs, ours between those of the peers in each round, of processor time on one
+# core, so that a busy machine slows all. At rest and flowing the time is that of the timed steps alone, 2000 steps
+# after the start; of a sample that of the whole process. Particle-steps are summed over the grains present at each
+# step (in the peers every 50th). A peer that is not installed has nan, and a note.
 set -eu -o pipefail
+shopt -s inherit_errexit
 export LC_ALL=C OMP_NUM_THREADS=1
 repose=$(realpath "$1") work=$2 settled=$3 flowing=$4 pairs=$5
 here=$(realpath "$(dirname "$0")")
@@ -18,78 +19,120 @@ cd "$work"
 
 . "$here/start.sh"
 
-# LAMMPS' data file of a table of grains, all digits.
-data() { # N
-    columns x y r <"$1" | awk -v n="$2" '{ line[NR] = sprintf("%d 1 %.17g 1.0 %s %s 0", NR, 2 * $3, $1, $2) }
-        END { W = 0.2 * sqrt(n)
-              printf "grains\n\n%d atoms\n1 atom types\n0 %.17g xlo xhi\n0 %.17g ylo yhi\n-0.2 0.2 zlo zhi\n\nAtoms # sphere\n\n", NR, W, 2 * W + 1
-              for (i = 1; i <= NR; i++) print line[i] }'
+# The peers' data files of a table of grains, all digits. That of LIGGGHTS has densities that give its disks the masses
+# of spheres, and a type for walls.
+data() { # NAME N
+    local peer
+    for peer in lammps liggghts; do
+        columns x y r <"$1_$2.tsv" | awk -v n="$2" -v peer=$peer '
+            BEGIN { disks = peer == "liggghts" }
+            { line[NR] = sprintf("%d 1 %.17g %.17g %s %s 0", NR, 2 * $3, disks ? 4 * $3 / 3 : 1, $1, $2) }
+            END { W = 0.2 * sqrt(n)
+                  printf "grains\n\n%d atoms\n%d atom types\n", NR, disks ? 2 : 1
+                  printf "0 %.17g xlo xhi\n0 %.17g ylo yhi\n-0.2 0.2 zlo zhi\n\nAtoms # sphere\n\n", W, 2 * W + 1
+                  for (i = 1; i <= NR; i++) print line[i] }' >"$1_$2.$peer"
+    done
 }
 
-# million particle-steps a second of processor time
-ours() { # state N steps
-    $pin "$repose" bench --start "settled_$2.tsv" --state "$1" --floor absorbs --steps "$3" --repeat 1 |
-        columns median
-}
-lammps() {
-    $pin lmp -in "$here/box.in" -log none -v data "settled_$2.data" -v state "$1" -v warm 2000 -v steps "$3" >lmp.log
+# Particle-steps of the timed steps of a peer, from its log.
+grain_steps() {
     awk '/^timed/ { on = 1 }
-         on && NF == 2 && $1 ~ /^[0-9]+$/ && $2 ~ /^[0-9]+$/ { if (seen++) sum += ($1 - step) * ($2 + atoms) / 2; step = $1; atoms = $2 }
-         on && /^Loop time/ { loop = $4 }
-         on && /CPU use/ { print sum / (loop * $1 / 100) / 1e6; exit }' lmp.log
+         on && NF == 2 && $1 ~ /^[0-9]+$/ && $2 ~ /^[0-9]+$/ {
+             if (seen++) sum += ($1 - step) * ($2 + atoms) / 2
+             step = $1; atoms = $2 }
+         END { print sum }' "$1"
 }
 
 # seconds of processor time of a whole process
 seconds() { (TIMEFORMAT='%U %S'; { time "$@" >process.log; } 2>&1) | tail -1 | awk '{ print $1 + $2 }'; }
-ours_sample() {
-    seconds $pin "$repose" bench --start dilute_400.tsv --state sample --floor absorbs --repeat 1 -o final.tsv
+
+# Of each program, by state, N and steps: million particle-steps a second of processor time; of a sample seconds.
+measure_ours() {
+    if [ "$1" = sample ]; then
+        seconds $pin "$repose" bench --start "dilute_$2.tsv" --state sample --floor absorbs --repeat 1 -o final.tsv
+    else
+        $pin "$repose" bench --start "settled_$2.tsv" --state "$1" --floor absorbs --steps "$3" --repeat 1 | columns median
+    fi
 }
-lammps_sample() {
-    seconds $pin lmp -in "$here/box.in" -log none -v data dilute_400.data -v state sample -v final final.dump
+measure_lammps() {
+    if [ "$1" = sample ]; then
+        seconds $pin lmp -in "$here/box.in" -log none -v data "dilute_$2.lammps" -v state sample -v final final.dump
+    else
+        $pin lmp -in "$here/box.in" -log none -v data "settled_$2.lammps" -v state "$1" -v warm 2000 -v steps "$3" >lmp.log
+        awk -v sum="$(grain_steps lmp.log)" '/^timed/ { on = 1 }
+            on && /^Loop time/ { loop = $4 }
+            on && /CPU use/ { print sum / (loop * $1 / 100) / 1e6; exit }' lmp.log
+    fi
+}
+# It knows no processor time: a shell that it starts reads that of its parent, ns.
+stamp='read -r ns rest </proc/$PPID/schedstat; echo stamp $ns >&2'
+measure_liggghts() {
+    if [ "$1" = sample ]; then
+        seconds $pin liggghts -in "$here/box_liggghts.in" -log none -var data "dilute_$2.liggghts" -var state sample \
+            -var final final.dump
+    else
+        $pin liggghts -in "$here/box_liggghts.in" -log none -var data "settled_$2.liggghts" -var state "$1" \
+            -var warm 2000 -var steps "$3" -var stamp "$stamp" >liggghts.log 2>stamps.log
+        awk -v sum="$(grain_steps liggghts.log)" '/^stamp/ { if (n++) print sum / ($2 - first) * 1e3; first = $2 }' stamps.log
+    fi
 }
 
-# A row of the pairs "ours theirs ratio" on standard input.
+# A row from lines "program value" of all rounds; nan where there is no such program.
 row() { # state N steps
-    sort -g -k3 | awk -v head="$1\t$2\t$3" '{ ours[NR] = $1; theirs[NR] = $2; ratio[NR] = $3 }
-        END { print head, NR, median(ours), median(theirs), ratio[int((NR + 1) / 2)], ratio[1], ratio[NR] }
-        function median(a,   i, j, t) {
-            for (i = 2; i <= NR; i++) for (j = i; j > 1 && a[j] < a[j - 1]; j--) { t = a[j]; a[j] = a[j - 1]; a[j - 1] = t }
-            return a[int((NR + 1) / 2)] }' OFS='\t'
+    awk -v state="$1" -v head="$1\t$2\t$3" '{ value[$1, ++n[$1]] = $2 }
+        END { pairs = n["ours"]
+              for (i = 1; i <= pairs; i++) ours[i] = value["ours", i]
+              print head "\t" pairs "\t" median(ours) compared("lammps") compared("liggghts") }
+        function compared(peer,   i, middle) {
+            if (!n[peer]) return "\tnan\tnan\tnan\tnan"
+            for (i = 1; i <= pairs; i++) {
+                theirs[i] = value[peer, i]
+                ratio[i] = value["ours", i] / theirs[i]
+                if (state == "sample") ratio[i] = 1 / ratio[i]
+            }
+            middle = median(ratio)
+            return "\t" median(theirs) "\t" middle "\t" ratio[1] "\t" ratio[pairs]
+        }
+        function median(a,   i, j, t) { # and sorts
+            for (i = 2; i <= pairs; i++)
+                for (j = i; j > 1 && a[j] < a[j - 1]; j--) { t = a[j]; a[j] = a[j - 1]; a[j - 1] = t }
+            return a[int((pairs + 1) / 2)]
+        }'
 }
 
 compare() { # state N
-    local steps=$((20000000 / $2)) k a b
+    local steps=$((20000000 / $2)) k program value
     if [ "$1" = flowing ] && [ $steps -gt 10000 ]; then steps=10000; fi
+    if [ "$1" = sample ]; then steps=80000; fi
     for k in $(seq "$pairs"); do
-        a=$(ours "$1" "$2" $steps) b=$(lammps "$1" "$2" $steps)
-        echo "$a $b" | awk '{ print $1, $2, $1 / $2 }'
+        for program in $programs; do
+            value=$(measure_$program "$1" "$2" $steps)
+            echo "$program $value"
+        done
     done | row "$1" "$2" $steps
 }
 
-compare_samples() {
-    local k a b
-    for k in $(seq "$pairs"); do
-        a=$(ours_sample) b=$(lammps_sample)
-        echo "$a $b" | awk '{ print $1, $2, $2 / $1 }'
-    done | row sample 400 80000
-}
-
 provenance
-echo "# repose, lammps: 1e6 particle-steps a second of processor time, medians; of a sample seconds of the process"
-echo "# ratio: by how much repose is faster, median of the pairs, with the least and the largest"
+echo "# repose, lammps, liggghts: 1e6 particle-steps a second of processor time, medians; of a sample seconds of the process"
+echo "# ratio: by how much repose is faster, median of the pairs, with the least (min) and the largest (max)"
+programs=ours
 if ! command -v lmp >/dev/null; then echo "# lammps: not installed"; else
-    echo "# lammps: $(lmp -h | sed -n 's/.*Simulator - \(.*\)/\1/p' | head -1)"
+    echo "# lammps: $(lmp -h | sed -n 's/.*Simulator - \(.*\)/\1/p')"
+    programs="lammps $programs"
 fi
-echo "# liggghts: not compared, there is no script for it"
-printf '# units: \t\t\t\t1e6/s\t1e6/s\t\t\t\n'
-printf '# state\tgrains\tsteps\tpairs\trepose\tlammps\tratio\tratio_min\tratio_max\n'
-command -v lmp >/dev/null || exit 0
+if ! command -v liggghts >/dev/null; then echo "# liggghts: not installed"; else
+    echo "# liggghts: $(liggghts -h | sed -n 's/.*Version LIGGGHTS-PUBLIC \([^,]*\),.*/\1/p')"
+    programs="$programs liggghts"
+fi
+printf '# units: \t\t\t\t1e6/s\t1e6/s\t\t\t\t1e6/s\t\t\t\n'
+printf '# state\tgrains\tsteps\tpairs\trepose\tlammps\tlammps_ratio\tlammps_min\tlammps_max'
+printf '\tliggghts\tliggghts_ratio\tliggghts_min\tliggghts_max\n'
 for n in $(printf '%s\n' $settled $flowing | sort -un); do
     settle "$n"
-    data "settled_$n.tsv" "$n" >"settled_$n.data"
+    data settled "$n"
 done
 for n in $settled; do compare settled "$n"; done
 for n in $flowing; do compare flowing "$n"; done
 dilute 400
-data dilute_400.tsv 400 >dilute_400.data
-compare_samples
+data dilute 400
+compare sample 400
