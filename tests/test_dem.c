@@ -1079,8 +1079,8 @@ static void limit_in_any_direction(void)
         def.n_grains = 2;
         def.n_walls = 2;
         def.walls[0] = line(left, down, -s, c, &def.material);
-        def.walls[1] = line(left + 9.0 * s, down - 9.0 * c, c, s,
-                            &def.material); /* through a point far below the floor */
+        /* nearly along, through a point far below the floor */
+        def.walls[1] = line(left + 9.0 * s, down - 9.0 * c, c - 1e-9 * s, s + 1e-9 * c, &def.material);
         const double limit = dem_time_step_limit(&def, NULL);
         if (k == 0) upright = limit;
         CHECK_NEAR(limit / upright, 1.0, round_off);
@@ -1129,6 +1129,39 @@ static void overlap_of_the_start(void)
         sim = grains_start(&def);
         dem_energies(sim, &energy);
         CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
+        dem_free(sim);
+    }
+}
+
+/* A spring of the untruncated law, longer than Coulomb's limit: it pulls with p = mu N, N >= 0, from there
+ * on, and holds p ds - p^2/(2 k_s). */
+static void energy_of_a_long_spring(void)
+{
+    static const double speeds[] = {0.0, 400.0, -300.0}; /* together; apart: N would be below 0 */
+    for (int k = 0; k < 3; k++) {
+        const double d = 0.01, ds = 0.5;
+        const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = speeds[k]},
+                                     {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = 0.004}};
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.dt = 1e-6;
+        def.slip = DEM_TOTAL;
+        def.material.gamma_n = 4000.0;
+        def.grains = grains;
+        def.n_grains = 2;
+        const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
+        def.contacts = &start;
+        def.n_contacts = 1;
+        dem_sim *sim = grains_start(&def);
+        dem_energy energy;
+        dem_energies(sim, &energy);
+        const dem_contact now = grains_only_contact(sim);
+        const double pull = def.material.mu * fmax(now.normal_force, 0.0), k_n = def.material.k_n;
+        CU_ASSERT((now.normal_force < 0.0) == (k == 2) && pull < def.material.k_s * ds);
+        CHECK_NEAR(fabs(now.shear_spring), ds, 1e-15);
+        CHECK_NEAR(energy.elastic,
+                   0.4 * k_n * pow(d, 2.5) + pull * ds - pull * pull / (2.0 * def.material.k_s),
+                   1e-11); /* of 400 */
         dem_free(sim);
     }
 }
@@ -1245,6 +1278,7 @@ void suite_dem(void)
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},
                                        {"an overlap of the start", overlap_of_the_start},
+                                       {"energy of a long spring", energy_of_a_long_spring},
                                        {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},
                                        {NULL, NULL}};

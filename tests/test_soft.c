@@ -97,6 +97,23 @@ static void well_holds_and_breaks(void)
     dem_free(sim);
 }
 
+/* A well's stiffness mu_static w/a, w the weight of the grain or of a column as high as it falls from, limits
+ * the step to 0.85 of 4/sqrt(12 k/m), where it is the stiffest. */
+static void limit_of_a_well(void)
+{
+    for (int high = 0; high < 2; high++) {
+        const double m = 1.7, height = high ? 2.2 : R;
+        const dem_grain grain = {.x = 0.3, .y = height, .r = R, .m = m};
+        dem_definition def = on_ground(&grain, 1);
+        def.ground.a = 1e-6;
+        const double weight = m * (high ? 2.0 * height / (4.0 * R) : 1.0);
+        const char *what;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.4 / sqrt(12.0 * MU_STATIC * weight / (1e-6 * m))),
+                   1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "the lightest grain in a well of the ground");
+    }
+}
+
 /* A state that is read and started again: the well holds by as much as before, and so does the force. */
 static void well_of_the_start(void)
 {
@@ -785,6 +802,7 @@ void suite_soft(void)
 {
     static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
                                        {"a well holds up to mu N, then breaks", well_holds_and_breaks},
+                                       {"limit of a well", limit_of_a_well},
                                        {"a well of the start", well_of_the_start},
                                        {"a well's energy", energy_of_well},
                                        {"when wells are set", when_wells_are_set},
