@@ -204,12 +204,10 @@ static void test_other_rests(void)
 {
     if (check_fast()) return;
     sweep_result result;
-    /* damped so weakly that it comes to rest after more than 50000 steps */
-    traced_run((const setting[]){{"W", "1"},
-                                 {"H", "1"},
+    traced_run((const setting[]){{"W", "1.2"},
+                                 {"H", "1.2"},
                                  {"mu", "0.6"},
-                                 {"gamma_n", "20"},
-                                 {"rest_energy", "1e-10"},
+                                 {"rest_energy", "1e-10"}, /* it comes to rest after more than 50000 steps */
                                  {"rest_force", "1e-3"},
                                  {0}},
                &result);
@@ -226,11 +224,11 @@ static void test_other_rests(void)
     while (dem_step(sim) < scene.steps) {
         dem_rest rest;
         CHECK_OK(dem_run(sim, 500));
-        CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
-        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 1.0);
-        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 1.0);
+        CHECK_OK(dem_rest_state(sim, 0.0, 1.2, &rest));
+        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 1.2);
+        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 1.2);
     }
-    double at_rest = slope_now(sim, 1.0);
+    double at_rest = slope_now(sim, 1.2);
     CHECK_NEAR(output(&result, "theta_r3_deg"), at_rest, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(&result, "theta_r3_loose_deg"), loose, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(&result, "theta_r3_fixed_deg"), fixed, ANGLE_TOLERANCE_DEG);
@@ -623,8 +621,8 @@ static double static_onset(dem_sim *sim, const tilting *t)
 /* All outputs again: of the pile from its tables, of the tilts from its scene. */
 static void test_outputs(void)
 {
-    static const tilting cases[] = {{1.4, 1e-2, true}, {1.0, 1e-3, false}, {1.0, 1e-3, true}};
-    for (int k = 0; k < (check_fast() ? 1 : 3); k++) {
+    static const tilting cases[] = {{1.4, 1e-2, true}, {1.0, 1e-3, false}};
+    for (int k = 0; k < (check_fast() ? 1 : 2); k++) {
         const tilting *t = &cases[k];
         sweep_result result;
         traced_run((const setting[]){{"W", k == 0 ? "1.4" : "1"},
