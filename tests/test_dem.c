@@ -1095,7 +1095,7 @@ static void limit_in_any_direction(void)
 static void overlap_of_the_start(void)
 {
     const double d = 0.01, m[3] = {0.004, 0.009, 0.03};
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 6; k++) {
         dem_definition def = dem_definition_default();
         dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = m[0]},
                                {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = m[1]},
@@ -1103,6 +1103,8 @@ static void overlap_of_the_start(void)
         if (k == 1) grains[0].m = m[1], grains[1].m = m[0];
         if (k == 2 || k == 3) grains[k - 2].fixed = true;
         if (k == 4) grains[1].x = 1.2;
+        if (k == 5)
+            grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has room for pi/asin(1/4) neighbours, not 6 */
         def.gravity[1] = 0.0;
         def.material.gamma_n = def.material.mu = 0.0;
         def.tangential = DEM_NONE;
@@ -1114,7 +1116,8 @@ static void overlap_of_the_start(void)
                      m_eff = k == 2   ? m[1]
                              : k >= 3 ? m[0]
                                       : m[0] * m[1] / (m[0] + m[1]),
-                     limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) / m_eff);
+                     crowd = k == 5 ? (1.0 / m[0] + M_PI / 6.0 / asin(0.25) / m[1]) * m_eff : 1.0,
+                     limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) * crowd / m_eff);
         dem_sim *sim = NULL;
         dem_energy energy;
         def.dt = 1.0001 * limit;

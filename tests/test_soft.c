@@ -114,16 +114,22 @@ static void limit_of_a_well(void)
     }
 }
 
-/* A state that is read and started again: the well holds by as much as before, and so does the force. */
+/* A state that is read and started again: the well holds by as much as before, and so does the force. Its
+ * energy is mu_static N x^2/(2 a), beside that of the overlap. */
 static void well_of_the_start(void)
 {
     dem_grain grain = resting();
     dem_definition def = on_ground(&grain, 1);
-    def.gravity[0] = 0.4 * MU_STATIC;
+    def.gravity[0] = 0.2 * MU_STATIC;
+    def.gravity[1] = -0.5;
     dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 8000));
     const dem_contact held = grains_only_contact(sim);
     const dem_state s = grains_state_of_one(sim);
+    dem_energy energy;
+    dem_energies(sim, &energy);
+    const double well = 0.5 * MU_STATIC * held.normal_force / A * held.shear_spring * held.shear_spring;
+    CHECK_NEAR(energy.elastic, 0.5 * K * held.overlap * held.overlap + well, 1e-15);
     CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
     dem_free(sim);
     grain = (dem_grain){.x = s.x, .y = s.y, .r = R, .m = 1.0, .vx = s.vx, .vy = s.vy};
