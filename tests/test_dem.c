@@ -1126,6 +1126,8 @@ static void overlap_of_the_start(void)
         sim = grains_start(&def);
         dem_energies(sim, &energy);
         CHECK_NEAR(energy.elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
+        const dem_contact c = grains_only_contact(sim);
+        CU_ASSERT(c.shear_force == 0.0 && c.rolling_torque == 0.0);
         dem_free(sim);
         def.normal = DEM_LINEAR;
         def.dt = 1e-7;
