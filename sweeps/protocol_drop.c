@@ -10,7 +10,8 @@
  * = 2e-3 is for steps as long as can be. sweeps/li20_choices.cfg tells what harder contacts, K_slip and
  * rolling resistance change in piles of 150, and sweeps/li20_rest.cfg what the waiting does. The fall itself
  * is not simulated: a disk starts just above what it will hit, with the speed of its fall. The next falls
- * when no disk is fast or far from balance, though the pile may still sway; after the last it comes to rest
+ * when no disk is fast or far from balance, though the pile may still sway (twice as near to balance takes a
+ * fifth more steps for piles that are the same within their scatter); after the last it comes to rest
  * entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has a
  * maximum.
  *
@@ -53,7 +54,7 @@ static const rp_param schema[] = {
     {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},
     {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
     {"rest_speed", "sqrt(g d)", RP_REAL, AT(rest_speed), "0.1", "(0, 1]", "the next disk falls once all are slower than this, also at their rims,"},
-    {"rest_force", "m g", RP_REAL, AT(rest_force), "0.1", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
+    {"rest_force", "m g", RP_REAL, AT(rest_force), "0.2", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
     {0}};

@@ -302,6 +302,45 @@ static void away_is_no_part(void)
     CU_ASSERT(output(&r, "width") < 20.0);
 }
 
+/* Disks that fall in a row onto a heap, several to a step that collide, and are put in one by one. */
+enum { DROPPED = 60 };
+
+static void dropped(int kernel, dem_state last[DROPPED])
+{
+    const dem_grain first = disk(0.0, 0.6, 0.0);
+    dem_definition def = disks(true);
+    def.kernel = kernel;
+    def.grains = &first;
+    def.n_grains = 1;
+    dem_sim *sim = grains_start(&def);
+    for (int k = 1; k < DROPPED; k++) {
+        dem_grain next = disk(0.7 * (k * 5 % 11 - 5), 11.0 + 0.1 * (k % 3), 0.02 * (k % 7 - 3));
+        next.r = 0.5 - 0.01 * (k % 4);
+        next.vy = -3.0;
+        CHECK_OK(dem_add(sim, &next, NULL));
+        CHECK_OK(dem_run(sim, 150));
+    }
+    CHECK_OK(dem_run(sim, 600));
+    memset(last, 0, DROPPED * sizeof *last);
+    CHECK_OK(dem_states(sim, last));
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.collisions > 5 * DROPPED);
+    dem_free(sim);
+}
+
+/* The general loop looks at all pairs for what may collide, the fast ones at those that are apart. */
+static void kernels_collide_alike(void)
+{
+    dem_state expected[DROPPED], got[DROPPED];
+    dropped(DEM_REFERENCE, expected);
+    for (int kernel = DEM_REFERENCE + 1; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        dropped(kernel, got);
+        CU_ASSERT(memcmp(expected, got, sizeof got) == 0);
+    }
+}
+
 void suite_drop(void)
 {
     static const check_case cases[] = {{"contacts of the start go on", contacts_go_on},
@@ -312,6 +351,7 @@ void suite_drop(void)
                                        {"drops do not pass their steps", drops_do_not_pass_their_steps},
                                        {"rest takes its steps", rest_takes_its_steps},
                                        {"away is no part", away_is_no_part},
+                                       {"kernels collide alike", kernels_collide_alike},
                                        {NULL, NULL}};
     check_register("drop", cases);
 }

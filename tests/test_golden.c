@@ -115,7 +115,7 @@ static const golden_run runs[] = {
      0x3a73e674975977be,
      {{"theta_r3_deg", 18.30022251707566}, {"floor_tilt_deg", 12.129609284937734}}},
     {"drop",
-     {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}},
+     {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}},
      drop_hashed,
      "ok",
      0xdd1f967f4952bffc,

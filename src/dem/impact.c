@@ -71,7 +71,7 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grain[i].v += gain;
     sim->grain[i].x -= t * gain;
-    sim->way[i] = INFINITY; /* for the rest of the round */
+    sim->way[i] = INFINITY; /* for the rest of the step */
     if (!sim->spin) return;
     sim->spin[i].omega += to->omega - from->omega;
     sim->spin[i].angle -= t * (to->omega - from->omega);
@@ -110,100 +110,144 @@ static double time_of_touch(dem_vec d, dem_vec v, dem_vec a, double reach, doubl
     return t >= 0.0 && t <= dt ? t : INFINITY;
 }
 
-static bool collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
+static void collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
 {
     const motion m_i = motion_of(sim, i), m_j = motion_of(sim, j);
     const dem_vec d = m_i.x - m_j.x, v = m_i.v - m_j.v, a = m_i.a - m_j.a;
     const double t = time_of_touch(d, v, a, reach, sim->def.dt);
-    if (isinf(t)) return false;
+    if (isinf(t)) return;
     const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / reach);
     const dem_body before[2] = {body_at(sim, i, &m_i, t), body_at(sim, j, &m_j, t)};
     dem_body after[2] = {before[0], before[1]};
-    if (!collide(sim, &after[0], &after[1], n, dem_dot(a, n))) return false;
+    if (!collide(sim, &after[0], &after[1], n, dem_dot(a, n))) return;
     if (sim->book) dem_ledger_collision(sim, (size_t[]){i, j}, before, after);
     deflect(sim, i, &before[0], &after[0], t);
     deflect(sim, j, &before[1], &after[1], t);
-    return true;
 }
 
 /* The corner at the end of a wall counts as the line across the direction to it. */
-static bool collide_wall(dem_sim *sim, dem_wall_slot slot)
+static void collide_wall(dem_sim *sim, dem_wall_slot slot)
 {
     const size_t i = slot.grain;
     dem_vec normal, wall_velocity;
     double overlap;
-    if (!dem_wall_touch(sim, &slot, &normal, &overlap, &wall_velocity) || overlap > 0.0) return false;
+    if (!dem_wall_touch(sim, &slot, &normal, &overlap, &wall_velocity) || overlap > 0.0) return;
     const motion m = motion_of(sim, i);
     const double closing = -dem_dot(m.v - wall_velocity, normal), pressing = -dem_dot(m.a, normal),
                  root2 = closing * closing - 2.0 * pressing * overlap;
-    if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return false;
+    if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return;
     const double t = -2.0 * overlap / (sqrt(root2) + closing);
-    if (t > sim->def.dt) return false;
+    if (t > sim->def.dt) return;
     const dem_body before[2] = {body_at(sim, i, &m, t), {{wall_velocity[0], wall_velocity[1]}}};
     dem_body after[2] = {before[0], before[1]};
-    if (!collide(sim, &after[0], &after[1], -normal, pressing)) return false;
+    if (!collide(sim, &after[0], &after[1], -normal, pressing)) return;
     if (sim->book) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
     deflect(sim, i, &before[0], &after[0], t);
-    return true;
 }
 
 /* The first pair from k on that may come to touch, not below n_pairs for none, of grains that go no farther
- * than `way` in the step, each no farther than sim->way says. */
-static size_t next_closing(const dem_sim *sim, size_t k, double way)
+ * than sim->way says. */
+static size_t next_closing(const dem_sim *sim, size_t k)
 {
     for (; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         const dem_vec d = sim->grain[i].x - sim->grain[j].x;
-        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k], ways = sim->way[i] + sim->way[j],
-                     most = reach + (ways < 2.0 * way ? ways : 2.0 * way);
+        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k],
+                     most = reach + (sim->way[i] + sim->way[j]);
         if (r2 >= reach * reach && r2 <= most * most) break; /* nearer is a soft contact */
     }
     return k;
 }
 
-static bool collide_all(dem_sim *sim, double way)
+/* Has it collided in this step? */
+static bool deflected(const dem_sim *sim, size_t i)
 {
-    dem_closing *const next = sim->closing ? sim->closing : next_closing;
-    bool any = false;
-    for (size_t k = next(sim, 0, way); k < sim->n_pairs; k = next(sim, k + 1, way))
-        any |= collide_pair(sim, sim->pair_i[k], sim->pair_j[k], sim->pair_radii[k]);
-    for (size_t k = 0; k < sim->n_wall_slots; k++) any |= collide_wall(sim, sim->wall_slot[k]);
-    return any;
+    return isinf(sim->way[i]);
 }
 
-/* Longest way of a grain over the coming step, and in sim->way a little more than each one's; *beyond is a
- * grain that it brings to where the neighbour list may lack a pair of its, n for none. */
-static double longest_way(dem_sim *sim, size_t *beyond)
+/* The first pair from k to `end` of grains one of which has collided in this step, or `end`. */
+static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
+{
+    while (k < end && !(deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k]))) k++;
+    return k;
+}
+
+static void collide_listed(dem_sim *sim, size_t k)
+{
+    const size_t i = sim->pair_i[k], j = sim->pair_j[k];
+    const dem_vec d = sim->grain[i].x - sim->grain[j].x;
+    const double reach = sim->pair_radii[k];
+    if (dem_dot(d, d) >= reach * reach) collide_pair(sim, i, j, reach);
+}
+
+/* Until something collides, only pairs that the pair loop found apart may come to touch. */
+static void collide_apart(dem_sim *sim)
+{
+    const long before = sim->collisions;
+    for (size_t k = 0, t = 0;; k++) {
+        while (t < sim->n_apart && sim->apart[t] < k) t++;
+        t = sim->closing_apart(sim, t);
+        const size_t next = t < sim->n_apart ? sim->apart[t] : sim->n_pairs;
+        k = sim->collisions > before ? next_deflected(sim, k, next) : next;
+        if (k >= sim->n_pairs) return;
+        collide_listed(sim, k);
+    }
+}
+
+static void collide_all(dem_sim *sim)
+{
+    dem_closing *const next = sim->closing ? sim->closing : next_closing;
+    if (sim->apart_holds)
+        collide_apart(sim);
+    else
+        for (size_t k = next(sim, 0); k < sim->n_pairs; k = next(sim, k + 1)) collide_listed(sim, k);
+    for (size_t k = 0; k < sim->n_wall_slots; k++) collide_wall(sim, sim->wall_slot[k]);
+}
+
+/* Others than those that have collided go on as they would have. */
+static void collide_deflected(dem_sim *sim)
+{
+    const size_t n = sim->n_pairs;
+    for (size_t k = next_deflected(sim, 0, n); k < n; k = next_deflected(sim, k + 1, n))
+        collide_listed(sim, k);
+    for (size_t k = 0; k < sim->n_wall_slots; k++)
+        if (deflected(sim, sim->wall_slot[k].grain)) collide_wall(sim, sim->wall_slot[k]);
+}
+
+/* Into sim->way a little more than the way of each grain over the coming step; gives a grain that it brings
+ * to where the neighbour list may lack a pair of its, n for none. */
+static size_t set_ways(dem_sim *sim)
 {
     const double dt = sim->def.dt;
-    double most = 0.0;
-    *beyond = sim->n;
-    for (size_t i = sim->ways ? sim->ways(sim, &most, beyond) : 0; i < sim->n; i++) {
+    size_t beyond = sim->n;
+    for (size_t i = sim->ways ? sim->ways(sim, &beyond) : 0; i < sim->n; i++) {
         const motion m = motion_of(sim, i);
         const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
-        const double way2 = dem_dot(way, way);
-        sim->way[i] = 1.01 * sqrt(way2) + 1e-9 * sim->radius[i]; /* more than round-off */
-        most = way2 > most ? way2 : most;
-        if (!(dem_dot(moved, moved) <= sim->margin2[i])) *beyond = i;
+        sim->way[i] = 1.01 * sqrt(dem_dot(way, way)) + 1e-9 * sim->radius[i]; /* more than round-off */
+        if (!(dem_dot(moved, moved) <= sim->margin2[i])) beyond = i;
     }
-    return sqrt(most);
+    return beyond;
 }
 
 /* A collision may send a grain into the next: a few rounds, then what still closes meets softly. */
 rp_status dem_impacts_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
-    size_t beyond;
-    double way = longest_way(sim, &beyond);
+    size_t beyond = set_ways(sim);
     if (beyond < sim->n) {
         rp_status status = dem_neighbours_rebuild(sim);
         if (status) return status;
-        way = longest_way(sim, &beyond);
+        beyond = set_ways(sim);
         if (beyond < sim->n)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
                             sqrt(sim->margin2[beyond]));
     }
-    for (int round = 0; round < ROUNDS && collide_all(sim, way); round++) way = longest_way(sim, &beyond);
+    long before = sim->collisions;
+    collide_all(sim);
+    for (int round = 1; round < ROUNDS && sim->collisions > before; round++) {
+        before = sim->collisions;
+        collide_deflected(sim);
+    }
     return RP_OK;
 }

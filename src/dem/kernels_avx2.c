@@ -8,5 +8,6 @@
 #define WIDE_NEAR    dem_near_avx2
 #define WIDE_WAYS    dem_ways_avx2
 #define WIDE_CLOSING dem_closing_avx2
+#define WIDE_APART   dem_closing_apart_avx2
 #include "dem/kernels_wide.inl"
 #endif

@@ -8,5 +8,6 @@
 #define WIDE_NEAR    dem_near_avx512
 #define WIDE_WAYS    dem_ways_avx512
 #define WIDE_CLOSING dem_closing_avx512
+#define WIDE_APART   dem_closing_apart_avx512
 #include "dem/kernels_wide.inl"
 #endif

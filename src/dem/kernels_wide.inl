@@ -15,7 +15,7 @@ typedef struct {
 
 /* A spring and a dashpot under a limit: shear, or rolling. */
 typedef struct {
-    double k, gamma, mu;
+    double k, inverse_k, gamma, mu;
     bool truncated, inside;
 } slider;
 
@@ -28,8 +28,8 @@ INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
     return law->tension ? f : wide_max(f, (wide){0});
 }
 
-/* dem_law_shear; the division only where a contact slides. */
-INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes touch, wide *spring)
+/* dem_law_shear */
+INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *spring)
 {
     wide ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
     wide cap = c.mu * wide_max(f_n, (wide){0});
@@ -41,7 +41,7 @@ INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, lanes 
         of_spring -= dashpot;
     else
         force = -dashpot - held;
-    if (c.truncated && wide_bits(slides) & wide_bits(touch)) ds = wide_choose(slides, of_spring * (1.0 / c.k), ds);
+    if (c.truncated) ds = wide_choose(slides, of_spring * c.inverse_k, ds);
     *spring = ds;
     return force;
 }
@@ -54,11 +54,29 @@ INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
 }
 
 /* Rolling resistance: the couple on grain i. */
-INLINE wide law_rolling(const laws *law, wide r_eff, wide m_eff, wide omega, wide f_n, double h, lanes touch,
-                        wide *roll)
+INLINE wide law_rolling(slider c, wide r_eff, wide m_eff, wide omega, wide f_n, double h, wide *roll)
 {
-    const slider c = {law->c.k_roll, law->c.gamma_roll, law->c.mu_roll, true, true};
-    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, touch, roll);
+    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, roll);
+}
+
+/* Where the pairs of a block touch: normal from j to i, overlap, relative velocity. */
+typedef struct {
+    wide nx, ny, overlap, vx, vy;
+    lanes touch;
+} geometry;
+
+INLINE geometry geometry_of(const dem_sim *sim, size_t k)
+{
+    geometry m;
+    wide x, y;
+    wide_difference(sim->grain, sim->pair_i + k, sim->pair_j + k, &x, &y, &m.vx, &m.vy);
+    const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
+    m.touch = wide_less(r2, radii * radii);
+    m.nx = m.ny = m.overlap = (wide){0};
+    if (!wide_bits(m.touch)) return m;
+    const wide r = wide_sqrt(r2), inverse = 1.0 / r;
+    m.overlap = radii - r, m.nx = x * inverse, m.ny = y * inverse;
+    return m;
 }
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
@@ -75,29 +93,31 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                       def->tangential == DEM_SLIP_ROLL,
                       def->slip == DEM_TRUNCATED,
                       def->damping == DEM_DAMPING_INSIDE};
-    const slider shear = {law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside};
-    const dem_record *restrict grain = sim->grain;
+    const slider shear = {law.c.k_s, 1.0 / law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside},
+                 rolls = {law.c.k_roll, 1.0 / law.c.k_roll, law.c.gamma_roll, law.c.mu_roll, true, true};
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    uint32_t *restrict touching = sim->touching;
+    uint32_t *restrict touching = sim->touching, *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
-    size_t n = 0;
+    size_t n = 0, n_apart = 0;
     unsigned alarm = 0;
+    geometry next = {0};
+    if (sim->n_pairs > 0) next = geometry_of(sim, 0);
     for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        wide x, y, vx, vy;
-        wide_difference(grain, i, j, &x, &y, &vx, &vy);
-        const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
-        const lanes touch = wide_less(r2, radii * radii);
+        const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
+        const lanes touch = next.touch;
+        if (k + WIDTH < sim->n_pairs)
+            next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
+        if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
         n = wide_append(touching, n, wide_bits(touch), k);
-        const wide r = wide_sqrt(r2), inverse = 1.0 / r, overlap = radii - r, nx = x * inverse,
-                   ny = y * inverse, m_eff = wide_load(sim->pair_mass + k);
+        const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
@@ -105,14 +125,14 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
             /* along s = (ny, -nx), the normal turned clockwise */
             wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
             if (rotation) {
-                r_i = wide_gather(sim->radius, i, 1), r_j = wide_gather(sim->radius, j, 1);
+                r_i = wide_load(sim->radius_i + k), r_j = wide_load(sim->radius_j + k);
                 omega_i = wide_gather(&spin->omega, i, sizeof *spin / sizeof(double));
                 omega_j = wide_gather(&spin->omega, j, sizeof *spin / sizeof(double));
                 v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
             }
             if (law.shear) {
                 wide ds = wide_load(spring + k);
-                f_s = law_shear(shear, m_eff, v_s, f_n, h, touch, &ds);
+                f_s = law_shear(shear, m_eff, v_s, f_n, h, &ds);
                 wide_store(spring + k, wide_choose(touch, ds, zero));
             } else {
                 f_s = law_slip_roll(&law, m_eff, v_s, f_n);
@@ -123,8 +143,8 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple =
-                        law_rolling(&law, r_i * r_j / radii, m_eff, omega_i - omega_j, f_n, h, touch, &xi);
+                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j,
+                                         f_n, h, &xi);
                     wide_store(roll + k, wide_choose(touch, xi, zero));
                 }
                 double on_i[WIDTH], on_j[WIDTH];
@@ -145,6 +165,11 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
     }
     sim->n_touching = n;
     sim->alarm |= alarm != 0;
+    if (!apart) return;
+    while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
+    for (size_t p = 0; p < WIDTH && n_apart > 0; p++) apart[n_apart + p] = apart[n_apart - 1];
+    sim->n_apart = n_apart;
+    sim->apart_holds = true;
 }
 
 void WIDE_KERNEL(dem_sim *sim, double h)
@@ -227,11 +252,10 @@ INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
     return way;
 }
 
-/* As longest_way in impact.c. */
-size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
+/* As set_ways in impact.c. */
+size_t WIDE_WAYS(dem_sim *sim, size_t *beyond)
 {
     const wide gravity = wide_repeat(sim->gravity);
-    wide most = {0};
     size_t i = 0;
     for (; i + WIDTH <= sim->n; i += WIDTH) {
         unsigned out[2];
@@ -240,31 +264,43 @@ size_t WIDE_WAYS(dem_sim *sim, double *most2, size_t *beyond)
         b *= b;
         const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
         wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
-        most = wide_max(way2, most);
         if (out[0] | out[1]) *beyond = i + (31 - (size_t)__builtin_clz(out[0] | out[1] << WIDTH)) / 2;
     }
-    double all[WIDTH];
-    wide_store(all, most);
-    for (int p = 0; p < WIDTH; p++) *most2 = all[p] > *most2 ? all[p] : *most2;
     return i;
 }
 
-/* As next_closing in impact.c. */
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k, double way)
+/* Which of WIDTH pairs may come to touch; as next_closing in impact.c. */
+INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
 {
-    const wide zero = {0}, both = zero + 2.0 * way;
+    wide x, y, vx, vy;
+    wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
+    const wide r2 = x * x + y * y, most = reach + (wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1));
+    return wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most));
+}
+
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
+{
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < sim->n_pairs; k += WIDTH) {
-        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        wide x, y, vx, vy;
-        wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
-        const wide r2 = x * x + y * y, reach = wide_load(sim->pair_radii + k),
-                   ways = wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1),
-                   most = reach + wide_choose(wide_less(ways, both), ways, both);
         const unsigned near =
-            wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most)) & from;
+            may_touch(sim, sim->pair_i + k, sim->pair_j + k, wide_load(sim->pair_radii + k)) & from;
         if (near) return k + (size_t)__builtin_ctz(near);
         from = ~0u;
     }
     return sim->n_pairs;
+}
+
+/* The list is filled up to a whole block with its last pair. */
+size_t WIDE_APART(const dem_sim *sim, size_t t)
+{
+    unsigned from = ~0u << t % WIDTH;
+    for (t -= t % WIDTH; t < sim->n_apart; t += WIDTH) {
+        const uint32_t *k = sim->apart + t;
+        uint32_t i[WIDTH], j[WIDTH];
+        for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
+        const unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1)) & from;
+        if (near) return t + (size_t)__builtin_ctz(near);
+        from = ~0u;
+    }
+    return sim->n_apart;
 }

@@ -80,6 +80,10 @@ static rp_status pair_room(dem_sim *sim, size_t more)
         dem_grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
         dem_grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
         dem_grow(&sim->spring, sizeof *sim->spring, room) &&
+        (!sim->def.hard.on || dem_grow(&sim->apart, sizeof *sim->apart, room)) &&
+        (!sim->spin || (dem_grow(&sim->radius_i, sizeof *sim->radius_i, room) &&
+                        dem_grow(&sim->radius_j, sizeof *sim->radius_j, room) &&
+                        dem_grow(&sim->roll_radius, sizeof *sim->roll_radius, room))) &&
         (!sim->rolling || dem_grow(&sim->roll, sizeof *sim->roll, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
@@ -91,6 +95,7 @@ static void pad_pairs(dem_sim *sim)
     for (size_t k = sim->n_pairs; k < (sim->n_pairs + 7) / 8 * 8; k++) {
         sim->pair_i[k] = sim->pair_j[k] = 0;
         sim->pair_radii[k] = sim->pair_mass[k] = sim->spring[k] = 0.0;
+        if (sim->spin) sim->radius_i[k] = sim->radius_j[k] = sim->roll_radius[k] = 0.0;
     }
 }
 
@@ -108,7 +113,13 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
+    if (sim->spin) {
+        memcpy(sim->radius_i, like->radius_i, sim->n_pairs * sizeof *sim->radius_i);
+        memcpy(sim->radius_j, like->radius_j, sim->n_pairs * sizeof *sim->radius_j);
+        memcpy(sim->roll_radius, like->roll_radius, sim->n_pairs * sizeof *sim->roll_radius);
+    }
     if (sim->rolling) memcpy(sim->roll, like->roll, sim->n_pairs * sizeof *sim->roll);
+    sim->apart_holds = false;
     pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
@@ -344,6 +355,10 @@ static void complete_pairs(dem_sim *sim)
                             : sim->inverse_mass[j] == 0.0 ? m_i
                                                           : m_i * m_j / (m_i + m_j);
         sim->spring[k] = 0.0;
+        if (sim->spin) {
+            const double r_i = sim->radius[i], r_j = sim->radius[j];
+            sim->radius_i[k] = r_i, sim->radius_j[k] = r_j, sim->roll_radius[k] = r_i * r_j / radii;
+        }
         if (sim->rolling) sim->roll[k] = 0.0;
         sim->touching[n] = (uint32_t)k;
         n += dem_dot(d, d) < radii * radii;
@@ -482,6 +497,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     rp_status status = check_grains(sim, &fastest);
     if (status) return status;
     sim->rebuilds++;
+    sim->apart_holds = false;
     sort_grains(sim, 2.0 * (sim->r_max + margin(sim, fastest)));
     measure_room(sim);
     status = hold_springs(sim);

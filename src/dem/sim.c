@@ -723,6 +723,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
+    c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
@@ -824,6 +825,7 @@ void dem_free(dem_sim *sim)
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
+    free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart);
     free(sim->spin), free(sim->roll), free(sim);
 }
 

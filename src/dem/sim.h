@@ -51,10 +51,10 @@ typedef size_t dem_advance(struct dem_sim *sim, unsigned *left);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
-/* Hard collisions: like longest_way in impact.c, for as many grains from the first on as it can, returns how
- * many; like next_closing there. */
-typedef size_t dem_ways(struct dem_sim *sim, double *most2, size_t *beyond);
-typedef size_t dem_closing(const struct dem_sim *sim, size_t k, double way);
+/* Hard collisions: like set_ways in impact.c, for as many grains from the first on as it can, returns how
+ * many; like next_closing there, over all pairs or, for their places there, those in sim->apart. */
+typedef size_t dem_ways(struct dem_sim *sim, size_t *beyond);
+typedef size_t dem_closing(const struct dem_sim *sim, size_t k);
 
 /* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
@@ -62,6 +62,7 @@ dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
 dem_ways dem_ways_avx512, dem_ways_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
+dem_closing dem_closing_apart_avx512, dem_closing_apart_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -69,10 +70,11 @@ struct dem_sim {
     dem_fault fault;
     char kernel_name[40];
     dem_kernel *kernel;
-    dem_advance *advance; /* NULL for none */
-    dem_near *near;       /* NULL for that of neighbours.c */
-    dem_ways *ways;       /* NULL for none */
-    dem_closing *closing; /* NULL for that of impact.c */
+    dem_advance *advance;       /* NULL for none */
+    dem_near *near;             /* NULL for that of neighbours.c */
+    dem_ways *ways;             /* NULL for none */
+    dem_closing *closing;       /* NULL for that of impact.c */
+    dem_closing *closing_apart; /* NULL for none */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
@@ -98,8 +100,9 @@ struct dem_sim {
     dem_record *grain;
     dem_vec *force; /* contact forces, without gravity */
     dem_vec *ref;
-    double *way;    /* of hard collisions, NULL without: how far each may go in the coming step */
-    dem_gear *gear; /* NULL for other integrators */
+    double *way; /* of hard collisions, NULL without: how far each may go in the coming step, INFINITY once it
+                    has collided */
+    dem_gear *gear;                       /* NULL for other integrators */
     struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     double *margin2,
@@ -115,7 +118,14 @@ struct dem_sim {
     size_t n_pairs, pair_room, n_touching;
     uint32_t *pair_i, *pair_j, *touching;
     double *pair_radii, *pair_mass, *spring;
-    double *roll; /* rolling displacements; NULL without rolling resistance */
+    double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
+    double *roll;                              /* rolling displacements; NULL without rolling resistance */
+
+    /* hard collisions: the pairs that do not touch, in their order. It holds where a kernel that makes it has
+     * run since the pairs or places changed. */
+    uint32_t *apart; /* NULL without */
+    size_t n_apart;
+    bool apart_holds;
 
     size_t n_wall_slots, wall_room;
     dem_wall_slot *wall_slot;
