@@ -1171,6 +1171,26 @@ static void energy_of_a_long_spring(void)
     }
 }
 
+/* Grains that all turn alike are the fastest where shear springs are the stiffest: J (2 k_s + k_roll), J =
+ * 5/2 of spheres; k_roll counts where there is a resistance to rolling. */
+static void limit_of_rotation(void)
+{
+    const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004},
+                                 {.x = 1.5, .y = 0.5, .r = 0.1, .m = 0.004}};
+    for (int rolls = 0; rolls < 2; rolls++) {
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.normal = DEM_LINEAR;
+        def.rotation = true;
+        def.material =
+            (dem_material){.k_n = 1.0, .k_s = 1e4, .mu = 0.2, .k_roll = 3e3, .mu_roll = rolls ? 0.1 : 0.0};
+        def.grains = grains;
+        def.n_grains = 2;
+        const double square = 2.5 * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.4 / sqrt(12.0 * square)), 1.0, 1e-14);
+    }
+}
+
 /* What a table's header says of a scene of unequal grains that fly: of the mean grain, at twice the largest
  * speed. */
 static void header_notes(void)
@@ -1282,6 +1302,7 @@ void suite_dem(void)
                                        {"limit of a fall", limit_of_a_fall},
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},
+                                       {"limit of rotation", limit_of_rotation},
                                        {"an overlap of the start", overlap_of_the_start},
                                        {"energy of a long spring", energy_of_a_long_spring},
                                        {"notes of the header", header_notes},
