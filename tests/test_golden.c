@@ -144,7 +144,7 @@ static const named_text fingerprints[] = {{"repose", "3d0186970f61ee51c8e3b371fc
                                           {"stress", "10d1ce81cc1c936eccfa5235e43af440"},
                                           {"flux", "4c519ca0550eacb1b3a31074392d3c50"},
                                           {"pile", "7d01e2fd84542bb9a3b841d66d0f6ce2"},
-                                          {"drop", "69389827e0687ac1bcf3c3644c68d908"}};
+                                          {"drop", "bfbf08ff46fdb87753a487027de0968d"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 
 static double output(const sweep_protocol *p, const sweep_result *result, const char *name)
