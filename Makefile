@@ -106,7 +106,7 @@ validate: $(B)/check $(B)/repose ## the validation at full size, with its tables
 	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
 
 # Number of mutants.
-MUTANTS := 240
+MUTANTS := 300
 mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate.sh $(B) $(MUTANTS) $(JOBS)
 
@@ -277,9 +277,10 @@ STUDY_li20_choices := 40
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 STUDY_li_disorder_mu := 200
-# Piles of one fill differ by some 4 degrees: a 95 % interval of +-0.2 degrees takes so many, to tell 0.3 from none.
-STUDY_val_dt := 1400
-STUDY_val_integrator := 1400
+# In boxes of W = H = 3 cm, at rest at 1e-5 m g d and 0.1 m g, two piles of one fill differ by some 5 degrees: 95 %
+# intervals of +-0.16 and +-0.18 degrees take so many, to tell 0.3 from none.
+STUDY_val_dt := 4000
+STUDY_val_integrator := 3000
 STUDY_val_cost := 20
 STUDY_calibrate := 12
 $(B)/studies/%: sweeps/%.cfg $(CODE)

@@ -112,6 +112,6 @@ FNR == 1 { comment = message = skipping = 0; quote = "" }
     each("[ (][0-9]+[.][0-9]+[ ;,)]", "number")
     each("[ (][0-9]+ [*/] ", "number")
     each("[*/] [0-9]+[ ;,)]", "number")
-    if (code !~ /^([a-z]| *(static |const )*(double|size_t|long|int|uint32_t|bool|dem_vec|char|an_point) [a-z_]+\[)/)
+    if (code !~ /^([a-z]| *(static |const )*(double|size_t|long|int|uint32_t|bool|dem_vec|char|an_point) [a-z_, ]+\[)/)
         each("[[][a-z0-9_]+[]]", "index")
 }

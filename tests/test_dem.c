@@ -4,7 +4,7 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "dem/dem.h"
+#include "dem/scene.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -1031,6 +1031,202 @@ static void limit_of_a_fall(void)
         }
 }
 
+/* Of several grains the highest, the fastest and the lightest count, wherever they stand in the list. */
+static void limit_of_several(void)
+{
+    const dem_grain plain = {.x = 0.3, .y = 0.5, .r = 0.1, .m = 0.004};
+    dem_grain grains[4] = {plain, plain, plain, plain};
+    dem_definition def = dem_definition_default();
+    dem_box_walls(&def, 2.0, &def.material);
+    def.grains = grains;
+    def.n_grains = 4;
+    for (size_t i = 1; i < 4; i++) grains[i].x += 0.4 * (double)i;
+    const double slow = dem_time_step_limit(&def, NULL);
+    for (int what = 0; what < 3; what++) {
+        double limit[4];
+        for (size_t i = 0; i < 4; i++) {
+            const dem_grain before = grains[i];
+            if (what == 0) grains[i].y = 2.3;
+            if (what == 1) grains[i].vx = -80.0;
+            if (what == 2) grains[i].m = 0.002;
+            limit[i] = dem_time_step_limit(&def, NULL);
+            grains[i] = before;
+        }
+        CU_ASSERT(limit[0] < 0.95 * slow);
+        CU_ASSERT(limit[1] == limit[0] && limit[2] == limit[0] && limit[3] == limit[0]);
+    }
+}
+
+/* A wall along gravity has no height, wherever its point is; the same scene in another place and
+ * direction. */
+static void limit_in_any_direction(void)
+{
+    const double round_off = 1e-13; /* of heights, ten times the place */
+    double upright = NAN;
+    for (int k = 0; k < 5; k++) {
+        const double turn = 0.37 * k, c = cos(turn), s = sin(turn), left = 0.7 * k, down = -1.3 * k;
+        dem_definition def = dem_definition_default();
+        dem_grain grains[2] = {{.x = 0.3, .y = 1.7, .r = 0.1, .m = 0.004},
+                               {.x = 0.6, .y = 0.4, .r = 0.1, .m = 0.004}};
+        for (int i = 0; i < 2; i++) {
+            const double x = grains[i].x, y = grains[i].y;
+            grains[i].x = c * x - s * y + left;
+            grains[i].y = s * x + c * y + down;
+        }
+        def.gravity[0] = 981.0 * s;
+        def.gravity[1] = -981.0 * c;
+        def.grains = grains;
+        def.n_grains = 2;
+        def.n_walls = 2;
+        def.walls[0] = line(left, down, -s, c, &def.material);
+        /* nearly along, through a point far below the floor */
+        def.walls[1] = line(left + 9.0 * s, down - 9.0 * c, c - 1e-9 * s, s + 1e-9 * c, &def.material);
+        const double limit = dem_time_step_limit(&def, NULL);
+        if (k == 0) upright = limit;
+        CHECK_NEAR(limit / upright, 1.0, round_off);
+        def.n_walls = 1;
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / upright, 1.0, round_off);
+    }
+}
+
+/* The limit of dt for an overlap d of the start is 0.85 of 4/sqrt(12 k/m_eff), k = 3/2 k_n sqrt(d), of the
+ * pair itself whatever else is there; a fixed grain and a wall are infinite masses. The energy is 2/5 k_n
+ * d^(5/2), and k_n d^2/2 of the linear law. */
+static void overlap_of_the_start(void)
+{
+    const double d = 0.01, m[3] = {0.004, 0.009, 0.03};
+    for (int k = 0; k < 6; k++) {
+        dem_definition def = dem_definition_default();
+        dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = m[0]},
+                               {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = m[1]},
+                               {.x = 2.0, .y = 0.5, .r = 0.1, .m = m[2]}};
+        if (k == 1) grains[0].m = m[1], grains[1].m = m[0];
+        if (k == 2 || k == 3) grains[k - 2].fixed = true;
+        if (k == 4) grains[1].x = 1.2;
+        if (k == 5)
+            grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has room for pi/asin(1/4) neighbours, not 6 */
+        def.gravity[1] = 0.0;
+        def.material.gamma_n = def.material.mu = 0.0;
+        def.tangential = DEM_NONE;
+        def.grains = grains;
+        def.n_grains = 3;
+        def.n_walls = k == 4;
+        def.walls[0] = grains_line(0.4 + d, 0.0, 1.0, 0.0, &def.material);
+        const double k_n = def.material.k_n,
+                     m_eff = k == 2   ? m[1]
+                             : k >= 3 ? m[0]
+                                      : m[0] * m[1] / (m[0] + m[1]),
+                     crowd = k == 5 ? (1.0 / m[0] + M_PI / 6.0 / asin(0.25) / m[1]) * m_eff : 1.0,
+                     limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) * crowd / m_eff);
+        dem_sim *sim = NULL;
+        dem_energy energy;
+        def.dt = 1.0001 * limit;
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an overlap of the start");
+        def.dt = 0.9999 * limit;
+        sim = grains_start(&def);
+        dem_energies(sim, &energy);
+        CHECK_NEAR(energy.elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
+        const dem_contact c = grains_only_contact(sim);
+        CU_ASSERT(c.shear_force == 0.0 && c.rolling_torque == 0.0);
+        dem_free(sim);
+        def.normal = DEM_LINEAR;
+        def.dt = 1e-7;
+        sim = grains_start(&def);
+        dem_energies(sim, &energy);
+        CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
+        dem_free(sim);
+    }
+}
+
+/* A spring of the untruncated law, longer than Coulomb's limit: it pulls with p = mu N, N >= 0, from there
+ * on, and holds p ds - p^2/(2 k_s). */
+static void energy_of_a_long_spring(void)
+{
+    static const double speeds[] = {0.0, 400.0, -300.0}; /* together; apart: N would be below 0 */
+    for (int k = 0; k < 3; k++) {
+        const double d = 0.01, ds = 0.5;
+        const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = speeds[k]},
+                                     {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = 0.004}};
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.dt = 1e-6;
+        def.slip = DEM_TOTAL;
+        def.material.gamma_n = 4000.0;
+        def.grains = grains;
+        def.n_grains = 2;
+        const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
+        def.contacts = &start;
+        def.n_contacts = 1;
+        dem_sim *sim = grains_start(&def);
+        dem_energy energy;
+        dem_energies(sim, &energy);
+        const dem_contact now = grains_only_contact(sim);
+        const double pull = def.material.mu * fmax(now.normal_force, 0.0), k_n = def.material.k_n;
+        CU_ASSERT((now.normal_force < 0.0) == (k == 2) && pull < def.material.k_s * ds);
+        CHECK_NEAR(fabs(now.shear_spring), ds, 1e-15);
+        CHECK_NEAR(energy.elastic,
+                   0.4 * k_n * pow(d, 2.5) + pull * ds - pull * pull / (2.0 * def.material.k_s),
+                   1e-11); /* of 400 */
+        dem_free(sim);
+    }
+}
+
+/* Grains that all turn alike are the fastest where shear springs are the stiffest: J (2 k_s + k_roll), J =
+ * 5/2 of spheres; k_roll counts where there is a resistance to rolling. */
+static void limit_of_rotation(void)
+{
+    const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004},
+                                 {.x = 1.5, .y = 0.5, .r = 0.1, .m = 0.004}};
+    for (int rolls = 0; rolls < 2; rolls++) {
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.normal = DEM_LINEAR;
+        def.rotation = true;
+        def.material =
+            (dem_material){.k_n = 1.0, .k_s = 1e4, .mu = 0.2, .k_roll = 3e3, .mu_roll = rolls ? 0.1 : 0.0};
+        def.grains = grains;
+        def.n_grains = 2;
+        const double square = 2.5 * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.4 / sqrt(12.0 * square)), 1.0, 1e-14);
+    }
+}
+
+/* What a table's header says of a scene of unequal grains that fly: of the mean grain, at twice the largest
+ * speed. */
+static void header_notes(void)
+{
+    const dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 30.0},
+                                 {.x = 1.5, .y = 0.5, .r = 0.13, .m = 0.009, .vy = 13.0},
+                                 {.x = 2.5, .y = 0.5, .r = 0.08, .m = 0.002}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.grains = grains;
+    def.n_grains = 3;
+    dem_sim *sim = grains_start(&def);
+    char *text = NULL, expected[200];
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    dem_write_notes(sim, out);
+    fclose(out);
+    const double m_eff = 0.5 * 0.015 / 3.0, r = 0.31 / 3.0;
+    dem_collision_result c;
+    CHECK_OK(dem_collision(DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0, &c));
+    const char *what;
+    const double limit = dem_time_step_limit(&def, &what);
+    snprintf(expected, sizeof expected, "dt = 5e-05 s; limit %.3g s, set by %s", limit, what);
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "sticking speed: %.3g cm/s",
+             dem_sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r));
+    CU_ASSERT(strstr(text, expected) != NULL);
+    snprintf(expected, sizeof expected, "at 60 cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
+             c.restitution, c.overlap / (2.0 * r), def.dt / c.time);
+    CU_ASSERT(strstr(text, expected) != NULL);
+    free(text);
+    dem_free(sim);
+}
+
 /* What is read of grains near rest, against what they are given: in the frame of a box that turns, of the
  * grains within, without those that are fixed; and the largest force of those that touch something. */
 static void state_near_rest(void)
@@ -1104,6 +1300,12 @@ void suite_dem(void)
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},
                                        {"limit of a fall", limit_of_a_fall},
+                                       {"limit of several grains", limit_of_several},
+                                       {"limit in any direction", limit_in_any_direction},
+                                       {"limit of rotation", limit_of_rotation},
+                                       {"an overlap of the start", overlap_of_the_start},
+                                       {"energy of a long spring", energy_of_a_long_spring},
+                                       {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},
                                        {NULL, NULL}};
     check_register("dem", cases);

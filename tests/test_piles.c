@@ -1,9 +1,12 @@
 /* Heaps for the static solver, the dip of N, and protocol `pile`: closed forms, the exact forces of
  * diagonals, unequal disks, what comes without a result. */
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "angle/dip.h"
 #include "sweeps/heap.h"
 #include "sweeps/sweep.h"
 #include "tests/check.h"
@@ -215,6 +218,187 @@ static void against_continuum(void)
     CU_ASSERT(isnan(output(&r, "N_continuum_rms")) && output(&r, "n_disks") == 210);
 }
 
+/* A pile of the protocol, solved here. */
+typedef struct {
+    const char *settings[8];
+    double height, gap, eps, k_x, well, mu; /* of the top over half the base; the last two 0: springs */
+    size_t n_corners;                       /* of a tent; 0 */
+    an_point corners[5];
+    double alpha, disorder;
+    int branch;
+} pile_case;
+
+static void solve(const pile_case *c, sweep_heap *h, dem_pile **pile, dem_pile_result *r)
+{
+    *h = (sweep_heap){0};
+    if (c->n_corners)
+        CHECK_OK(sweep_heap_polygon(h, 22, c->gap, c->corners, c->n_corners));
+    else
+        CHECK_OK(sweep_heap_slope(h, 22, c->gap, c->alpha));
+    if (c->disorder > 0) CHECK_OK(sweep_heap_disorder(h, c->disorder, 1992, 3));
+    dem_pile_definition def = dem_pile_definition_default();
+    def.n = h->n;
+    def.disks = h->disks;
+    def.eps = c->eps;
+    def.k_x = c->k_x;
+    def.well = c->well > 0 ? DEM_WELL_FRICTION : DEM_WELL_SPRING;
+    def.a = c->well;
+    def.mu = c->mu;
+    def.branch = c->branch;
+    CHECK_OK(dem_pile_create(&def, pile));
+    CHECK_OK(dem_pile_solve(*pile, r));
+}
+
+/* Of the contacts that no other of one of their disks is stronger than, or weaker (sign -1): how many of them
+ * are level. */
+static double level_part(size_t n, const dem_pile_contact list[], double sign)
+{
+    size_t all = 0, level = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool most_of_a = true, most_of_b = true;
+        for (size_t j = 0; j < n; j++) {
+            const bool more = sign * list[j].force > sign * list[i].force + BALANCE;
+            if (more && (list[j].a == list[i].a || list[j].b == list[i].a)) most_of_a = false;
+            if (more && (list[j].a == list[i].b || list[j].b == list[i].b)) most_of_b = false;
+        }
+        all += most_of_a || most_of_b;
+        level += (most_of_a || most_of_b) && list[i].horizontal;
+    }
+    return (double)level / (double)all;
+}
+
+static void check_base(const pile_case *c, const sweep_heap *h, const double x[], const double N[],
+                       const double H[], const sweep_result *r)
+{
+    enum { K = 22 };
+    double e[K], exact[K], flank[K], r_disk[K], u[K], ours[K], theirs[K], out[2] = {0}, exact_out[2] = {0};
+    size_t n = 0;
+    for (size_t i = 0; i < K; i++) {
+        exact[i] = h->exact[i].N;
+        e[i] = fabs(N[i] / exact[i] - 1);
+        flank[i] = fabs(H[i]);
+        r_disk[i] = 0.5;
+        out[i >= K / 2] += H[i];
+        exact_out[i >= K / 2] += h->exact[i].H;
+        if (fabs(x[i] - (x[0] + x[K - 1]) / 2) >= h->B / 10) continue;
+        u[n] = x[i] - (x[0] + x[K - 1]) / 2;
+        ours[n] = H[i];
+        theirs[n++] = h->exact[i].H;
+    }
+    CHECK_NEAR(output(r, "N_error_max"), gsl_stats_max(e, 1, K), BALANCE);
+    CHECK_NEAR(output(r, "N_error_rms"), sqrt(gsl_stats_tss_m(e, 1, K, 0) / K), BALANCE);
+    CHECK_NEAR(output(r, "thrust_ratio"), (out[1] - out[0]) / (exact_out[1] - exact_out[0]), BALANCE);
+    CHECK_NEAR(output(r, "D"), sweep_heap_dip(K, x, N), BALANCE);
+    CHECK_NEAR(output(r, "D_diagonals"), sweep_heap_dip(K, x, exact), BALANCE);
+    CHECK_NEAR(output(r, "N_centre"), (N[K / 2 - 1] + N[K / 2]) / 2 / gsl_stats_max(N, 1, K), BALANCE);
+    CHECK_NEAR(output(r, "N_centre_diagonals"),
+               (exact[K / 2 - 1] + exact[K / 2]) / 2 / gsl_stats_max(exact, 1, K), BALANCE);
+    double largest = gsl_stats_max(flank, 1, K), slope[2], unused;
+    for (size_t i = 0; i < K; i++) flank[i] = fabs(h->exact[i].H);
+    CHECK_NEAR(output(r, "H_ratio"), largest / gsl_stats_max(flank, 1, K), BALANCE);
+    gsl_fit_mul(u, 1, ours, 1, n, &slope[0], &unused, &unused);
+    gsl_fit_mul(u, 1, theirs, 1, n, &slope[1], &unused, &unused);
+    CU_ASSERT(n >= 4 && n < K);
+    CHECK_NEAR(output(r, "H_slope_ratio"), slope[0] / slope[1], BALANCE);
+    CHECK_NEAR(output(r, "left_deg"), atan(2 * c->height) / DEG, BALANCE);
+    CHECK_NEAR(output(r, "right_deg"), atan(2 * c->height) / DEG, BALANCE);
+    ang_base base;
+    CHECK_OK(ang_base_profile(K, x, r_disk, N, &base));
+    for (int k = 0; k < ANG_DIP_BINS; k++) {
+        char name[8];
+        snprintf(name, sizeof name, "n_%02d", k + 1);
+        CHECK_NEAR(output(r, name), base.N[k], BALANCE);
+    }
+}
+
+static void check_continuum(const pile_case *c, const sweep_heap *h, const double x[], const double N[],
+                            const double H[], const sweep_result *r)
+{
+    const an_point triangle[3] = {{0, 0}, {0.5, c->height}, {1, 0}};
+    double n_off[22], h_off[22], n_own[22], h_own[22];
+    an_profile profile;
+    if (an_profile_set(&profile, c->n_corners ? c->corners : triangle, c->n_corners ? c->n_corners : 3)) {
+        CU_ASSERT(isnan(output(r, "N_continuum_rms")) && isnan(output(r, "H_continuum_rms")));
+        return;
+    }
+    for (size_t i = 0; i < 22; i++) {
+        an_force f;
+        CHECK_OK(an_profile_force(&profile, (x[i] - x[0] - (x[21] - x[0] - h->B) / 2) / h->B, &f));
+        n_own[i] = f.N;
+        h_own[i] = fabs(f.H);
+        n_off[i] = N[i] / h->B - f.N;
+        h_off[i] = H[i] / h->B - f.H;
+    }
+    CHECK_NEAR(output(r, "N_continuum_rms"),
+               sqrt(gsl_stats_tss_m(n_off, 1, 22, 0) / 22) / gsl_stats_max(n_own, 1, 22), BALANCE);
+    CHECK_NEAR(output(r, "H_continuum_rms"),
+               sqrt(gsl_stats_tss_m(h_off, 1, 22, 0) / 22) / gsl_stats_max(h_own, 1, 22), BALANCE);
+}
+
+/* All outputs again, of springs and of wells, equal and unequal disks, triangles and a tent. */
+static void outputs_a_second_way(void)
+{
+    const double TOP = 0.38 * tan(30 * DEG) + 0.12 * tan(45 * DEG);
+    const pile_case cases[] = {
+        {{"alpha_deg=30", "eps=1e-3", "k_x=3", "disorder=1e-3"},
+         0.5 * tan(30 * DEG),
+         0,
+         1e-3,
+         3,
+         0,
+         1,
+         .alpha = 30 * DEG,
+         .disorder = 1e-3},
+        {{"alpha_deg=30", "inner_deg=45", "x_1=0.38", "well=40", "mu=1.5"},
+         TOP,
+         0,
+         1e-4,
+         1,
+         40,
+         1.5,
+         5,
+         {{0, 0}, {0.38, 0.38 * tan(30 * DEG)}, {0.5, TOP}, {0.62, 0.38 * tan(30 * DEG)}, {1, 0}}},
+        {{"alpha_deg=60", "gap=0.01", "branch=minimum", "eps=1e-4"},
+         0.5 * tan(60 * DEG),
+         0.01,
+         1e-4,
+         1,
+         0,
+         1,
+         .branch = DEM_BRANCH_MINIMUM},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const pile_case *c = &cases[i];
+        sweep_result r;
+        sweep_heap h;
+        dem_pile *pile = NULL;
+        dem_pile_result solved;
+        size_t disk[22], n;
+        double x[22], N[22], H[22];
+        dem_pile_contact *list;
+        const char *settings[10] = {"base=22"};
+        memcpy(settings + 1, c->settings, sizeof c->settings);
+        CHECK_OK(run(settings, 3, &r));
+        CU_ASSERT_STRING_EQUAL(r.status, "ok");
+        solve(c, &h, &pile, &solved);
+        dem_pile_base(pile, disk, N, H);
+        for (size_t k = 0; k < 22; k++) x[k] = h.disks[disk[k]].x;
+        check_base(c, &h, x, N, H, &r);
+        check_continuum(c, &h, x, N, H, &r);
+        CHECK_OK(dem_pile_contacts(pile, &list, &n));
+        CHECK_NEAR(output(&r, "strongest_level"), level_part(n, list, 1), 1e-15);
+        CHECK_NEAR(output(&r, "weakest_level"), level_part(n, list, -1), 1e-15);
+        CU_ASSERT(output(&r, "n_disks") == (double)h.n && output(&r, "contacts") == (double)n);
+        CU_ASSERT(output(&r, "horizontal") == (double)solved.horizontal);
+        CU_ASSERT(output(&r, "negative_modes") == (double)solved.negative_modes);
+        CU_ASSERT(output(&r, "broken") == 0 && output(&r, "jumps") == (double)solved.jumps);
+        CU_ASSERT(output(&r, "smallest_pivot") == solved.smallest_pivot && output(&r, "load") == 1);
+        free(list);
+        dem_pile_free(pile);
+        sweep_heap_free(&h);
+    }
+}
+
 static void replicas(void)
 {
     sweep_result a, b, c;
@@ -237,6 +421,7 @@ static void without_result(void)
     CHECK_FAILS(RUN(0, &r, "eps=0", "disorder=1e-3"), RP_BAD_INPUT, "overlap");
     CHECK_FAILS(RUN(0, &r, "alpha_deg=60", "inner_deg=30"), RP_BAD_INPUT, "alpha_1");
     CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1"), RP_BAD_INPUT, "alpha");
+    CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1", "disorder=1e-3"), RP_BAD_INPUT, "alpha");
 }
 
 void suite_piles(void)
@@ -247,6 +432,7 @@ void suite_piles(void)
                                        {"unequal piles stand", unequal_piles_stand},
                                        {"open rows: diagonals alone", open_rows},
                                        {"against the continuum", against_continuum},
+                                       {"outputs a second way", outputs_a_second_way},
                                        {"replicas", replicas},
                                        {"without a result", without_result},
                                        {NULL, NULL}};

@@ -152,6 +152,8 @@ static void test_surfaces(void)
                                  {0}},
                &result);
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
+    CU_ASSERT(output(&result, "fill_steps_used") == 4000.0 && output(&result, "relax_steps_used") == 4000.0);
+    CU_ASSERT(output(&result, "steps") == 8000.0 && isnan(output(&result, "theta_r3_fixed_deg")));
     read_grains(&g);
     CU_ASSERT(output(&result, "cells") < 11.0);
     check_halves(&g, &result);
@@ -202,7 +204,13 @@ static void test_other_rests(void)
 {
     if (check_fast()) return;
     sweep_result result;
-    traced_run((const setting[]){{"W", "2"}, {"H", "2"}, {"mu", "0.6"}, {0}}, &result);
+    traced_run((const setting[]){{"W", "1.2"},
+                                 {"H", "1.2"},
+                                 {"mu", "0.6"},
+                                 {"rest_energy", "1e-10"}, /* it comes to rest after more than 50000 steps */
+                                 {"rest_force", "1e-3"},
+                                 {0}},
+               &result);
     CU_ASSERT_STRING_EQUAL(result.status, "ok");
     dem_scene scene;
     dem_sim *sim = NULL;
@@ -216,15 +224,15 @@ static void test_other_rests(void)
     while (dem_step(sim) < scene.steps) {
         dem_rest rest;
         CHECK_OK(dem_run(sim, 500));
-        CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
-        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 2.0);
-        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 2.0);
+        CHECK_OK(dem_rest_state(sim, 0.0, 1.2, &rest));
+        if (isnan(loose) && rest.kinetic_energy < 1e-5 * mgd) loose = slope_now(sim, 1.2);
+        if (dem_step(sim) == opened + 50000) fixed = slope_now(sim, 1.2);
     }
-    double at_rest = slope_now(sim, 2.0);
+    double at_rest = slope_now(sim, 1.2);
     CHECK_NEAR(output(&result, "theta_r3_deg"), at_rest, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(&result, "theta_r3_loose_deg"), loose, ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(&result, "theta_r3_fixed_deg"), isnan(fixed) ? at_rest : fixed, ANGLE_TOLERANCE_DEG);
-    CU_ASSERT(loose != at_rest); /* or the test would show nothing */
+    CHECK_NEAR(output(&result, "theta_r3_fixed_deg"), fixed, ANGLE_TOLERANCE_DEG);
+    CU_ASSERT(loose != at_rest && fixed != at_rest); /* or the test would show nothing */
     dem_free(sim);
     dem_scene_free(&scene);
     clean();
@@ -238,7 +246,7 @@ static void test_frictions(void)
         double wall, floor;
     } cases[] = {{"auto", "auto", 0.2, 0.2},
                  {"0.3", "auto", 0.3, 0.2},
-                 {"auto", "0.4", 0.2, 0.4},
+                 {"auto", "1", 0.2, 1.0},
                  {"0.3", "0", 0.3, 0.0},
                  {"auto", "infinite", 0.2, INFINITY}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -255,6 +263,7 @@ static void test_frictions(void)
         dem_scene scene;
         CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
         CU_ASSERT(scene.def.material.mu == 0.2);
+        CU_ASSERT((strstr(result.message, "a floor without friction") != NULL) == (cases[i].floor == 0.0));
         CU_ASSERT(scene.def.walls[DEM_BOX_FLOOR].material.mu == cases[i].floor);
         CU_ASSERT(scene.def.walls[DEM_BOX_LEFT].material.mu == cases[i].wall);
         CU_ASSERT(scene.def.walls[DEM_BOX_RIGHT].material.mu == cases[i].wall);
@@ -444,53 +453,260 @@ static void test_rest_in_turning_box(void)
     dem_free(sim);
 }
 
-/* The tilt at which 5 % of the grains over the floor are 0.1 d from their places in the box. */
-static double onset(dem_sim *sim, double W, bool box, double deg_per_step)
+/* Numbers of a table's column. */
+static size_t read_column(const char *file, const char *column, double values[1024])
 {
-    dem_state at[256], now[256];
-    const size_t n = dem_count(sim);
-    CHECK_OK(dem_states(sim, at));
-    (box ? dem_box_turn : dem_gravity_turn)(sim, deg_per_step / RADIAN_DEG);
-    for (long step = 10; step < 60000; step += 10) {
-        const double angle = box ? (double)step * deg_per_step / RADIAN_DEG : 0.0;
-        size_t pile = 0, moved = 0;
-        CHECK_OK(dem_run(sim, 10));
-        CU_ASSERT_FATAL(dem_count(sim) == n);
-        CHECK_OK(dem_states(sim, now));
-        for (size_t i = 0; i < n; i++) {
-            if (!(at[i].x > 0.0 && at[i].x < W)) continue;
-            double dx = now[i].x * cos(angle) - now[i].y * sin(angle) - at[i].x;
-            double dy = now[i].x * sin(angle) + now[i].y * cos(angle) - at[i].y;
-            pile++;
-            moved += dx * dx + dy * dy > 0.02 * 0.02;
+    rp_table t;
+    CHECK_OK(rp_table_read(path_of(file), &t));
+    const size_t n = t.n_rows;
+    CU_ASSERT_FATAL(n <= 1024);
+    for (size_t i = 0; i < n; i++)
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, column), 0, &values[i]));
+    rp_table_free(&t);
+    return n;
+}
+
+/* Contacts a grain with 0 < x < W, from the tables of a stage; their number. */
+static double contact_number(const char *stage, double W, size_t *n_pile)
+{
+    char file[64];
+    double id[1024], x[1024], a[1024], b[1024], count = 0.0;
+    snprintf(file, sizeof file, "%s_grains.tsv", stage);
+    const size_t n = read_column(file, "id", id);
+    read_column(file, "x", x);
+    snprintf(file, sizeof file, "%s_contacts.tsv", stage);
+    const size_t n_contacts = read_column(file, "id_a", a);
+    read_column(file, "id_b", b);
+    *n_pile = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!(x[i] > 0.0 && x[i] < W)) continue;
+        ++*n_pile;
+        for (size_t k = 0; k < n_contacts; k++) count += a[k] == id[i] || b[k] == id[i];
+    }
+    return count / (double)*n_pile;
+}
+
+/* Outputs of the pile again, from its tables. */
+static void check_pile(const sweep_result *result, double W)
+{
+    double x[1024], y[1024], vx[1024], vy[1024], fx[1024], fy[1024], m[1024], touching[1024], step[1024];
+    const double mg = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0, round_off = 1e-13; /* of sums of 50 */
+    const size_t n = read_column("pile_grains.tsv", "x", x);
+    const struct {
+        const char *name;
+        double *to;
+    } columns[] = {{"y", y},   {"vx", vx}, {"vy", vy},     {"fx", fx},
+                   {"fy", fy}, {"m", m},   {"step", step}, {"contacts", touching}};
+    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+        read_column("pile_grains.tsv", columns[c].name, columns[c].to);
+    double energy = 0.0, force = 0.0, filled[1024];
+    size_t n_pile, n_full;
+    for (size_t i = 0; i < n; i++) {
+        if (!(x[i] > 0.0 && x[i] < W)) continue;
+        energy += 0.5 * m[i] * (vx[i] * vx[i] + vy[i] * vy[i]);
+        if (touching[i] > 0.0) force = fmax(force, hypot(fx[i], fy[i]));
+    }
+    const double contacts = contact_number("pile", W, &n_pile);
+    CHECK_NEAR(output(result, "contact_number"), contacts, round_off);
+    CHECK_NEAR(output(result, "fill_contact_number"), contact_number("filled", W, &n_full), round_off);
+    CU_ASSERT(output(result, "grains") == (double)n_pile && n_pile < n_full);
+    CHECK_NEAR(output(result, "residual_energy") / (energy / (double)n_pile / (mg * 0.2)), 1.0, round_off);
+    CHECK_NEAR(output(result, "residual_force") / (force / mg), 1.0, round_off);
+    read_column("filled_grains.tsv", "step", filled);
+    CU_ASSERT(output(result, "fill_steps_used") == filled[0]);
+    CU_ASSERT(output(result, "relax_steps_used") == step[0] - filled[0]);
+    const ang_options options = ANG_OPTIONS_DEFAULT;
+    ang_surface s;
+    ang_slope slopes[ANG_N_METHODS];
+    CHECK_OK(ang_surface_make(n, x, y, NULL, W, &options, &s));
+    CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
+    const double theta[3] = {slopes[0].theta * RADIAN_DEG, slopes[1].theta * RADIAN_DEG,
+                             slopes[2].theta * RADIAN_DEG};
+    CHECK_NEAR(output(result, "theta_r1_deg"), theta[0], ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_r2_deg"), theta[1], ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_r3_deg"), theta[2], ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_r3_error_deg"), slopes[2].theta_se * RADIAN_DEG, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_r12_deg"), theta[0] - theta[1], ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_r23_deg"), theta[1] - theta[2], ANGLE_TOLERANCE_DEG);
+    CU_ASSERT(output(result, "cells") == (double)s.n_occupied);
+    ang_surface_free(&s);
+}
+
+/* Grains of the pile, at[] of it, that are farther than `reach` from their places in the box, which has
+ * turned by `angle`, and have so many contacts; or that are gone. */
+static size_t moved(const dem_sim *sim, size_t n, const dem_state at[], double W, double angle, double reach,
+                    int contacts, size_t *n_pile)
+{
+    dem_state now[256];
+    size_t count = 0, j = 0;
+    CHECK_OK(dem_states(sim, now));
+    *n_pile = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!(at[i].x > 0.0 && at[i].x < W)) continue;
+        ++*n_pile;
+        while (j < dem_count(sim) && now[j].id < at[i].id) j++; /* both are in the order of id */
+        if (j == dem_count(sim) || now[j].id != at[i].id) {
+            count++;
+            continue;
         }
-        if ((double)moved >= 0.05 * (double)pile) return (double)step * deg_per_step;
+        const double dx = now[j].x * cos(angle) - now[j].y * sin(angle) - at[i].x;
+        const double dy = now[j].x * sin(angle) + now[j].y * cos(angle) - at[i].y;
+        count += dx * dx + dy * dy > reach * reach && now[j].contacts >= contacts;
+    }
+    return count;
+}
+
+typedef struct {
+    double W, deg_per_step;
+    bool box;
+} tilting;
+
+static void turn(dem_sim *sim, const tilting *t, double deg_per_step)
+{
+    (t->box ? dem_box_turn : dem_gravity_turn)(sim, deg_per_step / RADIAN_DEG);
+}
+
+/* The tilts at which 5 % of the pile have moved 0.1 d, and at which it has ten times the energy of the first
+ * half degree and 1e-5 m g d. */
+static void onset(dem_sim *sim, const tilting *t, double *displacement, double *energy)
+{
+    dem_state at[256];
+    const size_t n = dem_count(sim);
+    const long from = dem_step(sim), every = lround(fmin(10.0, 0.01 / t->deg_per_step));
+    double sway = 0.0;
+    CHECK_OK(dem_states(sim, at));
+    turn(sim, t, t->deg_per_step);
+    *displacement = *energy = NAN;
+    while (isnan(*displacement) || isnan(*energy)) {
+        CHECK_OK(dem_run(sim, every));
+        const double deg = (double)(dem_step(sim) - from) * t->deg_per_step;
+        size_t n_pile;
+        dem_rest rest;
+        const size_t gone = moved(sim, n, at, t->W, t->box ? deg / RADIAN_DEG : 0.0, 0.02, 0, &n_pile);
+        CHECK_OK(dem_rest_state(sim, 0.0, t->W, &rest));
+        if (isnan(*displacement) && 20 * gone >= n_pile) *displacement = deg;
+        if (deg < 0.5 + 1e-9)
+            sway = fmax(sway, rest.kinetic_energy);
+        else if (isnan(*energy) &&
+                 rest.kinetic_energy > fmax(10.0 * sway, 1e-5 * dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0 * 0.2))
+            *energy = deg;
+        if (deg > 60.0) break;
+    }
+}
+
+/* The last tenth of a degree before one of two contacts or more has moved 0.5 d, with rest after each. */
+static double static_onset(dem_sim *sim, const tilting *t)
+{
+    dem_state at[256];
+    const size_t n = dem_count(sim);
+    const double mg = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0;
+    CHECK_OK(dem_states(sim, at));
+    for (int tenths = 1; tenths <= 600; tenths++) {
+        turn(sim, t, t->deg_per_step);
+        CHECK_OK(dem_run(sim, lround(0.1 / t->deg_per_step)));
+        turn(sim, t, 0.0);
+        for (int quiet = 0; quiet < 10;) {
+            dem_rest rest;
+            CHECK_OK(dem_run(sim, 500));
+            CHECK_OK(dem_rest_state(sim, 0.0, t->W, &rest));
+            quiet = rest.kinetic_energy < 1e-7 * mg * 0.2 && rest.net_force < 1e-2 * mg ? quiet + 1 : 0;
+        }
+        size_t n_pile;
+        const double angle = t->box ? 0.1 * tenths / RADIAN_DEG : 0.0;
+        if (moved(sim, n, at, t->W, angle, 0.1, 2, &n_pile) > 0) return 0.1 * (tenths - 1);
     }
     return NAN;
 }
 
-static void test_tilts(void)
+/* All outputs again: of the pile from its tables, of the tilts from its scene. */
+static void test_outputs(void)
 {
-    if (check_fast()) return;
-    double theta_t[2];
-    for (int box = 0; box < 2; box++) {
+    static const tilting cases[] = {{1.4, 1e-2, true}, {1.0, 5e-4, false}};
+    for (int k = 0; k < (check_fast() ? 1 : 2); k++) {
+        const tilting *t = &cases[k];
         sweep_result result;
-        traced_run(
-            (const setting[]){
-                {"W", "2"}, {"H", "2"}, {"measure", "theta_t"}, {"tilt", box ? "box" : "gravity"}, {0}},
-            &result);
+        traced_run((const setting[]){{"W", k == 0 ? "1.4" : "1"},
+                                     {"H", k == 0 ? "1.4" : "1"},
+                                     {"measure", "theta_t,theta_t_static"},
+                                     {"tilt", t->box ? "box" : "gravity"},
+                                     {"tilt_rate_deg", k == 0 ? "0.01" : "0.0005"},
+                                     {0}},
+                   &result);
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
+        CU_ASSERT_STRING_EQUAL(result.message, "");
+        check_pile(&result, t->W);
         dem_scene scene;
-        dem_sim *sim = NULL;
+        dem_sim *sim = NULL, *again = NULL;
+        double displacement, energy;
         check_scene(&scene, &sim);
-        theta_t[box] = output(&result, "theta_t_displacement_deg");
-        CHECK_NEAR(theta_t[box], onset(sim, 2.0, box, 1e-3), ANGLE_TOLERANCE_DEG);
-        CU_ASSERT(output(&result, "theta_t_energy_deg") > 0.5);
+        CHECK_OK(dem_clone(sim, &again));
+        onset(sim, t, &displacement, &energy);
+        CHECK_NEAR(output(&result, "theta_t_displacement_deg"), displacement, ANGLE_TOLERANCE_DEG);
+        CHECK_NEAR(output(&result, "theta_t_energy_deg"), energy, ANGLE_TOLERANCE_DEG);
+        CHECK_NEAR(output(&result, "theta_rt_deg"), output(&result, "theta_r3_deg") + displacement,
+                   ANGLE_TOLERANCE_DEG);
+        CHECK_NEAR(output(&result, "theta_t_static_deg"), static_onset(again, t), ANGLE_TOLERANCE_DEG);
+        CU_ASSERT(output(&result, "steps") == (double)(dem_step(sim) - scene.steps + dem_step(again)));
         dem_free(sim);
+        dem_free(again);
         dem_scene_free(&scene);
         clean();
     }
-    CU_ASSERT(theta_t[0] != theta_t[1]); /* or the test would show nothing */
+}
+
+/* Grains on a row of fixed ones, so rough that they sway at most: tilted by 60 degrees in steps of 0.01, or
+ * by tenths with rest of at least 5000 steps after each. */
+static void test_stands(void)
+{
+    if (check_fast()) return;
+    static const char *const measures[] = {"theta_t", "theta_t_static"};
+    for (int quasi_static = 0; quasi_static < 2; quasi_static++) {
+        sweep_result result;
+        traced_run((const setting[]){{"W", "1"},
+                                     {"N", "8"},
+                                     {"mu", "10"},
+                                     {"floor", "ends"},
+                                     {"floor_grains", "true"},
+                                     {"measure", measures[quasi_static]},
+                                     {"tilt_rate_deg", "0.01"},
+                                     {0}},
+                   &result);
+        CU_ASSERT_STRING_EQUAL(result.status, "ok");
+        CU_ASSERT(isnan(output(&result, "theta_t_displacement_deg")) &&
+                  isnan(output(&result, "theta_t_static_deg")) && isnan(output(&result, "theta_rt_deg")));
+        const double tilt = output(&result, "steps") - output(&result, "fill_steps_used") -
+                            output(&result, "relax_steps_used");
+        if (quasi_static) {
+            CU_ASSERT(tilt >= 600.0 * 5010.0 && tilt < 605.0 * 5010.0); /* some wait longer */
+        } else {
+            CU_ASSERT_STRING_EQUAL(result.message, "tilt: stands, by a criterion, at 60 degrees");
+            CU_ASSERT(output(&result, "theta_t_energy_deg") > 0.5);
+            CHECK_NEAR(tilt, 6000.0, 1.0); /* sums of 0.01 end just below 60, or above */
+        }
+        clean();
+    }
+}
+
+/* A slide that is not over after max_steps ends a tilt from rest to rest, with the angle all the same. */
+static void test_restless(void)
+{
+    double theta[2];
+    for (int bounded = 0; bounded < 2; bounded++) {
+        sweep_result result;
+        traced_run((const setting[]){{"W", "1"},
+                                     {"H", "1"},
+                                     {"measure", "theta_t_static"},
+                                     {"tilt_rate_deg", "0.01"},
+                                     {"max_steps", bounded ? "12500" : "auto"},
+                                     {0}},
+                   &result);
+        CU_ASSERT_STRING_EQUAL(result.status, "ok");
+        CU_ASSERT_STRING_EQUAL(result.message,
+                               bounded ? "quasi-static tilt: not at rest after 12500 further steps" : "");
+        theta[bounded] = output(&result, "theta_t_static_deg");
+        clean();
+    }
+    CU_ASSERT(theta[0] > 1.0 && theta[1] == theta[0]);
 }
 
 static void test_refusals(void)
@@ -528,7 +744,9 @@ void suite_repose(void)
                                        {"ramp of gravity", test_ramp},
                                        {"ramp where grains are soft", test_ramp_where_soft},
                                        {"rest in a turning box", test_rest_in_turning_box},
-                                       {"tilt of gravity and of the box", test_tilts},
+                                       {"all outputs a second way", test_outputs},
+                                       {"a pile that stands", test_stands},
+                                       {"a slide that goes on", test_restless},
                                        {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);

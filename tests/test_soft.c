@@ -97,6 +97,52 @@ static void well_holds_and_breaks(void)
     dem_free(sim);
 }
 
+/* A well's stiffness mu_static w/a, w the weight of the grain or of a column as high as it falls from, limits
+ * the step to 0.85 of 4/sqrt(12 k/m), where it is the stiffest. */
+static void limit_of_a_well(void)
+{
+    for (int high = 0; high < 2; high++) {
+        const double m = 1.7, height = high ? 2.2 : R;
+        const dem_grain grain = {.x = 0.3, .y = height, .r = R, .m = m};
+        dem_definition def = on_ground(&grain, 1);
+        def.ground.a = 1e-6;
+        const double weight = m * (high ? 2.0 * height / (4.0 * R) : 1.0);
+        const char *what;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.4 / sqrt(12.0 * MU_STATIC * weight / (1e-6 * m))),
+                   1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "the lightest grain in a well of the ground");
+    }
+}
+
+/* A state that is read and started again: the well holds by as much as before, and so does the force. Its
+ * energy is mu_static N x^2/(2 a), beside that of the overlap. */
+static void well_of_the_start(void)
+{
+    dem_grain grain = resting();
+    dem_definition def = on_ground(&grain, 1);
+    def.gravity[0] = 0.2 * MU_STATIC;
+    def.gravity[1] = -0.5;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 8000));
+    const dem_contact held = grains_only_contact(sim);
+    const dem_state s = grains_state_of_one(sim);
+    dem_energy energy;
+    dem_energies(sim, &energy);
+    const double well = 0.5 * MU_STATIC * held.normal_force / A * held.shear_spring * held.shear_spring;
+    CHECK_NEAR(energy.elastic, 0.5 * K * held.overlap * held.overlap + well, 1e-15);
+    CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
+    dem_free(sim);
+    grain = (dem_grain){.x = s.x, .y = s.y, .r = R, .m = 1.0, .vx = s.vx, .vy = s.vy};
+    def.contacts = &held;
+    def.n_contacts = 1;
+    sim = grains_start(&def);
+    const dem_contact again = grains_only_contact(sim);
+    CU_ASSERT(again.well == DEM_WELL_HOLDS);
+    CHECK_NEAR(again.shear_spring, held.shear_spring, 1e-15);
+    CHECK_NEAR(again.shear_force, held.shear_force, 1e-15 * MU_STATIC / A);
+    dem_free(sim);
+}
+
 /* Without other friction a disk in its well is a harmonic oscillator, omega^2 = mu_static g/a; it leaves with
  * what its energy is above the depth mu N a/2. */
 static void energy_of_well(void)
@@ -783,6 +829,8 @@ void suite_soft(void)
 {
     static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
                                        {"a well holds up to mu N, then breaks", well_holds_and_breaks},
+                                       {"limit of a well", limit_of_a_well},
+                                       {"a well of the start", well_of_the_start},
                                        {"a well's energy", energy_of_well},
                                        {"when wells are set", when_wells_are_set},
                                        {"slip: viscous, then capped", slip_is_viscous_then_capped},

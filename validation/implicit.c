@@ -204,6 +204,74 @@ static void cost(void)
     check_table_close(out, "implicit_sweeps");
 }
 
+enum { CHAIN = 32 };
+
+/* Sweeps of one step of a row of n disks that overlap, between two fixed ones, started with the velocities of
+ * the mode that relaxes the slowest. */
+static double sweeps_of_row(long n, double dt, double relaxation, double tolerance)
+{
+    dem_grain grains[CHAIN + 2];
+    const double pitch = 0.98, way = 1e-3;
+    for (long i = 0; i < n + 2; i++)
+        grains[i] = (dem_grain){.x = (double)i * pitch,
+                                .r = R,
+                                .m = 1.0,
+                                .vx = way / (dt * contact_time()) * sin(M_PI * (double)i / (double)(n + 1)),
+                                .fixed = i == 0 || i == n + 1};
+    grains[n + 1].vx = 0.0;
+    dem_definition def = grains_disks((size_t)(n + 2), grains, K);
+    def.gravity[1] = 0.0;
+    def.dt = dt * contact_time();
+    def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, relaxation, tolerance, 1000000};
+    dem_sim *sim = grains_start(&def);
+    dem_counts counts;
+    CHECK_OK(dem_run(sim, 1));
+    dem_count_work(sim, &counts);
+    dem_free(sim);
+    return counts.iterations;
+}
+
+/* What a sweep leaves of the error in that row: its matrix, 1 + 2 kappa beside -kappa with kappa =
+ * dt^2 K_s/(4 m), is consistently ordered, so that the spectral radius q of a sweep follows from that of
+ * Jacobi's, rho = 2 kappa/(1 + 2 kappa) cos(pi/(n + 1)): (q + w - 1)^2 = q w^2 rho^2 up to the best w, and
+ * q = w - 1 beyond it. D. M. Young, Iterative Solution of Large Linear Systems (1971), chapters 5 and 6. */
+static double left_by_sweep(long n, double dt, double w, bool *beyond)
+{
+    const double kappa = 0.25 * K * dt * dt * contact_time() * contact_time(),
+                 rho = 2.0 * kappa / (1.0 + 2.0 * kappa) * cos(M_PI / (double)(n + 1)),
+                 square = w * w * rho * rho - 4.0 * (w - 1.0);
+    *beyond = square < 0.0;
+    return *beyond ? w - 1.0 : 0.25 * pow(w * rho + sqrt(square), 2.0);
+}
+
+/* From one tolerance to a tighter one. Sweeps are whole; beyond the best w all n modes decline alike but
+ * turn, so that their sum is a factor of up to n or so off its decline. */
+static void contraction(void)
+{
+    static const char *const columns[][2] = {{"disks", ""},       {"dt", "contact times"},
+                                             {"relaxation", ""},  {"sweeps", "a step"},
+                                             {"left", "a sweep"}, {"theory", "a sweep"}};
+    static const double steps[] = {10.0, 100.0}, factors[] = {0.5, 0.7, 0.9, 1.0, 1.3, 1.9};
+    const double loose = 1e-6, tight = 1e-12;
+    FILE *out = check_table("implicit_contraction");
+    if (out) rp_table_columns(out, 6, columns);
+    for (long n = 2; n <= CHAIN; n *= 4)
+        for (int k = 0; k < (check_fast() ? 1 : 2); k++)
+            for (int f = 0; f < 6; f++) {
+                bool beyond;
+                const double w = factors[f], theory = left_by_sweep(n, steps[k], w, &beyond),
+                             all = sweeps_of_row(n, steps[k], w, tight),
+                             sweeps = all - sweeps_of_row(n, steps[k], w, loose);
+                CHECK_NEAR(sweeps, log(tight / loose) / log(theory),
+                           beyond ? -log((double)n + 2.0) / log(theory) : 1.0);
+                if (out)
+                    rp_table_row(
+                        out, 6,
+                        (double[]){(double)n, steps[k], w, all, pow(tight / loose, 1.0 / sweeps), theory});
+            }
+    check_table_close(out, "implicit_contraction");
+}
+
 /* ---- A pile that comes to rest, and the pile that is solved for ------------------------------------------
  */
 
@@ -319,6 +387,7 @@ void suite_implicit(void)
     static const check_case cases[] = {{"energy over many steps", energy_is_kept},
                                        {"phase", phase},
                                        {"cost of sweeps and direct solves", cost},
+                                       {"what a sweep leaves", contraction},
                                        {"the pile at rest", pile_at_rest},
                                        {"strong dashpots", strong_dashpots},
                                        {NULL, NULL}};
