@@ -634,6 +634,27 @@ static void touches_at_the_end(void)
     }
 }
 
+/* A disk that falls onto the end of a wall is nearer to its line than a radius before it meets the corner. */
+static void bounces_off_a_corner(void)
+{
+    for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        const double x = -0.6 * R, y = 0.8 * R, h = 0.7, v = sqrt(2.0 * h);
+        const dem_grain grain = {.x = x, .y = y + h, .r = R, .m = 1.0};
+        dem_definition def = on_ground(&grain, 1);
+        def.kernel = kernel;
+        def.ground.wall = 0;
+        def.walls[0].extent[0] = 0.0;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, lround(v / def.dt) + 5));
+        CU_ASSERT_EQUAL(collisions(sim), 1);
+        /* the corner counts as a line as it stands when the step begins */
+        CHECK_NEAR(grains_state_of_one(sim).vx, -2.0 * 0.6 * 0.8 * v, 2.0 * v * def.dt / R);
+        dem_free(sim);
+    }
+}
+
 /* A disk that slides on the ground, slowed and spun up evenly, hits a fixed one as fast as it is then, not as
  * in the middle of the step. */
 static void hits_while_it_slides(void)
@@ -831,6 +852,7 @@ void suite_soft(void)
                                        {"rest while it turns", rests_while_it_turns},
                                        {"rest on a ground that moves", rests_on_a_ground_that_moves},
                                        {"a touch at the end of a step", touches_at_the_end},
+                                       {"a corner", bounces_off_a_corner},
                                        {"no collision is missed", no_collision_is_missed},
                                        {"a heap of disks", heap_of_disks},
                                        {"refused", refused},

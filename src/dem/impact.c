@@ -145,6 +145,25 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     deflect(sim, i, &before[0], &after[0], t);
 }
 
+/* Has it collided in this step? */
+static bool deflected(const dem_sim *sim, size_t i)
+{
+    return isinf(sim->way[i]);
+}
+
+/* Those of the slots from which a soft contact can be told without all the rest are passed over. */
+static void collide_walls(dem_sim *sim, bool deflected_only)
+{
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        const dem_wall_slot *slot = &sim->wall_slot[k];
+        const size_t i = slot->grain, w = slot->wall;
+        const dem_vec d = sim->grain[i].x - sim->wall[w].point;
+        const bool touches = sim->radius[i] - slot->side * dem_dot(d, sim->wall[w].direction) > 0.0;
+        if ((touches && dem_wall_rests(sim, w)) || (deflected_only && !deflected(sim, i))) continue;
+        collide_wall(sim, *slot);
+    }
+}
+
 /* The first pair from k on that may come to touch, not below n_pairs for none, of grains that go no farther
  * than sim->way says. */
 static size_t next_closing(const dem_sim *sim, size_t k)
@@ -159,15 +178,10 @@ static size_t next_closing(const dem_sim *sim, size_t k)
     return k;
 }
 
-/* Has it collided in this step? */
-static bool deflected(const dem_sim *sim, size_t i)
-{
-    return isinf(sim->way[i]);
-}
-
 /* The first pair from k to `end` of grains one of which has collided in this step, or `end`. */
 static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
 {
+    if (sim->deflected) return sim->deflected(sim, k, end);
     while (k < end && !(deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k]))) k++;
     return k;
 }
@@ -180,13 +194,15 @@ static void collide_listed(dem_sim *sim, size_t k)
     if (dem_dot(d, d) >= reach * reach) collide_pair(sim, i, j, reach);
 }
 
-/* Until something collides, only pairs that the pair loop found apart may come to touch. */
+/* Until something collides, only pairs that the pair loop found apart may come to touch; then those of grains
+ * that have collided besides. */
 static void collide_apart(dem_sim *sim)
 {
     const long before = sim->collisions;
+    sim->keep_closing(sim);
+    sim->apart_holds = false;
     for (size_t k = 0, t = 0;; k++) {
         while (t < sim->n_apart && sim->apart[t] < k) t++;
-        t = sim->closing_apart(sim, t);
         const size_t next = t < sim->n_apart ? sim->apart[t] : sim->n_pairs;
         k = sim->collisions > before ? next_deflected(sim, k, next) : next;
         if (k >= sim->n_pairs) return;
@@ -201,7 +217,7 @@ static void collide_all(dem_sim *sim)
         collide_apart(sim);
     else
         for (size_t k = next(sim, 0); k < sim->n_pairs; k = next(sim, k + 1)) collide_listed(sim, k);
-    for (size_t k = 0; k < sim->n_wall_slots; k++) collide_wall(sim, sim->wall_slot[k]);
+    collide_walls(sim, false);
 }
 
 /* Others than those that have collided go on as they would have. */
@@ -210,8 +226,7 @@ static void collide_deflected(dem_sim *sim)
     const size_t n = sim->n_pairs;
     for (size_t k = next_deflected(sim, 0, n); k < n; k = next_deflected(sim, k + 1, n))
         collide_listed(sim, k);
-    for (size_t k = 0; k < sim->n_wall_slots; k++)
-        if (deflected(sim, sim->wall_slot[k].grain)) collide_wall(sim, sim->wall_slot[k]);
+    collide_walls(sim, true);
 }
 
 /* Into sim->way a little more than the way of each grain over the coming step; gives a grain that it brings

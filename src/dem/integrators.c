@@ -14,11 +14,11 @@
 
 #include "dem/sim.h"
 
-/* Spins and angles by the same leapfrog. */
-static void integrate_spins(dem_sim *sim)
+/* Spins and angles by the same leapfrog, from grain i on. */
+static void integrate_spins(dem_sim *sim, size_t i)
 {
     const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++) {
+    for (; i < sim->n; i++) {
         dem_spin *p = &sim->spin[i];
         p->omega += dt * p->inverse_inertia * p->torque;
         p->angle += dt * p->omega;
@@ -67,7 +67,8 @@ unsigned dem_integrate(dem_sim *sim)
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
     unsigned left = 0;
-    for (size_t i = sim->advance ? sim->advance(sim, &left) : 0; i < sim->n; i++) {
+    const size_t advanced = sim->advance ? sim->advance(sim, &left) : 0;
+    for (size_t i = advanced; i < sim->n; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
@@ -82,7 +83,7 @@ unsigned dem_integrate(dem_sim *sim)
     }
     for (size_t i = 0; i < sim->n && turned; i++) left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
     hold_fixed(sim);
-    if (sim->spin) integrate_spins(sim);
+    if (sim->spin) integrate_spins(sim, advanced);
     sim->grain_steps += (double)sim->n;
     return left;
 }

@@ -89,8 +89,12 @@ static void choose_wide(dem_sim *sim)
     sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
     sim->ways = avx512 ? dem_ways_avx512 : dem_ways_avx2;
     sim->closing = avx512 ? dem_closing_avx512 : dem_closing_avx2;
-    sim->closing_apart = avx512 ? dem_closing_apart_avx512 : dem_closing_apart_avx2;
-    if (def->integrator == DEM_VERLET) sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+    sim->keep_closing = avx512 ? dem_keep_closing_avx512 : dem_keep_closing_avx2;
+    sim->deflected = avx512 ? dem_deflected_avx512 : dem_deflected_avx2;
+    if (def->integrator == DEM_VERLET) {
+        sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
+        sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+    }
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
 #else

@@ -3,11 +3,13 @@
 
 #ifdef __x86_64__
 #pragma GCC target("avx2")
-#define WIDE_KERNEL  dem_kernel_avx2
-#define WIDE_ADVANCE dem_advance_avx2
-#define WIDE_NEAR    dem_near_avx2
-#define WIDE_WAYS    dem_ways_avx2
-#define WIDE_CLOSING dem_closing_avx2
-#define WIDE_APART   dem_closing_apart_avx2
+#define WIDE_KERNEL    dem_kernel_avx2
+#define WIDE_LINE      dem_line_avx2
+#define WIDE_ADVANCE   dem_advance_avx2
+#define WIDE_NEAR      dem_near_avx2
+#define WIDE_WAYS      dem_ways_avx2
+#define WIDE_CLOSING   dem_closing_avx2
+#define WIDE_APART     dem_keep_closing_avx2
+#define WIDE_DEFLECTED dem_deflected_avx2
 #include "dem/kernels_wide.inl"
 #endif

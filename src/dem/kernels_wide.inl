@@ -1,6 +1,7 @@
 /* The pair loop of contact.inl and the integration of integrators.c for several pairs or grains at once, with
  * the same operations in the same order for each of them, and the same order of the sums of each grain. A
  * file that includes this one asks for instructions first, and defines the functions' names. */
+#include <float.h>
 #include <math.h>
 
 #include "dem/simd.h"
@@ -18,6 +19,30 @@ typedef struct {
     double k, inverse_k, gamma, mu;
     bool truncated, inside;
 } slider;
+
+INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return (laws){*c,
+                  mu,
+                  def->normal == DEM_HERTZ,
+                  def->tension,
+                  def->tangential == DEM_SPRING,
+                  def->tangential == DEM_SLIP_ROLL,
+                  def->slip == DEM_TRUNCATED,
+                  def->damping == DEM_DAMPING_INSIDE};
+}
+
+INLINE slider shear_of(const laws *law)
+{
+    const dem_material *c = &law->c;
+    return (slider){c->k_s, 1.0 / c->k_s, c->gamma_s, law->mu, law->truncated, law->inside};
+}
+
+INLINE slider rolls_of(const laws *law)
+{
+    const dem_material *c = &law->c;
+    return (slider){c->k_roll, 1.0 / c->k_roll, c->gamma_roll, c->mu_roll, true, true};
+}
 
 /* law_normal.h */
 INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
@@ -82,19 +107,9 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
  * since it starts from +0. The list ends in pairs that never touch. */
-INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
+INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool rolling)
 {
-    const dem_definition *def = &sim->def;
-    const laws law = {def->material,
-                      sim->mu,
-                      def->normal == DEM_HERTZ,
-                      def->tension,
-                      def->tangential == DEM_SPRING,
-                      def->tangential == DEM_SLIP_ROLL,
-                      def->slip == DEM_TRUNCATED,
-                      def->damping == DEM_DAMPING_INSIDE};
-    const slider shear = {law.c.k_s, 1.0 / law.c.k_s, law.c.gamma_s, law.mu, law.truncated, law.inside},
-                 rolls = {law.c.k_roll, 1.0 / law.c.k_roll, law.c.gamma_roll, law.c.mu_roll, true, true};
+    const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
@@ -172,17 +187,133 @@ INLINE void wide_loop(dem_sim *sim, double h, bool rotation, bool rolling)
     sim->apart_holds = true;
 }
 
+/* With instances of their own for the laws of a box and of dropped piles: the compiler leaves out of them
+ * what the tests have decided. */
 void WIDE_KERNEL(dem_sim *sim, double h)
 {
-    if (!sim->def.rotation)
-        wide_loop(sim, h, false, false);
+    const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    const bool spring = law.shear && !law.slip_roll && law.truncated;
+    if (!sim->def.rotation && spring && law.hertz && law.tension && !law.inside)
+        wide_loop(sim, h, law, false, false);
+    else if (!sim->def.rotation)
+        wide_loop(sim, h, law, false, false);
     else if (!sim->rolling)
-        wide_loop(sim, h, true, false);
+        wide_loop(sim, h, law, true, false);
+    else if (spring && !law.hertz && !law.tension && law.inside)
+        wide_loop(sim, h, law, true, true);
     else
-        wide_loop(sim, h, true, true);
+        wide_loop(sim, h, law, true, true);
 }
 
-/* As dem_integrate; returns for how many grains. */
+/* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
+ * and of those that are too deep. */
+typedef struct {
+    wide fx, fy, slip, couple, spring, roll;
+    unsigned touch, deep;
+} blows;
+
+/* As apply_slot in walls.c, for grains i[] in the slots at[] of wall w. */
+INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uint32_t *at, const uint32_t *i,
+                      double h)
+{
+    const dem_wall_slot *slot = sim->wall_slot;
+    const double *grain = (const double *)sim->grain;
+    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grain / sizeof *grain,
+              of_spin = sizeof *sim->spin / sizeof *grain;
+    const dem_vec point = sim->wall[w].point, n = sim->wall[w].direction;
+    const unsigned all = (1u << WIDTH) - 1;
+    const wide zero = {0}, radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
+               side = wide_gather(&slot->side, at, of_slot);
+    const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
+               vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
+    const wide distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
+               nx = side * n[0], ny = side * n[1];
+    const wide f_n = law_normal(law, mass, overlap, vx * nx + vy * ny);
+    blows b = {.fx = f_n * nx,
+               .fy = f_n * ny,
+               .spring = wide_gather(&slot->spring, at, of_slot),
+               .roll = wide_gather(&slot->roll, at, of_slot),
+               .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
+               .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
+    if (!law->shear && !law->slip_roll) return b;
+    const wide arm = radius - overlap, omega = sim->spin ? wide_gather(&sim->spin->omega, i, of_spin) : zero;
+    wide v_s = vx * ny - vy * nx, f_s;
+    if (sim->spin) v_s += arm * omega;
+    f_s = law->shear ? law_shear(shear_of(law), mass, v_s, f_n, h, &b.spring)
+                     : law_slip_roll(law, mass, v_s, f_n);
+    b.fx += ny * f_s;
+    b.fy -= nx * f_s;
+    b.slip = arm * f_s;
+    if (sim->rolling) b.couple = law_rolling(rolls_of(law), radius, mass, omega, f_n, h, &b.roll);
+    return b;
+}
+
+/* Slots from k on, n of them, of grains i[], take what a block gives; what of it acts on the wall is taken
+ * from *wall. */
+INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, const blows *b, dem_vec *wall)
+{
+    dem_vec f[WIDTH];
+    double spring[WIDTH], roll[WIDTH], slip[WIDTH], couple[WIDTH];
+    wide_store_vectors(f, b->fx, b->fy);
+    wide_store(spring, b->spring);
+    wide_store(roll, b->roll);
+    wide_store(slip, b->slip);
+    wide_store(couple, b->couple);
+    for (size_t p = 0; p < n; p++) {
+        dem_wall_slot *slot = &sim->wall_slot[k + p];
+        if (!(b->touch >> p & 1)) {
+            slot->spring = slot->roll = 0.0;
+            slot->well = DEM_WELL_NONE;
+            continue;
+        }
+        slot->spring = spring[p];
+        slot->roll = roll[p];
+        if (sim->spin) sim->spin[i[p]].torque += slip[p];
+        if (sim->rolling) sim->spin[i[p]].torque += couple[p];
+        sim->force[i[p]] += f[p];
+        *wall -= f[p];
+    }
+}
+
+/* As apply_slot for the slots from k on of one wall, a whole line at rest and not the ground; returns the
+ * first of the next. The last block is filled up with its last slot. */
+size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
+{
+    const dem_wall_slot *slot = sim->wall_slot;
+    const uint32_t w = slot[k].wall;
+    const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
+    dem_vec wall = sim->wall_force[w];
+    size_t end = k;
+    while (end < sim->n_wall_slots && slot[end].wall == w) end++;
+    for (; k < end; k += WIDTH) {
+        const size_t n = end - k < WIDTH ? end - k : WIDTH;
+        uint32_t at[WIDTH], i[WIDTH];
+        for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + (p < n ? p : n - 1));
+        for (size_t p = 0; p < WIDTH; p++) i[p] = slot[at[p]].grain;
+        const blows b = blows_of(sim, &law, w, at, i, h);
+        take_blows(sim, k, n, i, &b, &wall);
+        sim->alarm |= b.deep != 0;
+    }
+    sim->wall_force[w] = wall;
+    return end;
+}
+
+/* As integrate_spins in integrators.c, for the first n, a multiple of WIDTH/2: (angle, omega) and (torque,
+ * inverse inertia) are taken as vectors. */
+INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
+{
+    const wide zero = {0};
+    const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
+    for (size_t i = 0; i < n; i += WIDTH / 2) {
+        dem_record *at = (dem_record *)(spin + i);
+        wide turn, drive;
+        wide_load_records(at, &turn, &drive);
+        const wide omega = turn + dt * drive * wide_swap(drive), angle = turn + dt * wide_swap(omega);
+        wide_store_records(at, wide_choose(first, angle, omega), wide_choose(first, zero, drive));
+    }
+}
+
+/* As dem_integrate, spins included; returns for how many grains. */
 size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
@@ -209,6 +340,7 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
     *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
+    if (sim->spin) advance_spins(sim->spin, i, dt);
     return i;
 }
 
@@ -290,17 +422,35 @@ size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
     return sim->n_pairs;
 }
 
-/* The list is filled up to a whole block with its last pair. */
-size_t WIDE_APART(const dem_sim *sim, size_t t)
+/* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last
+ * pair, which may then be kept more than once. */
+void WIDE_APART(dem_sim *sim)
 {
-    unsigned from = ~0u << t % WIDTH;
-    for (t -= t % WIDTH; t < sim->n_apart; t += WIDTH) {
-        const uint32_t *k = sim->apart + t;
+    size_t n = 0;
+    for (size_t t = 0; t < sim->n_apart; t += WIDTH) {
+        uint32_t *const k = sim->apart + t;
         uint32_t i[WIDTH], j[WIDTH];
         for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
-        const unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1)) & from;
-        if (near) return t + (size_t)__builtin_ctz(near);
-        from = ~0u;
+        unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1));
+        for (; near; near &= near - 1) sim->apart[n++] = k[__builtin_ctz(near)];
     }
-    return sim->n_apart;
+    sim->n_apart = n;
+}
+
+/* As next_deflected in impact.c, but passes over those that touch. */
+size_t WIDE_DEFLECTED(const dem_sim *sim, size_t k, size_t end)
+{
+    const wide most = (wide){0} + DBL_MAX;
+    unsigned from = ~0u << k % WIDTH;
+    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
+        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        unsigned hit = (wide_bits(wide_less(most, wide_gather(sim->way, i, 1))) |
+                        wide_bits(wide_less(most, wide_gather(sim->way, j, 1)))) &
+                       from;
+        if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pair_radii + k));
+        if (!hit) continue;
+        k += (size_t)__builtin_ctz(hit);
+        break;
+    }
+    return k < end ? k : end;
 }

@@ -70,21 +70,33 @@ static void size_cells(dem_sim *sim, struct dem_scratch *w)
             w->cells_y /= 2;
 }
 
+/* Like dem_grow, but only the first `held` items stay, and the array begins with a line of the cache, as all
+ * blocks of the kernels then do. */
+static bool lengthen(void *array, size_t size, size_t held, size_t room)
+{
+    void *old = *(void **)array, *more = aligned_alloc(64, (size * room + 63) / 64 * 64);
+    if (!more) return false;
+    if (held > 0) memcpy(more, old, size * held);
+    free(old);
+    *(void **)array = more;
+    return true;
+}
+
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
     if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
-    size_t room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
-    if (dem_grow(&sim->pair_i, sizeof *sim->pair_i, room) &&
-        dem_grow(&sim->pair_j, sizeof *sim->pair_j, room) &&
-        dem_grow(&sim->touching, sizeof *sim->touching, room) &&
-        dem_grow(&sim->pair_radii, sizeof *sim->pair_radii, room) &&
-        dem_grow(&sim->pair_mass, sizeof *sim->pair_mass, room) &&
-        dem_grow(&sim->spring, sizeof *sim->spring, room) &&
-        (!sim->def.hard.on || dem_grow(&sim->apart, sizeof *sim->apart, room)) &&
-        (!sim->spin || (dem_grow(&sim->radius_i, sizeof *sim->radius_i, room) &&
-                        dem_grow(&sim->radius_j, sizeof *sim->radius_j, room) &&
-                        dem_grow(&sim->roll_radius, sizeof *sim->roll_radius, room))) &&
-        (!sim->rolling || dem_grow(&sim->roll, sizeof *sim->roll, room)))
+    const size_t held = sim->n_pairs, room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
+    if (lengthen(&sim->pair_i, sizeof *sim->pair_i, held, room) &&
+        lengthen(&sim->pair_j, sizeof *sim->pair_j, held, room) &&
+        lengthen(&sim->touching, sizeof *sim->touching, held, room) &&
+        lengthen(&sim->pair_radii, sizeof *sim->pair_radii, held, room) &&
+        lengthen(&sim->pair_mass, sizeof *sim->pair_mass, held, room) &&
+        lengthen(&sim->spring, sizeof *sim->spring, held, room) &&
+        (!sim->def.hard.on || lengthen(&sim->apart, sizeof *sim->apart, held, room)) &&
+        (!sim->spin || (lengthen(&sim->radius_i, sizeof *sim->radius_i, held, room) &&
+                        lengthen(&sim->radius_j, sizeof *sim->radius_j, held, room) &&
+                        lengthen(&sim->roll_radius, sizeof *sim->roll_radius, held, room))) &&
+        (!sim->rolling || lengthen(&sim->roll, sizeof *sim->roll, held, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
@@ -149,7 +161,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->mass = calloc(n, sizeof *w->mass);
     w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
     w->id = calloc(n, sizeof *w->id);
-    if (sim->def.rotation) w->spin = calloc(n, sizeof *w->spin);
+    if (sim->def.rotation) w->spin = aligned_alloc(64, (n * sizeof *w->spin + 63) / 64 * 64);
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||

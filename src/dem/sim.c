@@ -513,7 +513,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->fixed = calloc(room, sizeof *sim->fixed);
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
-    if (sim->def.rotation) sim->spin = calloc(room, sizeof *sim->spin);
+    if (sim->def.rotation) sim->spin = aligned_alloc(64, (room * sizeof *sim->spin + 63) / 64 * 64);
     if (sim->def.hard.on) sim->way = calloc(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
         !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||

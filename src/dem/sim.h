@@ -2,6 +2,7 @@
 #ifndef DEM_SIM_H
 #define DEM_SIM_H
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "dem/dem.h"
@@ -43,6 +44,9 @@ typedef struct {
 } dem_elastic;
 
 typedef void dem_kernel(struct dem_sim *sim, double h);
+/* Add the forces of the wall of slot k, a whole line at rest, not the ground; returns the first slot of the
+ * next. */
+typedef size_t dem_line(struct dem_sim *sim, size_t k, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
@@ -52,17 +56,22 @@ typedef size_t dem_advance(struct dem_sim *sim, unsigned *left);
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
 /* Hard collisions: like set_ways in impact.c, for as many grains from the first on as it can, returns how
- * many; like next_closing there, over all pairs or, for their places there, those in sim->apart. */
+ * many; like next_closing there; of sim->apart keep the pairs that may come to touch; like next_deflected
+ * there, where it may pass over pairs that touch. */
 typedef size_t dem_ways(struct dem_sim *sim, size_t *beyond);
 typedef size_t dem_closing(const struct dem_sim *sim, size_t k);
+typedef void dem_keep_closing(struct dem_sim *sim);
+typedef size_t dem_deflected(const struct dem_sim *sim, size_t k, size_t end);
 
 /* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
+dem_line dem_line_avx512, dem_line_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
 dem_ways dem_ways_avx512, dem_ways_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
-dem_closing dem_closing_apart_avx512, dem_closing_apart_avx2;
+dem_keep_closing dem_keep_closing_avx512, dem_keep_closing_avx2;
+dem_deflected dem_deflected_avx512, dem_deflected_avx2;
 
 struct dem_sim {
     dem_definition def; /* its `grains` is NULL */
@@ -70,11 +79,13 @@ struct dem_sim {
     dem_fault fault;
     char kernel_name[40];
     dem_kernel *kernel;
-    dem_advance *advance;       /* NULL for none */
-    dem_near *near;             /* NULL for that of neighbours.c */
-    dem_ways *ways;             /* NULL for none */
-    dem_closing *closing;       /* NULL for that of impact.c */
-    dem_closing *closing_apart; /* NULL for none */
+    dem_line *line;                 /* NULL for none */
+    dem_advance *advance;           /* the same */
+    dem_near *near;                 /* NULL for that of neighbours.c */
+    dem_ways *ways;                 /* NULL for none */
+    dem_closing *closing;           /* NULL for that of impact.c */
+    dem_keep_closing *keep_closing; /* NULL for none */
+    dem_deflected *deflected;       /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
@@ -266,6 +277,14 @@ void dem_ledger_gravity(dem_sim *sim);
 void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
                           const dem_body after[2]);
 rp_status dem_ledger_add(dem_sim *sim, const dem_grain *grain);
+
+/* A wall is a whole line at rest: nothing of it is open, and it does not turn in this step. */
+static inline bool dem_wall_rests(const dem_sim *sim, size_t k)
+{
+    const dem_wall *w = &sim->def.walls[k];
+    return isinf(w->extent[0]) && isinf(w->extent[1]) && sim->box_swing[1] == 0.0 &&
+           !(w->open_at_step >= 0 && sim->step >= w->open_at_step);
+}
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
  * overlap; brings slot->side up to date. False where the wall is open. */

@@ -63,45 +63,50 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
     return true;
 }
 
+static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
+{
+    dem_vec n, wall_velocity;
+    double overlap;
+    if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
+        slot->spring = slot->roll = 0.0;
+        slot->well = DEM_WELL_NONE;
+        return;
+    }
+    const size_t i = slot->grain;
+    const dem_material *c = &sim->def.walls[slot->wall].material;
+    dem_vec v = sim->grain[i].v - wall_velocity;
+    sim->alarm |= !(overlap <= sim->radius[i]);
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
+                                dem_dot(v, n));
+    dem_vec f = f_n * n;
+    if (sim->def.tangential != DEM_NONE) {
+        dem_vec s = dem_clockwise(n);
+        if (sim->gear && sim->def.tangential == DEM_SPRING) slot->spring += dem_dot(sim->gear[i].slide, s);
+        double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
+        if (sim->spin) v_s += arm * sim->spin[i].omega;
+        double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
+                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+        f += s * f_s;
+        if (sim->spin) sim->spin[i].torque += arm * f_s;
+        if (sim->rolling)
+            sim->spin[i].torque +=
+                sim->radius[i] * dem_law_rolling(c, sim->mass[i],
+                                                 sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
+                                                 f_n, h, &slot->roll);
+    }
+    if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
+    sim->force[i] += f;
+    sim->wall_force[slot->wall] -= f;
+}
+
 void dem_walls_apply(dem_sim *sim, double h)
 {
     for (size_t w = 0; w < sim->def.n_walls; w++) sim->wall_force[w] = (dem_vec){0.0, 0.0};
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+    for (size_t k = 0; k < sim->n_wall_slots;) {
         dem_wall_slot *slot = &sim->wall_slot[k];
-        dem_vec n, wall_velocity;
-        double overlap;
-        if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
-            slot->spring = slot->roll = 0.0;
-            slot->well = DEM_WELL_NONE;
-            continue;
-        }
-        const size_t i = slot->grain;
-        const dem_material *c = &sim->def.walls[slot->wall].material;
-        dem_vec v = sim->grain[i].v - wall_velocity;
-        sim->alarm |= !(overlap <= sim->radius[i]);
-        double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i],
-                                    overlap, dem_dot(v, n));
-        dem_vec f = f_n * n;
-        if (sim->def.tangential != DEM_NONE) {
-            dem_vec s = dem_clockwise(n);
-            if (sim->gear && sim->def.tangential == DEM_SPRING)
-                slot->spring += dem_dot(sim->gear[i].slide, s);
-            double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
-            if (sim->spin) v_s += arm * sim->spin[i].omega;
-            double f_s =
-                dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
-                                   sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
-            f += s * f_s;
-            if (sim->spin) sim->spin[i].torque += arm * f_s;
-            if (sim->rolling)
-                sim->spin[i].torque +=
-                    sim->radius[i] *
-                    dem_law_rolling(c, sim->mass[i],
-                                    sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]), f_n, h,
-                                    &slot->roll);
-        }
-        if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
-        sim->force[i] += f;
-        sim->wall_force[slot->wall] -= f;
+        if (sim->line && dem_wall_rests(sim, slot->wall) && !dem_is_ground(sim, slot))
+            k = sim->line(sim, k, h);
+        else
+            apply_slot(sim, slot, h), k++;
     }
 }
