@@ -195,6 +195,8 @@ void WIDE_KERNEL(dem_sim *sim, double h)
     const bool spring = law.shear && !law.slip_roll && law.truncated;
     if (!sim->def.rotation && spring && law.hertz && law.tension && !law.inside)
         wide_loop(sim, h, law, false, false);
+    else if (!sim->def.rotation && !law.shear && !law.slip_roll && law.hertz && law.tension)
+        wide_loop(sim, h, law, false, false);
     else if (!sim->def.rotation)
         wide_loop(sim, h, law, false, false);
     else if (!sim->rolling)
