@@ -6,7 +6,7 @@ stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3'
 set xrange [-0.01:0.32]
-set yrange [0:32]
+set yrange [0:38]
 set key top left Left reverse
 set label 1 sprintf('bars: standard error over %d piles; series set apart by 0.003; at {/:Italic μ} = 0 no pile stands', P_max) at graph 0.98, 0.05 right font ',8'
 plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
