@@ -305,7 +305,7 @@ static void check_base(const pile_case *c, const sweep_heap *h, const double x[]
     ang_base base;
     CHECK_OK(ang_base_profile(K, x, r_disk, N, &base));
     for (int k = 0; k < ANG_DIP_BINS; k++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "n_%02d", k + 1);
         CHECK_NEAR(output(r, name), base.N[k], BALANCE);
     }
