@@ -674,6 +674,13 @@ static void outlet(void)
     dem_states(sim, &s);
     CU_ASSERT(s.id == 3 && s.x == -0.5 && s.y == 2.0);
     dem_free(sim);
+    def.n_grains = 1; /* the last to go */
+    sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 602));
+    CU_ASSERT_EQUAL(dem_count(sim), 1);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT_EQUAL(dem_count(sim), 0);
+    dem_free(sim);
 }
 
 /* A wall that is lifted lets grains out below, and holds those above. */
