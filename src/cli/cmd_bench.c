@@ -14,12 +14,15 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
 
 typedef struct {
     long n, steps, repeat;
+    double width;
     int state, floor, kernel;
     const char *start, *final;
 } bench_options;
 
 static const rp_param options[] = {
     {"n", "", RP_INT, offsetof(bench_options, n), "400", "[1, 10000000]", "grains"},
+    {"width", "cm", RP_REAL, offsetof(bench_options, width), "auto", "(0, inf) | auto",
+     "of the box; auto: square once settled"},
     {"steps", "", RP_INT, offsetof(bench_options, steps), "auto", "[1, 1000000000] | auto",
      "steps timed, but of a sample; auto: 2e7 particle-steps, flowing at most 10000"},
     {"state", "", RP_CHOICE, offsetof(bench_options, state), "settled", "settled | flowing | sample",
@@ -40,7 +43,7 @@ static const rp_param options[] = {
 
 static const cli_command command = {
     "bench",
-    "[--n N | --start TABLE] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps N] "
+    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps N] "
     "[--kernel NAME] [--repeat N] [-o TABLE]",
     "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
     "and time the simulator on one core: million particle-steps a second of processor time, the best and "
@@ -59,11 +62,6 @@ static int ascending(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
-}
-
-static double box_width(long n)
-{
-    return fmax(0.4, sqrt(0.04 * (double)n));
 }
 
 /* The grains of a table, at rest, as a new array. */
@@ -91,22 +89,23 @@ static rp_status read_start(const char *path, dem_grain **grains, long *n)
     return status;
 }
 
-static rp_status fill(long n, dem_grain **grains)
+static rp_status fill(long n, double width, dem_grain **grains)
 {
-    const double width = box_width(n);
     dem_fill dilute = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     *grains = malloc((size_t)n * sizeof **grains);
     return *grains ? dem_fill_random(&dilute, *grains)
                    : rp_fail(RP_NO_MEMORY, "%ld grains: out of memory", n);
 }
 
-/* The closed box with its grains, at step 0; o->n becomes their number. */
+/* The closed box with its grains, at step 0; o->n becomes their number, o->width that of the box. */
 static rp_status begin(bench_options *o, dem_sim **sim)
 {
     dem_grain *grains = NULL;
-    rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : fill(o->n, &grains);
+    rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : RP_OK;
+    if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
+    if (!status && !grains) status = fill(o->n, o->width, &grains);
     if (!status) {
-        const double width = box_width(o->n);
+        const double width = o->width;
         dem_definition def = dem_definition_default();
         dem_material wall = def.material;
         wall.k_n *= 2.0;
@@ -127,7 +126,7 @@ static rp_status begin(bench_options *o, dem_sim **sim)
 static rp_status prepare(const bench_options *o, dem_sim *sim)
 {
     /* a fall from 2 W and the time to calm down, both growing with the box */
-    const long settling = lround(30000.0 * sqrt(box_width(o->n) / 4.0)) + 10000;
+    const long settling = lround(30000.0 * sqrt(o->width / 4.0)) + 10000;
     rp_status status = dem_run(sim, *o->start ? WARM_STEPS : settling);
     if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     return status;
@@ -143,7 +142,7 @@ static rp_status measure_slopes(const bench_options *o, const dem_sim *sim)
     double *x = malloc((n + 1) * sizeof *x), *y = malloc((n + 1) * sizeof *y);
     rp_status status = states && x && y ? dem_states(sim, states) : rp_fail(RP_NO_MEMORY, "out of memory");
     for (size_t i = 0; !status && i < n; i++) x[i] = states[i].x, y[i] = states[i].y;
-    if (!status) status = ang_surface_make(n, x, y, NULL, box_width(o->n), &how, &surface);
+    if (!status) status = ang_surface_make(n, x, y, NULL, o->width, &how, &surface);
     if (!status)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
     ang_surface_free(&surface);

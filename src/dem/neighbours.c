@@ -70,11 +70,10 @@ static void size_cells(dem_sim *sim, struct dem_scratch *w)
             w->cells_y /= 2;
 }
 
-/* Like dem_grow, but only the first `held` items stay, and the array begins with a line of the cache, as all
- * blocks of the kernels then do. */
+/* Like dem_grow, of an array of dem_array, and only the first `held` items stay. */
 static bool lengthen(void *array, size_t size, size_t held, size_t room)
 {
-    void *old = *(void **)array, *more = aligned_alloc(64, (size * room + 63) / 64 * 64);
+    void *old = *(void **)array, *more = dem_array(room, size);
     if (!more) return false;
     if (held > 0) memcpy(more, old, size * held);
     free(old);
@@ -152,16 +151,16 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
         size_cells(sim, w);
     }
     w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
-    w->cell = calloc(n, sizeof *w->cell);
-    w->moved_to = calloc(n, sizeof *w->moved_to);
-    w->grain = aligned_alloc(64, (n * sizeof *w->grain + 63) / 64 * 64);
-    w->force = aligned_alloc(64, (n * sizeof *w->force + 63) / 64 * 64);
-    if (sim->gear) w->gear = aligned_alloc(64, (n * sizeof *w->gear + 63) / 64 * 64);
-    w->radius = calloc(n, sizeof *w->radius);
-    w->mass = calloc(n, sizeof *w->mass);
-    w->inverse_mass = calloc(n, sizeof *w->inverse_mass);
-    w->id = calloc(n, sizeof *w->id);
-    if (sim->def.rotation) w->spin = aligned_alloc(64, (n * sizeof *w->spin + 63) / 64 * 64);
+    w->cell = dem_array(n, sizeof *w->cell);
+    w->moved_to = dem_array(n, sizeof *w->moved_to);
+    w->grain = dem_array(n, sizeof *w->grain);
+    w->force = dem_array(n, sizeof *w->force);
+    if (sim->gear) w->gear = dem_array(n, sizeof *w->gear);
+    w->radius = dem_array(n, sizeof *w->radius);
+    w->mass = dem_array(n, sizeof *w->mass);
+    w->inverse_mass = dem_array(n, sizeof *w->inverse_mass);
+    w->id = dem_array(n, sizeof *w->id);
+    if (sim->def.rotation) w->spin = dem_array(n, sizeof *w->spin);
     w->held_start = calloc(n + 1, sizeof *w->held_start);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||

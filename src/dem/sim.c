@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "core/clock.h"
 #include "dem/sim.h"
@@ -498,23 +499,34 @@ static rp_status check_overlaps(dem_sim *sim)
     return RP_OK;
 }
 
+void *dem_array(size_t n, size_t size)
+{
+    enum { LINE = 64, PAGE = 1 << 21 };
+    const size_t bytes = (n * size + LINE - 1) / LINE * LINE;
+    char *array = aligned_alloc(LINE, bytes);
+    if (!array) return NULL;
+    const size_t skip = (PAGE - (uintptr_t)array % PAGE) % PAGE;
+    if (bytes >= skip + PAGE) madvise(array + skip, (bytes - skip) / PAGE * PAGE, MADV_HUGEPAGE);
+    return memset(array, 0, bytes);
+}
+
 static rp_status alloc_arrays(dem_sim *sim, size_t n)
 {
     const size_t room = n + 8; /* some pass the last grain by up to 7 */
-    sim->grain = aligned_alloc(64, (room * sizeof *sim->grain + 63) / 64 * 64);
-    sim->force = aligned_alloc(64, (room * sizeof *sim->force + 63) / 64 * 64);
-    sim->ref = aligned_alloc(64, (room * sizeof *sim->ref + 63) / 64 * 64);
-    sim->radius = calloc(room, sizeof *sim->radius);
-    sim->mass = calloc(room, sizeof *sim->mass);
-    sim->margin2 = calloc(room, sizeof *sim->margin2);
-    sim->reach = calloc(room, sizeof *sim->reach);
-    sim->inverse_mass = calloc(room, sizeof *sim->inverse_mass);
-    sim->id = calloc(room, sizeof *sim->id);
-    sim->fixed = calloc(room, sizeof *sim->fixed);
+    sim->grain = dem_array(room, sizeof *sim->grain);
+    sim->force = dem_array(room, sizeof *sim->force);
+    sim->ref = dem_array(room, sizeof *sim->ref);
+    sim->radius = dem_array(room, sizeof *sim->radius);
+    sim->mass = dem_array(room, sizeof *sim->mass);
+    sim->margin2 = dem_array(room, sizeof *sim->margin2);
+    sim->reach = dem_array(room, sizeof *sim->reach);
+    sim->inverse_mass = dem_array(room, sizeof *sim->inverse_mass);
+    sim->id = dem_array(room, sizeof *sim->id);
+    sim->fixed = dem_array(room, sizeof *sim->fixed);
     const bool gear = sim->def.integrator == DEM_GEAR5;
-    if (gear) sim->gear = aligned_alloc(64, (room * sizeof *sim->gear + 63) / 64 * 64);
-    if (sim->def.rotation) sim->spin = aligned_alloc(64, (room * sizeof *sim->spin + 63) / 64 * 64);
-    if (sim->def.hard.on) sim->way = calloc(room, sizeof *sim->way);
+    if (gear) sim->gear = dem_array(room, sizeof *sim->gear);
+    if (sim->def.rotation) sim->spin = dem_array(room, sizeof *sim->spin);
+    if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
         !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
         !sim->margin2 || !sim->reach || !sim->id || !sim->fixed)

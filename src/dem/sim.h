@@ -161,6 +161,10 @@ static inline dem_vec dem_clockwise(dem_vec n)
     return (dem_vec){n[1], -n[0]};
 }
 
+/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache, and
+ * lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
+void *dem_array(size_t n, size_t size);
+
 /* Let the array that `array` points to hold `room` items; false, and as it was, if memory is short. */
 static inline bool dem_grow(void *array, size_t size, size_t room)
 {

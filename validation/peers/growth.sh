@@ -8,22 +8,25 @@ mkdir -p "$work"
 cd "$work"
 . "$here/start.sh"
 
-# 1e6 grains as 10 x 10 boxes of 10 000 at rest, beside and on one another, rather than an hour of settling.
-tiled() {
-    settle 10000
+# 1e6 grains: ten boxes of 100 000 at rest side by side, every other one a mirror image, so that the grains that
+# touched a wall meet their own images. To settle a square box of them would take hours.
+joined() {
+    settle 100000
     { printf '# x\ty\tr\n'
-      columns x y r <settled_10000.tsv | awk '{ x[NR] = $1; y[NR] = $2; r[NR] = $3; if ($2 + $3 > top) top = $2 + $3 }
-          END { for (j = 0; j < 10; j++) for (i = 0; i < 10; i++) for (k = 1; k <= NR; k++)
-                    printf "%.17g\t%.17g\t%s\n", x[k] + 20 * i, y[k] + top * j, r[k] }'; } >settled_1000000.tsv
+      columns x y r <settled_100000.tsv | awk '{ x[NR] = $1; y[NR] = $2; r[NR] = $3 }
+          END { W = 0.2 * sqrt(NR)
+                for (i = 0; i < 10; i++) for (k = 1; k <= NR; k++)
+                    printf "%.17g\t%s\t%s\n", (i % 2 ? W * (i + 1) - x[k] : W * i + x[k]), y[k], r[k] }'; } >joined_1000000.tsv
 }
 
 growth() { # sizes
-    local n
+    local n start width
     provenance
     echo "# rates: 1e6 particle-steps a second of processor time, medians of three; bytes: held by a grain"
     for n in $1; do
-        if [ "$n" = 1000000 ]; then tiled; else settle "$n"; fi
-        for state in settled flowing; do "$repose" bench --start "settled_$n.tsv" --state $state --repeat 3; done |
+        start=settled_$n.tsv width=auto
+        if [ "$n" = 1000000 ]; then joined; start=joined_$n.tsv width=632.4555320336759; else settle "$n"; fi
+        for state in settled flowing; do "$repose" bench --start "$start" --width $width --state $state --repeat 3; done |
             columns grains median contacts pairs bytes | awk 'NR == 1 { row = $0 } END { print row, $2 }' OFS='\t' | tr ' ' '\t'
     done | awk -F'\t' '{ line[NR] = $0; x = log($1); y = log($1 / $2); sx += x; sy += y; xx += x * x; xy += x * y }
         END { if (NR > 1) printf "# exponent: %.3f (of the time of a step at rest)\n", (xy - sx * sy / NR) / (xx - sx * sx / NR)
@@ -40,7 +43,7 @@ wall_time() { # workers
 
 workers() { # pairs
     cat >sweep.cfg <<'S'
-protocol = "repose"; replicas = 16; seed = 1993;
+protocol = "repose"; replicas = 64; seed = 1993;
 fixed = { W = 4.0; H = 4.0; stop = "steps"; fill_steps = 30000; relax_steps = 50000; };
 S
     provenance
