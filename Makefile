@@ -128,9 +128,11 @@ BENCH_FIGURES := bench
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
-# The validation suites run on one core each: side by side first, the longest before the others; all else uses all cores by itself.
+# First what uses all cores by itself, then side by side what uses one, the longest before the others; what is timed, alone.
 figures: | $(SETUP_FIRST) ## every figure, into build/figures, and build/paper-repro.md
-	@$(MAKE) --no-print-directory -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED)
+	@$(MAKE) --no-print-directory $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles
+	@$(MAKE) --no-print-directory -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) \
+	  $(patsubst %,$(T)/%.tsv,$(filter-out bench run_times,$(REPORT_TABLES)))
 	@$(MAKE) --no-print-directory $(B)/paper-repro.md
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
@@ -252,7 +254,7 @@ $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))
 STUDY_lh3 := 20
 STUDY_lh3_best := 20
 STUDY_lh3_total := 20
-STUDY_lh5 := 10
+STUDY_lh5 := 9
 STUDY_lh_floor := 40
 STUDY_lh2a := 60
 STUDY_lh2b := 60
@@ -418,7 +420,10 @@ $(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPOR
 	  END { print "# most: " most; for (k in sum) printf "# %s: %.0f s\n", k, sum[k]; print "# units: \t\ts\n# name\tkind\tseconds"; \
 	        for (i = 1; i <= NR; i++) print line[i] }' >$@
 	@rm $@.rows
-VALIDATED := $(addprefix $(T)/.,$(sort $(foreach t,$(filter validation_%,$(REPORT_TABLES) $(notdir $(basename $(foreach f,$(FIGURES),$(call figure_tables,$(f)))))),validation_$(word 2,$(subst _, ,$(t))))))
+SHOWN_TABLES := $(REPORT_TABLES) $(notdir $(basename $(foreach f,$(FIGURES),$(call figure_tables,$(f)))))
+VALIDATED := $(addprefix $(T)/.,$(sort $(foreach t,$(filter validation_%,$(SHOWN_TABLES)),validation_$(word 2,$(subst _, ,$(t))))))
+# all runs of these sweeps; of lh1 one row is enough
+SWEPT := $(foreach s,$(filter-out lh1,$(basename $(notdir $(wildcard sweeps/*.cfg)))),$(if $(filter $(s) $(s)_%,$(SHOWN_TABLES)),$(s)))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"

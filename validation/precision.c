@@ -545,12 +545,11 @@ static void static_piles(void)
                   60.0,
                   {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-6},
                    {"verlet_half", DEM_VERLET, 2.0, 0.1, 80000, 512000, 1e-6},
-                   {"implicit", DEM_IMPLICIT, 4.0, 1.0, 1000, 2048, INFINITY}}},
+                   {"implicit", DEM_IMPLICIT, 4.0, 1.0, 500, 2048, INFINITY}}},
                  {"5490",
                   180,
                   30.0,
-                  {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-5},
-                   {"implicit", DEM_IMPLICIT, 4.0, 1.0, 200, 256, INFINITY}}}};
+                  {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-5}}}};
     outcomes o = {0};
     const size_t first = check_full() ? 1 : 0, last = check_full() ? 3 : 1;
     for (size_t k = first; k < last; k++) {
