@@ -130,10 +130,10 @@ figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/
 
 # First what uses all cores by itself, then side by side what uses one, the longest before the others; what is timed, alone.
 figures: | $(SETUP_FIRST) ## every figure, into build/figures, and build/paper-repro.md
-	@$(MAKE) --no-print-directory $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles
-	@$(MAKE) --no-print-directory -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) \
+	@$(MAKE) -s $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles
+	@$(MAKE) -s -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) \
 	  $(patsubst %,$(T)/%.tsv,$(filter-out bench run_times,$(REPORT_TABLES)))
-	@$(MAKE) --no-print-directory $(B)/paper-repro.md
+	@$(MAKE) -s $(B)/paper-repro.md
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
@@ -254,7 +254,7 @@ $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))
 STUDY_lh3 := 20
 STUDY_lh3_best := 20
 STUDY_lh3_total := 20
-STUDY_lh5 := 9
+STUDY_lh5 := 10
 STUDY_lh_floor := 40
 STUDY_lh2a := 60
 STUDY_lh2b := 60

@@ -26,7 +26,7 @@ plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')
 unset arrow 1
 unset label 1
 set xlabel 'grains put in'
-plot for [row in '3 6'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
-       with lines lw 0.7 lc (row eq '3' ? 3 : 6) title '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s', \
-     R_mean with lines dt 2 lc 4 notitle # t('lh5_row3/series.tsv') t('lh5_row6/series.tsv')
+plot for [row in '4 8'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
+       with lines lw 0.7 lc (row eq '4' ? 3 : 6) title '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s', \
+     R_mean with lines dt 2 lc 4 notitle # t('lh5_row4/series.tsv') t('lh5_row8/series.tsv')
 unset multiplot

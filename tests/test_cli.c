@@ -867,6 +867,13 @@ static void test_report(void)
     GOOD("report in.md --tables . --missing later");
     CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
     FAILS(65, "none.tsv", "report in.md --tables .");
+    write_text("few.tsv", "# k\tv\tv_se\tp\n1\t2.5\tnan\tnan\n2\tnan\tnan\t0.5\n");
+    write_text("in.md",
+               "{{value few k=1 v}}, {{value few k=2 v}}; {{above few k=1 v 1}}, {{agree few k=1 v 2 0}}, "
+               "{{least few k=1 p 0.05}}, {{below few k=2 v 1}}.\n");
+    GOOD("report in.md --tables .");
+    CU_ASSERT_STRING_EQUAL(out,
+                           "2.5 (error not known), not known; undecided, undecided, undecided, undecided.\n");
     write_text("c.tsv", "# n\tv\n1400\t12.345678\n");
     write_text("in.md", "{{cell c n}} {{cell c n %%.0f}} {{cell c n %%.2g}} {{cell c v}} {{cell c v %%.1f}} "
                         "{{cell c v %%.0f}}\n");

@@ -12,6 +12,7 @@
  *   {{least T k=v COL LIMIT}}      verdict on a cell without error, such as a p-value: at least LIMIT?
  *   {{holds T k=v COL TEXT|TEXT}}  verdict on a word: does it contain one of the texts? undecided stays
  *   {{note T KEY}}                 a header line of the table
+ * A value or an error that is nan is not known, and a verdict on it undecided.
  * In place of LIMIT, @COL takes the magnitude of another quantity of the same row, with its standard error,
  * and
  * @TABLE k=v COL, as the last words, that of another table.
@@ -105,14 +106,22 @@ static rp_status find_value(const rp_table *t, size_t row, const char *name, dou
         snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
     int value_column = rp_table_column(t, mean), error_column = rp_table_column(t, error);
     if (value_column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, mean);
-    rp_status status = rp_table_number(t, row, value_column, 0, value);
+    rp_status status = rp_table_number(t, row, value_column, true, value);
     *se = 0.0;
-    return status || error_column < 0 ? status : rp_table_number(t, row, error_column, 0, se);
+    return status || error_column < 0 ? status : rp_table_number(t, row, error_column, true, se);
 }
 
-/* Two significant digits of the error decide. */
+/* Two significant digits of the error decide. A small ensemble may know neither. */
 static void print_value(FILE *out, double value, double se)
 {
+    if (isnan(value)) {
+        fputs("not known", out);
+        return;
+    }
+    if (isnan(se)) {
+        fprintf(out, "%.3g (error not known)", value);
+        return;
+    }
     int decimals = se > 0.0 ? 1 - (int)floor(log10(se)) : 3;
     if (decimals < 0) decimals = 0;
     fprintf(out, "%.*f ± %.*f", decimals, value, decimals, se);
@@ -157,15 +166,18 @@ static rp_status print_verdict(const place *p, int next, const rp_table *t, size
     if (strcmp(p->words[0], "least") == 0) {
         int column = rp_table_column(t, p->words[next]);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", t->path, p->words[next]);
-        status = rp_table_number(t, row, column, 0, &value);
-        if (!status) fputs(value >= limit ? "reproduced" : "not reproduced", out);
+        status = rp_table_number(t, row, column, true, &value);
+        if (!status)
+            fputs(isnan(value) ? "undecided" : value >= limit ? "reproduced" : "not reproduced", out);
         return status;
     }
     status = find_value(t, row, p->words[next], &value, &se);
     if (!status && strcmp(p->words[0], "agree") == 0) status = number_word(p, next + 2, &limit_se);
     if (status) return status;
     double difference = value - limit, error = hypot(se, limit_se);
-    if (strcmp(p->words[0], "agree") == 0) {
+    if (isnan(difference) || isnan(error)) {
+        fputs("undecided", out);
+    } else if (strcmp(p->words[0], "agree") == 0) {
         fputs(fabs(difference) <= 2.0 * error ? "reproduced" : "not reproduced", out);
         fprintf(out, " (differs by %+.1f standard errors)", difference / error);
     } else {
