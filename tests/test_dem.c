@@ -752,10 +752,11 @@ static void filling(void)
 
 /* A grain put in far away changes no bit of the others, but for the list's rebuilding; a large one that is
  * refused changes not even the cells, and so the order of the sums. */
-static void added_far_away(void)
+static void check_added_far_away(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = grains_box(80, 2.2, 6, &grains);
+    def.rotation = rotation;
     def.n_walls = 1; /* the pile spreads over the floor */
     dem_sim *sim = grains_start(&def), *more;
     CHECK_OK(dem_run(sim, 6000));
@@ -777,6 +778,12 @@ static void added_far_away(void)
     dem_free(sim);
     dem_free(more);
     free(grains);
+}
+
+static void added_far_away(void)
+{
+    check_added_far_away(false);
+    check_added_far_away(true);
 }
 
 /* Grains put in one by one at the start are those of the definition, whatever room and cells they need; and

@@ -111,7 +111,7 @@ void dem_integrate_start(dem_sim *sim, size_t from)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
         else
             sim->grain[i].v -= 0.5 * dt * acceleration(sim, i);
-    for (size_t i = 0; i < sim->n && sim->spin; i++)
+    for (size_t i = from; i < sim->n && sim->spin; i++)
         sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->spin[i].torque;
     hold_fixed(sim);
 }

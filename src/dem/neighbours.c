@@ -37,7 +37,8 @@ static const uint32_t NOWHERE = UINT32_MAX;
  * for frequent rebuildings nor bring all the others a list of pairs that are far from touching. */
 static double margin(const dem_sim *sim, double speed)
 {
-    const double STEPS = 25.0, LEAST = 0.08, MOST = 1.0;
+    const bool hard = sim->def.hard.on; /* few disks fall onto many at rest */
+    const double STEPS = hard ? 50.0 : 25.0, LEAST = 0.08, MOST = hard ? 1.5 : 1.0;
     return sim->even_margins
                ? 0.5 * sim->skin
                : fmin(LEAST * sim->radius_mean + STEPS * sim->def.dt * speed, MOST * sim->radius_mean);
