@@ -43,7 +43,7 @@ wall_time() { # workers
 
 workers() { # pairs
     cat >sweep.cfg <<'S'
-protocol = "repose"; replicas = 64; seed = 1993;
+protocol = "repose"; replicas = 32; seed = 1993;
 fixed = { W = 4.0; H = 4.0; stop = "steps"; fill_steps = 30000; relax_steps = 50000; };
 S
     provenance
