@@ -130,6 +130,7 @@ figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/
 
 # First what uses all cores by itself, then side by side what uses one, the longest before the others; what is timed, alone.
 figures: | $(SETUP_FIRST) ## every figure, into build/figures, and build/paper-repro.md
+	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(B)/check
 	@$(MAKE) -s $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles
 	@$(MAKE) -s -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) \
 	  $(patsubst %,$(T)/%.tsv,$(filter-out bench run_times,$(REPORT_TABLES)))
