@@ -113,10 +113,12 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    uint32_t *restrict touching = sim->touching, *restrict apart = sim->apart;
+    uint64_t *restrict touching = sim->touching;
+    uint32_t *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
     size_t n = 0, n_apart = 0;
     unsigned alarm = 0;
+    uint64_t word = 0;
     geometry next = {0};
     if (sim->n_pairs > 0) next = geometry_of(sim, 0);
     for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
@@ -125,13 +127,14 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
         const lanes touch = next.touch;
         if (k + WIDTH < sim->n_pairs)
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
+        dem_note(touching, k, wide_bits(touch), &word);
         if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
-        n = wide_append(touching, n, wide_bits(touch), k);
+        n += (size_t)__builtin_popcount(wide_bits(touch));
         const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);

@@ -20,8 +20,8 @@ struct dem_scratch {
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
     dem_spin *spin;
-    /* springs of touching pairs, by the lower new index of the two grains */
-    uint32_t *held_start; /* n + 1 */
+    /* springs of touching pairs, a chain for the lower new index of the two grains */
+    uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
     uint32_t *held_partner;
     double *held_spring, *held_roll;
     size_t held_room;
@@ -85,10 +85,10 @@ static bool lengthen(void *array, size_t size, size_t held, size_t room)
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
     if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
-    const size_t held = sim->n_pairs, room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
+    const size_t held = sim->n_pairs, room = sim->pair_room = 9 * (sim->n_pairs + more) / 512 * 64 + 128;
     if (lengthen(&sim->pair_i, sizeof *sim->pair_i, held, room) &&
         lengthen(&sim->pair_j, sizeof *sim->pair_j, held, room) &&
-        lengthen(&sim->touching, sizeof *sim->touching, held, room) &&
+        lengthen(&sim->touching, sizeof *sim->touching, (held + 63) / 64, room / 64) &&
         lengthen(&sim->pair_radii, sizeof *sim->pair_radii, held, room) &&
         lengthen(&sim->pair_mass, sizeof *sim->pair_mass, held, room) &&
         lengthen(&sim->spring, sizeof *sim->spring, held, room) &&
@@ -121,7 +121,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     sim->n_pairs = like->n_pairs;
     memcpy(sim->pair_i, like->pair_i, sim->n_pairs * sizeof *sim->pair_i);
     memcpy(sim->pair_j, like->pair_j, sim->n_pairs * sizeof *sim->pair_j);
-    memcpy(sim->touching, like->touching, sim->n_touching * sizeof *sim->touching);
+    memcpy(sim->touching, like->touching, (sim->n_pairs + 63) / 64 * sizeof *sim->touching);
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
@@ -162,10 +162,10 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->inverse_mass = dem_array(n, sizeof *w->inverse_mass);
     w->id = dem_array(n, sizeof *w->id);
     if (sim->def.rotation) w->spin = dem_array(n, sizeof *w->spin);
-    w->held_start = calloc(n + 1, sizeof *w->held_start);
+    w->held_first = malloc(n * sizeof *w->held_first);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
-        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->gear && !w->gear) ||
+        !w->inverse_mass || !w->id || !w->held_first || !w->wall_held || (sim->gear && !w->gear) ||
         (sim->def.rotation && !w->spin))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
@@ -177,7 +177,8 @@ void dem_neighbours_free(dem_sim *sim)
     struct dem_scratch *w = sim->scratch;
     if (!w) return;
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
-    free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
+    free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
+        free(w->held_partner);
     free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin);
     free(w->gear), free(w);
     sim->scratch = NULL;
@@ -287,38 +288,30 @@ static void measure_room(dem_sim *sim)
     sim->box_swept = 0.0;
 }
 
-/* Keep the springs of touching pairs, sorted by the lower new index. */
+/* Keep the springs of touching pairs. */
 static rp_status hold_springs(dem_sim *sim)
 {
     struct dem_scratch *w = sim->scratch;
     if (sim->n_touching > w->held_room) {
         w->held_room = sim->n_touching + sim->n_touching / 2;
-        if (!dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
+        if (!dem_grow(&w->held_next, sizeof *w->held_next, w->held_room) ||
+            !dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
             !dem_grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
             (sim->rolling && !dem_grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
-    memset(w->held_start, 0, (sim->n + 1) * sizeof *w->held_start);
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t t = 0; t < sim->n_touching; t++) {
-            const uint32_t k = sim->touching[t];
-            uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
-            if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
-            uint32_t low = a < b ? a : b;
-            if (pass == 0) {
-                w->held_start[low + 1]++;
-            } else {
-                uint32_t at = w->held_start[low]++;
-                w->held_partner[at] = a < b ? b : a;
-                w->held_spring[at] = sim->spring[k];
-                if (sim->rolling) w->held_roll[at] = a < b ? sim->roll[k] : -sim->roll[k];
-            }
-        }
-        if (pass == 0)
-            for (size_t i = 0; i < sim->n; i++) w->held_start[i + 1] += w->held_start[i];
+    memset(w->held_first, 0xff, sim->n * sizeof *w->held_first);
+    uint32_t n = 0;
+    DEM_EACH_TOUCHING (sim, k) {
+        const uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
+        if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
+        const uint32_t low = a < b ? a : b;
+        w->held_partner[n] = a < b ? b : a;
+        w->held_spring[n] = sim->spring[k];
+        if (sim->rolling) w->held_roll[n] = a < b ? sim->roll[k] : -sim->roll[k];
+        w->held_next[n] = w->held_first[low];
+        w->held_first[low] = n++;
     }
-    for (size_t i = sim->n; i > 0; i--) w->held_start[i] = w->held_start[i - 1];
-    w->held_start[0] = 0;
     return RP_OK;
 }
 
@@ -327,7 +320,7 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
     const struct dem_scratch *w = sim->scratch;
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
-    for (uint32_t at = w->held_start[low]; at < w->held_start[low + 1]; at++)
+    for (uint32_t at = w->held_first[low]; at != NOWHERE; at = w->held_next[at])
         if (w->held_partner[at] == high) {
             sim->spring[k] = w->held_spring[at];
             /* it is i's turn against j, where the shear displacement does not ask who is i */
@@ -357,6 +350,7 @@ static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 /* The rest of what a pair holds, with the springs of those that touch. */
 static void complete_pairs(dem_sim *sim)
 {
+    uint64_t *restrict touching = sim->touching, word = 0;
     size_t n = 0;
     for (size_t k = 0; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
@@ -372,14 +366,12 @@ static void complete_pairs(dem_sim *sim)
             sim->radius_i[k] = r_i, sim->radius_j[k] = r_j, sim->roll_radius[k] = r_i * r_j / radii;
         }
         if (sim->rolling) sim->roll[k] = 0.0;
-        sim->touching[n] = (uint32_t)k;
-        n += dem_dot(d, d) < radii * radii;
+        const bool touch = dem_dot(d, d) < radii * radii;
+        dem_note(touching, k, touch, &word);
+        n += touch;
     }
     sim->n_touching = n;
-    for (size_t t = 0; t < n; t++) {
-        const uint32_t k = sim->touching[t];
-        restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
-    }
+    DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
 }
 
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three

@@ -478,8 +478,8 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
 static rp_status check_overlaps(dem_sim *sim)
 {
     sim->alarm = false;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
+    DEM_EACH_TOUCHING (sim, k) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
         double overlap = sim->pair_radii[k] - sqrt(dem_dot(d, d)),
                smaller = fmin(sim->radius[i], sim->radius[j]);
@@ -546,8 +546,8 @@ static meeting meeting_of(const dem_sim *sim, size_t i, size_t j)
 static rp_status check_start_overlaps(const dem_sim *sim)
 {
     double limit = INFINITY;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
+    DEM_EACH_TOUCHING (sim, k) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
         limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.material, meeting_of(sim, i, j),
                                                sim->pair_radii[k] - sqrt(dem_dot(d, d))));
@@ -571,19 +571,18 @@ static rp_status check_start_overlaps(const dem_sim *sim)
  */
 static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, double roll)
 {
-    size_t lo = 0, hi = sim->n_touching;
+    size_t lo = 0, hi = sim->n_pairs;
     while (lo < hi) {
         const size_t middle = (lo + hi) / 2;
-        if (sim->pair_i[sim->touching[middle]] < i)
+        if (sim->pair_i[middle] < i)
             lo = middle + 1;
         else
             hi = middle;
     }
-    for (; lo < sim->n_touching && sim->pair_i[sim->touching[lo]] == i; lo++) {
-        const size_t k = sim->touching[lo];
-        if (sim->pair_j[k] != j) continue;
-        sim->spring[k] = shear;
-        if (sim->rolling) sim->roll[k] = roll;
+    for (; lo < sim->n_pairs && sim->pair_i[lo] == i; lo++) {
+        if (sim->pair_j[lo] != j || !(sim->touching[lo / 64] >> lo % 64 & 1)) continue;
+        sim->spring[lo] = shear;
+        if (sim->rolling) sim->roll[lo] = roll;
         return true;
     }
     return false;
@@ -734,7 +733,8 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->margin2 = c->reach = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
-    c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
+    c->pair_i = c->pair_j = NULL, c->touching = NULL,
+    c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);

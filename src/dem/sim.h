@@ -124,10 +124,12 @@ struct dem_sim {
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
-    /* pairs closer than touching and margins; `spring` and `roll` are 0 while they do not touch. Up to the
-     * next multiple of 8 follow pairs of grain 0 with itself that never touch. */
+    /* pairs closer than touching and margins; `touching` has a bit for each, lowest of a word first;
+     * `spring` and `roll` are 0 while they do not touch. Up to the next multiple of 8 follow pairs of grain 0
+     * with itself that never touch. */
     size_t n_pairs, pair_room, n_touching;
-    uint32_t *pair_i, *pair_j, *touching;
+    uint32_t *pair_i, *pair_j;
+    uint64_t *touching;
     double *pair_radii, *pair_mass, *spring;
     double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll;                              /* rolling displacements; NULL without rolling resistance */
@@ -149,6 +151,20 @@ struct dem_sim {
     double grain_steps, iterations;
 };
 
+/* Put the bits of pairs k.. into an array that is filled from a multiple of 64 on; `word` is what its word
+ * has so far. */
+static inline void dem_note(uint64_t *array, size_t k, unsigned bits, uint64_t *word)
+{
+    *word = (k % 64 ? *word : 0) | (uint64_t)bits << k % 64;
+    array[k / 64] = *word;
+}
+
+/* For each pair k that touches. `break` does not end it. */
+#define DEM_EACH_TOUCHING(sim, k)                                                                            \
+    for (size_t word_ = 0, k; 64 * word_ < (sim)->n_pairs; word_++)                                          \
+        for (uint64_t bits_ = (sim)->touching[word_];                                                        \
+             bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
+
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
     dem_vec p = a * b;
@@ -161,8 +177,8 @@ static inline dem_vec dem_clockwise(dem_vec n)
     return (dem_vec){n[1], -n[0]};
 }
 
-/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache, and
- * lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
+/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache,
+ * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
 void *dem_array(size_t n, size_t size);
 
 /* Let the array that `array` points to hold `room` items; false, and as it was, if memory is short. */
