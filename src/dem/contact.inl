@@ -6,10 +6,10 @@
  * overlap, at arms from the centres that add up to their distance, so that angular momentum is conserved. A
  * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
  * along -s; so both add to v_s, and F_s turns both the same way. */
-static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
-                                                            int tangential, int slip, bool tension,
-                                                            int damping, bool rotation, bool rolling,
-                                                            bool gear)
+static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t from, size_t to, double h,
+                                                            int normal, int tangential, int slip,
+                                                            bool tension, int damping, bool rotation,
+                                                            bool rolling, bool gear)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
@@ -24,26 +24,24 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
 
     bool alarm = false;
     uint64_t word = 0;
-    sim->n_touching = 0;
-    for (size_t from = 0, to; from < sim->n_pairs; from = to) {
+    while (from < to) {
         /* which pairs touch, listed without a branch; a spring ends with its contact */
         enum { BLOCK = 256 };
         uint32_t held[BLOCK + 1];
         size_t n = 0;
-        for (to = from; to < sim->n_pairs && to < from + BLOCK; to += 8) {
+        for (const size_t end = from + BLOCK; from < to && from < end; from += 8) {
             unsigned bits = 0;
-            for (size_t k = to; k < to + 8; k++) {
+            for (size_t k = from; k < from + 8; k++) {
                 dem_vec d = grain[pair_i[k]].x - grain[pair_j[k]].x;
                 const bool touch = dem_dot(d, d) < radii[k] * radii[k];
-                bits |= (unsigned)touch << (k - to);
+                bits |= (unsigned)touch << (k - from);
                 held[n] = (uint32_t)k;
                 n += touch;
                 if (tangential == DEM_SPRING) spring[k] = touch ? spring[k] : 0.0;
                 if (rolling) roll[k] = touch ? roll[k] : 0.0;
             }
-            dem_note(touching, to, bits, &word);
+            dem_note(touching, from, bits, &word);
         }
-        sim->n_touching += n;
         for (size_t t = 0; t < n; t++) {
             const size_t k = held[t], i = pair_i[k], j = pair_j[k];
             dem_vec d = grain[i].x - grain[j].x, v = grain[i].v - grain[j].v;

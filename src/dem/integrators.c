@@ -14,11 +14,11 @@
 
 #include "dem/sim.h"
 
-/* Spins and angles by the same leapfrog, from grain i on. */
-static void integrate_spins(dem_sim *sim, size_t i)
+/* Spins and angles by the same leapfrog, of the grains i..to. */
+static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
     const double dt = sim->def.dt;
-    for (; i < sim->n; i++) {
+    for (; i < to; i++) {
         dem_spin *p = &sim->spin[i];
         p->omega += dt * p->inverse_inertia * p->torque;
         p->angle += dt * p->omega;
@@ -57,7 +57,7 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
-unsigned dem_integrate(dem_sim *sim)
+unsigned dem_integrate(dem_sim *sim, size_t from, size_t to)
 {
     const bool turned = sim->box_angle != 0.0;
     const double dt = sim->def.dt;
@@ -67,8 +67,8 @@ unsigned dem_integrate(dem_sim *sim)
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
     unsigned left = 0;
-    const size_t advanced = sim->advance ? sim->advance(sim, &left) : 0;
-    for (size_t i = advanced; i < sim->n; i++) {
+    const size_t advanced = sim->advance ? sim->advance(sim, from, to, &left) : from;
+    for (size_t i = advanced; i < to; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
@@ -81,10 +81,10 @@ unsigned dem_integrate(dem_sim *sim)
         left |= !(dem_dot(moved, moved) <= sim->margin2[i]) * DEM_LIST_OUT |
                 ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
-    for (size_t i = 0; i < sim->n && turned; i++) left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
-    hold_fixed(sim);
-    if (sim->spin) integrate_spins(sim, advanced);
-    sim->grain_steps += (double)sim->n;
+    for (size_t i = from; i < to && turned; i++) left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
+    if (to == sim->n) hold_fixed(sim);
+    if (sim->spin) integrate_spins(sim, advanced, to);
+    sim->grain_steps += (double)(to - from);
     return left;
 }
 

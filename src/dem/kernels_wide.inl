@@ -107,7 +107,7 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
  * since it starts from +0. The list ends in pairs that never touch. */
-INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool rolling)
+INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
     const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
@@ -116,16 +116,16 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
     uint64_t *restrict touching = sim->touching;
     uint32_t *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
-    size_t n = 0, n_apart = 0;
+    size_t n_apart = 0;
     unsigned alarm = 0;
     uint64_t word = 0;
     geometry next = {0};
-    if (sim->n_pairs > 0) next = geometry_of(sim, 0);
-    for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
+    if (from < to) next = geometry_of(sim, from);
+    for (size_t k = from; k < to; k += WIDTH) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
         const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
         const lanes touch = next.touch;
-        if (k + WIDTH < sim->n_pairs)
+        if (k + WIDTH < to)
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
         dem_note(touching, k, wide_bits(touch), &word);
         if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
@@ -134,7 +134,6 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
-        n += (size_t)__builtin_popcount(wide_bits(touch));
         const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
@@ -181,7 +180,6 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
             force[j[p]] -= f[p];
         }
     }
-    sim->n_touching = n;
     sim->alarm |= alarm != 0;
     if (!apart) return;
     while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
@@ -192,22 +190,22 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
 
 /* With instances of their own for the laws of a box and of dropped piles: the compiler leaves out of them
  * what the tests have decided. */
-void WIDE_KERNEL(dem_sim *sim, double h)
+void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
 {
     const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
     const bool spring = law.shear && !law.slip_roll && law.truncated;
     if (!sim->def.rotation && spring && law.hertz && law.tension && !law.inside)
-        wide_loop(sim, h, law, false, false);
+        wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->def.rotation && !law.shear && !law.slip_roll && law.hertz && law.tension)
-        wide_loop(sim, h, law, false, false);
+        wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->def.rotation)
-        wide_loop(sim, h, law, false, false);
+        wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->rolling)
-        wide_loop(sim, h, law, true, false);
+        wide_loop(sim, from, to, h, law, true, false);
     else if (spring && !law.hertz && !law.tension && law.inside)
-        wide_loop(sim, h, law, true, true);
+        wide_loop(sim, from, to, h, law, true, true);
     else
-        wide_loop(sim, h, law, true, true);
+        wide_loop(sim, from, to, h, law, true, true);
 }
 
 /* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
@@ -280,16 +278,14 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
     }
 }
 
-/* As apply_slot for the slots from k on of one wall, a whole line at rest and not the ground; returns the
- * first of the next. The last block is filled up with its last slot. */
-size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
+/* As apply_slot for slots k..end of one wall, a whole line at rest and not the ground. The last block is
+ * filled up with its last slot. */
+void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->wall_slot;
     const uint32_t w = slot[k].wall;
     const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
     dem_vec wall = sim->wall_force[w];
-    size_t end = k;
-    while (end < sim->n_wall_slots && slot[end].wall == w) end++;
     for (; k < end; k += WIDTH) {
         const size_t n = end - k < WIDTH ? end - k : WIDTH;
         uint32_t at[WIDTH], i[WIDTH];
@@ -300,16 +296,15 @@ size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
         sim->alarm |= b.deep != 0;
     }
     sim->wall_force[w] = wall;
-    return end;
 }
 
-/* As integrate_spins in integrators.c, for the first n, a multiple of WIDTH/2: (angle, omega) and (torque,
+/* As integrate_spins in integrators.c, for i..to, some times WIDTH/2: (angle, omega) and (torque,
  * inverse inertia) are taken as vectors. */
-INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
+INLINE void advance_spins(dem_spin *spin, size_t i, size_t to, double dt)
 {
     const wide zero = {0};
     const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
-    for (size_t i = 0; i < n; i += WIDTH / 2) {
+    for (; i < to; i += WIDTH / 2) {
         dem_record *at = (dem_record *)(spin + i);
         wide turn, drive;
         wide_load_records(at, &turn, &drive);
@@ -318,8 +313,8 @@ INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
     }
 }
 
-/* As dem_integrate, spins included; returns for how many grains. */
-size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
+/* As dem_integrate, spins included; returns up to where. */
+size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
@@ -329,8 +324,8 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
                most = wide_repeat((dem_vec){x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, y_min});
     unsigned far = 0, out = 0;
-    size_t i = 0;
-    for (; i + GRAINS <= sim->n; i += GRAINS) {
+    size_t i = from;
+    for (; i + GRAINS <= to; i += GRAINS) {
         double *force = (double *)(sim->force + i);
         wide x, v;
         wide_load_records(sim->grain + i, &x, &v);
@@ -345,7 +340,7 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
     *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
-    if (sim->spin) advance_spins(sim->spin, i, dt);
+    if (sim->spin) advance_spins(sim->spin, from, i, dt);
     return i;
 }
 

@@ -71,7 +71,7 @@ static rp_status grain_room(dem_sim *sim, size_t last_id)
 static rp_status contact_room(dem_sim *sim)
 {
     struct dem_book *b = sim->book;
-    const size_t need = sim->n_touching + sim->n_wall_slots;
+    const size_t need = dem_count_touching(sim) + sim->n_wall_slots;
     if (need < b->contact_room) return RP_OK;
     const size_t room = 2 * need + 16;
     if (!dem_grow(&b->old_contact, sizeof *b->old_contact, room) ||

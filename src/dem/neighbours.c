@@ -111,6 +111,27 @@ static void pad_pairs(dem_sim *sim)
     }
 }
 
+/* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
+ * renamed, that may be so of few before the end. */
+static rp_status plan_chunks(dem_sim *sim)
+{
+    const size_t n = (sim->n_pairs + sim->chunk - 1) / sim->chunk;
+    sim->n_chunks = 0;
+    if (n < 2) return RP_OK;
+    if (n > sim->chunk_room && !dem_grow(&sim->done, sizeof *sim->done, sim->chunk_room = 2 * n))
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    uint32_t done = (uint32_t)sim->n;
+    for (size_t c = n, end = sim->n_pairs; c-- > 0; end = c * sim->chunk) {
+        sim->done[c] = c + 1 == n ? done : done / 8 * 8; /* as many as are integrated at once */
+        for (size_t k = c * sim->chunk; k < end; k++) {
+            const uint32_t i = sim->pair_i[k], j = sim->pair_j[k], first = i < j ? i : j;
+            done = first < done ? first : done;
+        }
+    }
+    sim->n_chunks = n;
+    return RP_OK;
+}
+
 static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
 {
     sim->n_pairs = sim->pair_room = 0;
@@ -135,7 +156,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
-    return RP_OK;
+    return like->n_chunks > 0 ? plan_chunks(sim) : RP_OK;
 }
 
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
@@ -292,8 +313,9 @@ static void measure_room(dem_sim *sim)
 static rp_status hold_springs(dem_sim *sim)
 {
     struct dem_scratch *w = sim->scratch;
-    if (sim->n_touching > w->held_room) {
-        w->held_room = sim->n_touching + sim->n_touching / 2;
+    const size_t most = dem_count_touching(sim);
+    if (most > w->held_room) {
+        w->held_room = most + most / 2;
         if (!dem_grow(&w->held_next, sizeof *w->held_next, w->held_room) ||
             !dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
             !dem_grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
@@ -351,7 +373,6 @@ static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 static void complete_pairs(dem_sim *sim)
 {
     uint64_t *restrict touching = sim->touching, word = 0;
-    size_t n = 0;
     for (size_t k = 0; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
@@ -368,9 +389,7 @@ static void complete_pairs(dem_sim *sim)
         if (sim->rolling) sim->roll[k] = 0.0;
         const bool touch = dem_dot(d, d) < radii * radii;
         dem_note(touching, k, touch, &word);
-        n += touch;
     }
-    sim->n_touching = n;
     DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
 }
 
@@ -403,6 +422,14 @@ static rp_status find_pairs(dem_sim *sim)
         }
     complete_pairs(sim);
     return RP_OK;
+}
+
+static void mark_walls(dem_sim *sim)
+{
+    for (size_t w = 0, k = 0; w <= sim->def.n_walls; w++) {
+        while (k < sim->n_wall_slots && sim->wall_slot[k].wall < w) k++;
+        sim->wall_start[w] = k;
+    }
 }
 
 /* Slots of grains near a wall's line; a wall that is gone has none. */
@@ -442,6 +469,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             }
         }
     }
+    mark_walls(sim);
     return RP_OK;
 }
 
@@ -493,6 +521,8 @@ void dem_neighbours_drop(dem_sim *sim)
             if (sim->fixed[k] == last) sim->fixed[k] = gone;
         move_last(sim, i);
     }
+    mark_walls(sim);
+    sim->n_chunks = 0; /* places are no longer in the order of the list */
 }
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
@@ -508,5 +538,5 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (!status) status = find_pairs(sim);
     pad_pairs(sim);
     if (!status) status = find_wall_slots(sim);
-    return status;
+    return status ? status : plan_chunks(sim);
 }

@@ -166,7 +166,7 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
 {
     *n = 0;
-    *contacts = malloc((sim->n_touching + sim->n_wall_slots + 1) * sizeof **contacts);
+    *contacts = malloc((dem_count_touching(sim) + sim->n_wall_slots + 1) * sizeof **contacts);
     if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
     DEM_EACH_TOUCHING (sim, k) (*contacts)[(*n)++] = pair_contact(sim, k);
     for (size_t k = 0; k < sim->n_wall_slots; k++) *n += slot_contact(sim, k, *contacts + *n);
@@ -283,6 +283,6 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi)
 
 void dem_count_work(const dem_sim *sim, dem_counts *counts)
 {
-    *counts = (dem_counts){sim->n_pairs,    sim->n_touching,  sim->n_wall_slots, sim->rebuilds,
-                           sim->collisions, sim->grain_steps, sim->iterations};
+    *counts = (dem_counts){sim->n_pairs,    dem_count_touching(sim), sim->n_wall_slots, sim->rebuilds,
+                           sim->collisions, sim->grain_steps,        sim->iterations};
 }

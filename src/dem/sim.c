@@ -10,6 +10,9 @@
 #include "core/clock.h"
 #include "dem/sim.h"
 
+/* Pairs of a chunk: some 3000 grains. What a step reads and writes of them fits into the second cache. */
+enum { CHUNK = 8192 };
+
 dem_definition dem_definition_default(void)
 {
     return (dem_definition){
@@ -474,11 +477,13 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
                    sim->id[grain], text);
 }
 
-/* An overlap beyond the smallest radius was seen: find one that is beyond the smaller of its own two. */
-static rp_status check_overlaps(dem_sim *sim)
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
+ * find one that is beyond the smaller of its own two. */
+static rp_status check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
 {
     sim->alarm = false;
-    DEM_EACH_TOUCHING (sim, k) {
+    for (; k < to; k++) {
+        if (!dem_touches(sim, k)) continue;
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
         double overlap = sim->pair_radii[k] - sqrt(dem_dot(d, d)),
@@ -488,11 +493,12 @@ static rp_status check_overlaps(dem_sim *sim)
                             "overlap %g with grain %u, beyond the smaller radius %g", overlap, sim->id[j],
                             smaller);
     }
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+    for (size_t s = 0; s < sim->n_wall_slots; s++) {
         dem_vec normal, velocity;
         double overlap;
-        dem_wall_slot slot = sim->wall_slot[k];
-        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && !(overlap <= sim->radius[slot.grain]))
+        dem_wall_slot slot = sim->wall_slot[s];
+        if (slot.grain >= grain && dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
+            !(overlap <= sim->radius[slot.grain]))
             return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE, slot.grain,
                             "its centre passed wall %u (overlap %g)", slot.wall + 1, overlap);
     }
@@ -580,7 +586,7 @@ static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, dou
             hi = middle;
     }
     for (; lo < sim->n_pairs && sim->pair_i[lo] == i; lo++) {
-        if (sim->pair_j[lo] != j || !(sim->touching[lo / 64] >> lo % 64 & 1)) continue;
+        if (sim->pair_j[lo] != j || !dem_touches(sim, lo)) continue;
         sim->spring[lo] = shear;
         if (sim->rolling) sim->roll[lo] = roll;
         return true;
@@ -627,9 +633,9 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     rp_status status = dem_neighbours_rebuild(sim);
     if (!status) status = set_springs(sim, def->n_contacts, def->contacts);
     if (status) return status;
-    sim->kernel(sim, 0.0);
-    dem_walls_apply(sim, 0.0);
-    if (sim->alarm) status = check_overlaps(sim);
+    sim->kernel(sim, 0, sim->n_pairs, 0.0);
+    dem_walls_apply(sim, 0, sim->n, 0.0);
+    if (sim->alarm) status = check_overlaps(sim, 0, sim->n_pairs, 0);
     if (!status) status = check_start_overlaps(sim);
     if (!status && sim->book) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;
@@ -685,6 +691,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->mu = fmin(def->material.mu, 1e300);
     for (size_t w = 0; w < def->n_walls; w++) sim->wall_mu[w] = fmin(def->walls[w].material.mu, 1e300);
     sim->rolling = has_rolling(def);
+    sim->chunk = CHUNK;
     dem_kernel_choose(sim);
     rp_status status = alloc_arrays(sim, sim->n);
     if (status) return status;
@@ -735,7 +742,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
     c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
-    c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL;
+    c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
@@ -837,7 +844,7 @@ void dem_free(dem_sim *sim)
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
-    free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart);
+    free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart), free(sim->done);
     free(sim->spin), free(sim->roll), free(sim);
 }
 
@@ -848,11 +855,37 @@ static inline void lap(double *phase, double *clock)
     *clock = now;
 }
 
+/* May grains go on before the forces on all the others are there? */
+static bool runs_ahead(const dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    return sim->n_chunks > 0 && def->integrator == DEM_VERLET && def->kernel != DEM_REFERENCE &&
+           !def->hard.on && !sim->book && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
+}
+
+/* The forces, and the next step of the grains behind them while these are in the cache; gives what
+ * dem_integrate does in *left. */
+static rp_status run_ahead(dem_sim *sim, unsigned *left)
+{
+    rp_status status;
+    for (size_t c = 0, k = 0, i = 0; c < sim->n_chunks; c++) {
+        const size_t end = c + 1 < sim->n_chunks ? k + sim->chunk : sim->n_pairs, done = sim->done[c];
+        sim->kernel(sim, k, end, sim->def.dt);
+        dem_walls_apply(sim, i, done, sim->def.dt);
+        if (sim->alarm && (status = check_overlaps(sim, k, end, i)) != RP_OK) return status;
+        *left |= dem_integrate(sim, i, done);
+        k = end, i = done;
+    }
+    return RP_OK;
+}
+
 /* With `times` NULL, as the compiler knows, no more than the steps. */
 static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     const double h = sim->def.dt;
     double clock = times ? rp_clock() : 0.0;
+    unsigned left = 0;
+    bool ahead = false; /* the step to come is made already */
     rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
     if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
@@ -860,9 +893,8 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        unsigned left = 0;
         if (!sim->implicit)
-            left = dem_integrate(sim);
+            left = ahead ? left : dem_integrate(sim, 0, sim->n);
         else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
             return status;
         sim->step++;
@@ -873,10 +905,16 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
             dem_neighbours_drop(sim);
         }
         if (times) lap(&times->lists, &clock);
-        sim->kernel(sim, h);
+        ahead = !times && steps > 1 && runs_ahead(sim);
+        left = 0;
+        if (ahead) {
+            if ((status = run_ahead(sim, &left)) != RP_OK) return status;
+            continue;
+        }
+        sim->kernel(sim, 0, sim->n_pairs, h);
         if (times) lap(&times->contacts, &clock);
-        dem_walls_apply(sim, h);
-        if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;
+        dem_walls_apply(sim, 0, sim->n, h);
+        if (sim->alarm && (status = check_overlaps(sim, 0, sim->n_pairs, 0)) != RP_OK) return status;
         if (times) lap(&times->walls, &clock);
         if (sim->book && (status = dem_ledger_forces(sim, h)) != RP_OK) return status;
         if (sim->gear) dem_integrate_correct(sim);

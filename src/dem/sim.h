@@ -43,15 +43,16 @@ typedef struct {
     double normal, well, shear, rolling;
 } dem_elastic;
 
-typedef void dem_kernel(struct dem_sim *sim, double h);
-/* Add the forces of the wall of slot k, a whole line at rest, not the ground; returns the first slot of the
- * next. */
-typedef size_t dem_line(struct dem_sim *sim, size_t k, double h);
+/* Add the forces of the pairs from..to: the first a multiple of 64, the second too or n_pairs. All, in turn.
+ */
+typedef void dem_kernel(struct dem_sim *sim, size_t from, size_t to, double h);
+/* Add the forces of slots k..end of one wall, a whole line at rest, not the ground. */
+typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
-/* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
-typedef size_t dem_advance(struct dem_sim *sim, unsigned *left);
+/* Like dem_integrate, for as many grains from the first on as it can; returns up to where. */
+typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
@@ -127,12 +128,17 @@ struct dem_sim {
     /* pairs closer than touching and margins; `touching` has a bit for each, lowest of a word first;
      * `spring` and `roll` are 0 while they do not touch. Up to the next multiple of 8 follow pairs of grain 0
      * with itself that never touch. */
-    size_t n_pairs, pair_room, n_touching;
+    size_t n_pairs, pair_room;
     uint32_t *pair_i, *pair_j;
     uint64_t *touching;
     double *pair_radii, *pair_mass, *spring;
     double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll;                              /* rolling displacements; NULL without rolling resistance */
+
+    /* where there are more pairs than a chunk, chunks of them: from the end of chunk c on, no pair and no
+     * wall slot before its place in the order of walls is of a grain below done[c] */
+    size_t chunk, n_chunks, chunk_room;
+    uint32_t *done;
 
     /* hard collisions: the pairs that do not touch, in their order. It holds where a kernel that makes it has
      * run since the pairs or places changed. */
@@ -140,7 +146,8 @@ struct dem_sim {
     size_t n_apart;
     bool apart_holds;
 
-    size_t n_wall_slots, wall_room;
+    /* slots in the order of walls: the first of each, and the first that a step has still to do */
+    size_t n_wall_slots, wall_room, wall_start[DEM_MAX_WALLS + 1], wall_next[DEM_MAX_WALLS];
     dem_wall_slot *wall_slot;
     dem_vec wall_force[DEM_MAX_WALLS];
 
@@ -157,6 +164,18 @@ static inline void dem_note(uint64_t *array, size_t k, unsigned bits, uint64_t *
 {
     *word = (k % 64 ? *word : 0) | (uint64_t)bits << k % 64;
     array[k / 64] = *word;
+}
+
+static inline bool dem_touches(const dem_sim *sim, size_t k)
+{
+    return sim->touching[k / 64] >> k % 64 & 1;
+}
+
+static inline size_t dem_count_touching(const dem_sim *sim)
+{
+    size_t n = 0;
+    for (size_t w = 0; 64 * w < sim->n_pairs; w++) n += (size_t)__builtin_popcountll(sim->touching[w]);
+    return n;
 }
 
 /* For each pair k that touches. `break` does not end it. */
@@ -211,9 +230,9 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
-/* Advance velocities and positions by a step, Gear's as a prediction, and clear the forces; gives
- * DEM_LIST_OUT and DEM_GRAIN_OUT; integrators.c. */
-unsigned dem_integrate(dem_sim *sim);
+/* Advance velocities and positions of the grains from..to by a step, Gear's as a prediction, and clear their
+ * forces; gives DEM_LIST_OUT and DEM_GRAIN_OUT. Fixed grains are put back with the last. integrators.c. */
+unsigned dem_integrate(dem_sim *sim, size_t from, size_t to);
 
 /* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
  * predicted. */
@@ -253,8 +272,8 @@ void dem_neighbours_drop(dem_sim *sim);
 /* Turn the walls on for a step if they turn now; walls.c. */
 void dem_walls_turn(dem_sim *sim);
 
-/* Add the forces of the walls; walls.c. */
-void dem_walls_apply(dem_sim *sim, double h);
+/* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on; walls.c. */
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
 
 static inline bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot)
 {
