@@ -12,6 +12,8 @@ typedef struct {
     dem_material c;
     double mu;
     bool hertz, tension, shear, slip_roll, truncated, inside;
+    bool friction; /* shear or slip_roll; asked for as two bytes, the compiler reads what it has just written
+                    */
 } laws;
 
 /* A spring and a dashpot under a limit: shear, or rolling. */
@@ -29,7 +31,8 @@ INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
                   def->tangential == DEM_SPRING,
                   def->tangential == DEM_SLIP_ROLL,
                   def->slip == DEM_TRUNCATED,
-                  def->damping == DEM_DAMPING_INSIDE};
+                  def->damping == DEM_DAMPING_INSIDE,
+                  def->tangential != DEM_NONE};
 }
 
 INLINE slider shear_of(const laws *law)
@@ -138,7 +141,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (law.shear || law.slip_roll) {
+        if (law.friction) {
             /* along s = (ny, -nx), the normal turned clockwise */
             wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
             if (rotation) {
@@ -196,7 +199,7 @@ void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
     const bool spring = law.shear && !law.slip_roll && law.truncated;
     if (!sim->def.rotation && spring && law.hertz && law.tension && !law.inside)
         wide_loop(sim, from, to, h, law, false, false);
-    else if (!sim->def.rotation && !law.shear && !law.slip_roll && law.hertz && law.tension)
+    else if (!sim->def.rotation && !law.friction && law.hertz && law.tension)
         wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->def.rotation)
         wide_loop(sim, from, to, h, law, false, false);
@@ -238,7 +241,7 @@ INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uin
                .roll = wide_gather(&slot->roll, at, of_slot),
                .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
                .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
-    if (!law->shear && !law->slip_roll) return b;
+    if (!law->friction) return b;
     const wide arm = radius - overlap, omega = sim->spin ? wide_gather(&sim->spin->omega, i, of_spin) : zero;
     wide v_s = vx * ny - vy * nx, f_s;
     if (sim->spin) v_s += arm * omega;
