@@ -5,6 +5,7 @@
 #include "core/clock.h"
 #include "core/random.h"
 #include "dem/scene.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -299,6 +300,95 @@ static void check_name(const dem_definition *def, const char *name)
     CU_ASSERT_STRING_NOT_EQUAL(name, "reference");
     CU_ASSERT((strstr(name, "_avx2") != NULL) == (def->kernel == DEM_AVX2));
     CU_ASSERT((strstr(name, "_avx512") != NULL) == (def->kernel == DEM_AVX512));
+}
+
+/* One whose steps take a few hundred pairs as they do those of a large pile, where `chunk` says so. */
+static dem_sim *start_in_chunks(const dem_definition *def, size_t chunk)
+{
+    dem_sim *sim = grains_start(def);
+    if (chunk > 0) sim->chunk = chunk;
+    CHECK_OK(dem_neighbours_rebuild(sim)); /* of both that are compared */
+    return sim;
+}
+
+static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
+{
+    double f[2 * DEM_MAX_WALLS] = {0}, g[2 * DEM_MAX_WALLS] = {0};
+    dem_wall_forces(a, f);
+    dem_wall_forces(b, g);
+    return memcmp(f, g, sizeof f) == 0;
+}
+
+/* Where grains go on behind the pair loop against where all wait for all forces: filling, a wall that opens,
+ * cells that wrap around, grains that leave a list that goes on, fixed grains in between. */
+static void chunks_of(bool rotation)
+{
+    enum { N = 400, PARTS = 4 };
+    const long part = check_fast() ? 700 : 2500;
+    dem_grain *grains;
+    dem_definition def = grains_box(N, 4.0, 9, &grains);
+    for (int i = 0; i < N; i += 50) grains[i].fixed = true;
+    def.rotation = rotation;
+    if (rotation) def.material.mu_roll = 0.1;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
+    def.x_max = 4.1;
+    def.y_min = -0.5;
+    def.kernel = DEM_REFERENCE;
+    dem_sim *reference[PARTS + 1] = {start_in_chunks(&def, 0)};
+    for (int k = 0; k < PARTS; k++) {
+        CHECK_OK(dem_clone(reference[k], &reference[k + 1]));
+        CHECK_OK(dem_run(reference[k + 1], part));
+    }
+    CU_ASSERT(dem_count(reference[PARTS]) < N - 20);
+    for (def.kernel = DEM_BASELINE; def.kernel < DEM_KERNELS; def.kernel++) {
+        if (!dem_kernel_runs(def.kernel)) continue;
+        dem_sim *sim = start_in_chunks(&def, 64), *copy;
+        for (int k = 1; k <= PARTS; k++) {
+            CHECK_OK(dem_clone(sim, &copy));
+            CU_ASSERT(copy->n_chunks == sim->n_chunks);
+            dem_free(sim);
+            sim = copy;
+            CHECK_OK(dem_run(sim, part));
+            CU_ASSERT(grains_same_bits(sim, reference[k]));
+            CU_ASSERT(same_wall_forces(sim, reference[k]));
+            CU_ASSERT(grains_energy(sim) == grains_energy(reference[k])); /* springs too */
+            if (k == 2) CU_ASSERT(sim->n_chunks > 6 && sim->done[sim->n_chunks / 2] > N / 4);
+        }
+        dem_free(sim);
+    }
+    for (int k = 0; k <= PARTS; k++) dem_free(reference[k]);
+    free(grains);
+}
+
+/* A fault is found at the same step, with the same words. */
+static void faults_in_chunks(bool wall)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(400, 4.0, 9, &grains);
+    *(wall ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
+    def.kernel = DEM_REFERENCE;
+    dem_sim *reference = start_in_chunks(&def, 0);
+    CU_ASSERT(dem_run(reference, 100000) == RP_BROKEN);
+    char text[256];
+    snprintf(text, sizeof text, "%s", rp_message());
+    def.kernel = DEM_FAST;
+    dem_sim *sim = start_in_chunks(&def, 64);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, text);
+    CU_ASSERT(dem_step(sim) == dem_step(reference) && dem_sim_fault(sim) == dem_sim_fault(reference));
+    CU_ASSERT(sim->n_chunks > 2);
+    dem_free(sim);
+    dem_free(reference);
+    free(grains);
+}
+
+static void chunks(void)
+{
+    chunks_of(false);
+    chunks_of(true);
+    faults_in_chunks(false);
+    faults_in_chunks(true);
 }
 
 /* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
@@ -1309,6 +1399,7 @@ void suite_dem(void)
                                        {"grains leave the list", leaving},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"each kernel matches the reference loop", kernels_match_reference},
+                                       {"grains that go on behind the pair loop", chunks},
                                        {"same bits however it is run", determinism},
                                        {"gravity turns", gravity_turns},
                                        {"floor that ends", floor_that_ends},

@@ -94,6 +94,7 @@ static void choose_wide(dem_sim *sim)
     if (def->integrator == DEM_VERLET) {
         sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
         sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+        sim->stray = avx512 ? dem_stray_avx512 : dem_stray_avx2;
     }
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");

@@ -316,8 +316,17 @@ INLINE void advance_spins(dem_spin *spin, size_t i, size_t to, double dt)
     }
 }
 
-/* As dem_integrate, spins included; returns up to where. */
-size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left)
+INLINE double largest(wide a)
+{
+    double all[WIDTH];
+    wide_store(all, a);
+    double most = all[0];
+    for (int p = 1; p < WIDTH; p++) most = all[p] > most ? all[p] : most;
+    return most;
+}
+
+/* As dem_integrate, spins included. */
+size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
@@ -325,8 +334,9 @@ size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left)
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity),
                most = wide_repeat((dem_vec){x_max, INFINITY}),
-               least = wide_repeat((dem_vec){-INFINITY, y_min});
-    unsigned far = 0, out = 0;
+               least = wide_repeat((dem_vec){-INFINITY, y_min}), finite = zero + DBL_MAX;
+    wide fast = zero + *speed2;
+    unsigned strange = 0, out = 0;
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
         double *force = (double *)(sim->force + i);
@@ -334,16 +344,42 @@ size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left)
         wide_load_records(sim->grain + i, &x, &v);
         v = v + dt * (wide_load(force) * wide_load_twice(sim->inverse_mass + i) + gravity);
         x = x + dt * v;
-        wide moved = x - wide_load((const double *)(sim->ref + i));
-        moved *= moved;
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
-        /* written so that NaN counts as moved */
-        far |= wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
+        wide v2 = v * v;
+        v2 += wide_swap(v2);
+        fast = wide_max(v2, fast);
+        strange |= wide_bits(wide_at_most(v2, finite)) ^ ALL;
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
-    *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
+    *speed2 = strange ? INFINITY : largest(fast);
+    *left |= (out != 0) * DEM_GRAIN_OUT;
     if (sim->spin) advance_spins(sim->spin, from, i, dt);
+    return i;
+}
+
+/* As measure_slack in integrators.c. */
+size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2, double *beyond)
+{
+    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
+    wide widest = (wide){0} + *margin2, most = (wide){0} + *beyond;
+    unsigned far = 0;
+    size_t i = from;
+    for (; i + GRAINS <= to; i += GRAINS) {
+        wide x, v;
+        wide_load_records(sim->grain + i, &x, &v);
+        wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
+        moved += wide_swap(moved);
+        const wide margin = wide_load_twice(sim->margin2 + i);
+        /* written so that NaN counts as moved */
+        far |= wide_bits(wide_at_most(moved, margin)) ^ ALL;
+        widest = wide_max(margin, widest);
+        most = wide_max(moved - margin, most);
+    }
+    *left |= (far != 0) * DEM_LIST_OUT;
+    *margin2 = largest(widest);
+    *beyond = largest(most);
     return i;
 }
 

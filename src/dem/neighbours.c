@@ -122,7 +122,7 @@ static rp_status plan_chunks(dem_sim *sim)
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     uint32_t done = (uint32_t)sim->n;
     for (size_t c = n, end = sim->n_pairs; c-- > 0; end = c * sim->chunk) {
-        sim->done[c] = c + 1 == n ? done : done / 8 * 8; /* as many as are integrated at once */
+        sim->done[c] = c + 1 == n ? done : done / DEM_GROUP * DEM_GROUP;
         for (size_t k = c * sim->chunk; k < end; k++) {
             const uint32_t i = sim->pair_i[k], j = sim->pair_j[k], first = i < j ? i : j;
             done = first < done ? first : done;
@@ -307,6 +307,8 @@ static void measure_room(dem_sim *sim)
     for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
     sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
     sim->box_swept = 0.0;
+    sim->round_off = 1e-15 * (sqrt(far2) + sim->skin);
+    memset(sim->slack, 0, (sim->n / DEM_GROUP + 1) * sizeof *sim->slack);
 }
 
 /* Keep the springs of touching pairs. */
@@ -522,6 +524,7 @@ void dem_neighbours_drop(dem_sim *sim)
         move_last(sim, i);
     }
     mark_walls(sim);
+    memset(sim->slack, 0, (sim->n / DEM_GROUP + 1) * sizeof *sim->slack);
     sim->n_chunks = 0; /* places are no longer in the order of the list */
 }
 

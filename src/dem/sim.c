@@ -526,6 +526,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->mass = dem_array(room, sizeof *sim->mass);
     sim->margin2 = dem_array(room, sizeof *sim->margin2);
     sim->reach = dem_array(room, sizeof *sim->reach);
+    sim->slack = dem_array(room / DEM_GROUP + 1, sizeof *sim->slack);
     sim->inverse_mass = dem_array(room, sizeof *sim->inverse_mass);
     sim->id = dem_array(room, sizeof *sim->id);
     sim->fixed = dem_array(room, sizeof *sim->fixed);
@@ -535,7 +536,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
         !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->margin2 || !sim->reach || !sim->id || !sim->fixed)
+        !sim->margin2 || !sim->reach || !sim->slack || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -737,7 +738,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->room = room;
-    c->margin2 = c->reach = NULL, c->grain = NULL, c->force = c->ref = NULL,
+    c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
@@ -840,7 +841,7 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->margin2), free(sim->reach), free(sim->gear), free(sim->fixed), free(sim->way);
+    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed), free(sim->way);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);

@@ -51,8 +51,14 @@ typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
-/* Like dem_integrate, for as many grains from the first on as it can; returns up to where. */
-typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left);
+enum { DEM_GROUP = 64 };
+/* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate, but for
+ * DEM_LIST_OUT; raises *speed2 to the square of their largest speed, INFINITY for NaN. */
+typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2);
+/* Have as many as it can of the grains from..to left their margins? Returns up to where; raises *margin2 to
+ * the largest square of a margin, *beyond to the largest of that of the way less that of the margin. */
+typedef size_t dem_stray(const struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
+                         double *beyond);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
@@ -68,6 +74,7 @@ typedef size_t dem_deflected(const struct dem_sim *sim, size_t k, size_t end);
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_line dem_line_avx512, dem_line_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
+dem_stray dem_stray_avx512, dem_stray_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
 dem_ways dem_ways_avx512, dem_ways_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
@@ -82,6 +89,7 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_line *line;                 /* NULL for none */
     dem_advance *advance;           /* the same */
+    dem_stray *stray;               /* the same */
     dem_near *near;                 /* NULL for that of neighbours.c */
     dem_ways *ways;                 /* NULL for none */
     dem_closing *closing;           /* NULL for that of impact.c */
@@ -120,6 +128,8 @@ struct dem_sim {
     double *margin2,
         *reach;        /* of the neighbour list: the margin's square; radius and margin, while it is built */
     bool even_margins; /* half the skin for all */
+    double *slack; /* of each DEM_GROUP grains: while they go less than this, all are within their margins */
+    double round_off; /* of a place, at most */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
     size_t n_fixed;
@@ -231,7 +241,8 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
 }
 
 /* Advance velocities and positions of the grains from..to by a step, Gear's as a prediction, and clear their
- * forces; gives DEM_LIST_OUT and DEM_GRAIN_OUT. Fixed grains are put back with the last. integrators.c. */
+ * forces; `from` is a multiple of DEM_GROUP. Gives DEM_LIST_OUT and DEM_GRAIN_OUT. Fixed grains are put back
+ * with the last. integrators.c. */
 unsigned dem_integrate(dem_sim *sim, size_t from, size_t to);
 
 /* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
