@@ -391,6 +391,69 @@ static void chunks(void)
     faults_in_chunks(true);
 }
 
+/* How often within so many steps a grain is beyond its margin of the list, or its group's slack more than is
+ * left of that. */
+static long beyond_margins(dem_sim *sim, int steps)
+{
+    long beyond = 0;
+    for (int k = 0; k < steps; k++) {
+        CHECK_OK(dem_run(sim, 1));
+        for (size_t i = 0; i < sim->n; i++) {
+            const dem_vec way = sim->grain[i].x - sim->ref[i];
+            const double rest = sqrt(sim->margin2[i]) - sqrt(dem_dot(way, way));
+            beyond += !(rest >= 0.0 && sim->slack[i / DEM_GROUP] <= rest);
+        }
+    }
+    return beyond;
+}
+
+static void margins_of(bool hard, int kernel)
+{
+    enum { N = 150 };
+    dem_grain *grains;
+    dem_definition def = grains_box(N, 3.0, 4, &grains);
+    for (int i = 0; i < N; i++) grains[i].vx = 100.0 * (i % 5 - 2), grains[i].vy = i % 3 ? -200.0 : 0.0;
+    def.dt = 2e-5;
+    def.kernel = kernel;
+    def.x_max = 3.1;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 500;
+    if (hard) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
+    dem_sim *sim = grains_start(&def);
+    CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->n < N && sim->rebuilds < 500);
+    CHECK_OK(dem_neighbours_rebuild(sim));
+    CU_ASSERT(sim->slack[0] == 0.0 && sim->slack[1] == 0.0); /* it would be that of other grains */
+    sim->grain[sim->n / 2].v[0] = NAN;
+    CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
+    dem_free(sim);
+    free(grains);
+}
+
+/* Two that stop one another at one or another time between two rebuildings. */
+static void margins_of_two(void)
+{
+    for (int k = 0; k < 60; k++) {
+        dem_grain two[2] = {{-0.5 - 0.002 * k, 0.0, 0.1, 0.004, 300.0, 0.0},
+                            {0.5 + 0.002 * k, 0.0, 0.1, 0.004, -300.0, 0.0}};
+        dem_definition def = dem_definition_default();
+        def.grains = two;
+        def.n_grains = 2;
+        def.gravity[1] = 0.0;
+        def.dt = 1e-5;
+        def.tension = false;
+        def.hard.on = true;
+        dem_sim *sim = grains_start(&def);
+        CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->collisions == 1);
+        dem_free(sim);
+    }
+}
+
+static void margins(void)
+{
+    margins_of_two();
+    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++)
+        for (int hard = 0; hard < 2 && dem_kernel_runs(kernel); hard++) margins_of(hard, kernel);
+}
+
 /* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
 static void kernels_match_reference(void)
 {
@@ -1400,6 +1463,7 @@ void suite_dem(void)
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"each kernel matches the reference loop", kernels_match_reference},
                                        {"grains that go on behind the pair loop", chunks},
+                                       {"margins of the list", margins},
                                        {"same bits however it is run", determinism},
                                        {"gravity turns", gravity_turns},
                                        {"floor that ends", floor_that_ends},
