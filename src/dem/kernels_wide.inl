@@ -398,15 +398,14 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
 /* As add_near in neighbours.c. */
 void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), own = zero + sim->reach[i],
+    const wide zero = {0}, x = wide_repeat(sim->ref[i]), own = zero + sim->reach[i],
                inverse_mass = zero + sim->inverse_mass[i];
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j += WIDTH) {
-        wide a, b, v;
-        wide_load_records(sim->grain + j, &a, &v);
-        wide_load_records(sim->grain + j + WIDTH / 2, &b, &v);
-        a = (x - a) * (x - a);
-        b = (x - b) * (x - b);
+        wide a = x - wide_load((const double *)(sim->ref + j)),
+             b = x - wide_load((const double *)(sim->ref + j + WIDTH / 2));
+        a *= a;
+        b *= b;
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
         wide reach = own + wide_load(sim->reach + j);
         unsigned near = wide_bits(wide_less(d2, reach * reach)) &

@@ -754,6 +754,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->radius, sim->radius, c->n * sizeof *c->radius);
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
     memcpy(c->margin2, sim->margin2, c->n * sizeof *c->margin2);
+    memcpy(c->reach, sim->reach, c->n * sizeof *c->reach);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
