@@ -525,11 +525,15 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->fixed = dem_array(room, sizeof *sim->fixed);
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = dem_array(room, sizeof *sim->gear);
-    if (sim->def.rotation) sim->spin = dem_array(room, sizeof *sim->spin);
+    if (sim->def.rotation) {
+        sim->spin = dem_array(room, sizeof *sim->spin);
+        sim->push = dem_array(room, sizeof *sim->push);
+    }
     if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
-    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
-        !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->margin2 || !sim->reach || !sim->id || !sim->fixed)
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
+        (sim->def.rotation && (!sim->spin || !sim->push)) || !sim->grain || !sim->force || !sim->ref ||
+        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->id ||
+        !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -733,7 +737,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL, c->way = NULL;
     c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
@@ -839,7 +843,7 @@ void dem_free(dem_sim *sim)
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
     free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart);
-    free(sim->spin), free(sim->roll), free(sim);
+    free(sim->spin), free(sim->push), free(sim->roll), free(sim);
 }
 
 static inline void lap(double *phase, double *clock)

@@ -22,6 +22,12 @@ typedef struct {
     double angle, omega, torque, inverse_inertia;
 } dem_spin;
 
+/* Force and torque that a grain is given, in one 32-byte piece. */
+typedef struct {
+    dem_vec force;
+    double torque, spare;
+} dem_push;
+
 /* Grains near a wall: one slot each, from one rebuilding of the list to the next. `side` is +1 where the
  * grain is on the side of the wall's direction; -1 only behind a wall that it came round the end of. */
 typedef struct {
@@ -120,6 +126,7 @@ struct dem_sim {
     bool even_margins;                    /* half the skin for all */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
+    dem_push *push; /* sums of the wide pair loop, all 0 outside it; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
