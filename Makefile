@@ -6,6 +6,7 @@
 B       := build
 T       := $(B)/tables
 JOBS    ?= $(shell nproc)
+WORKERS := $(JOBS)
 CC      := gcc
 WERROR  :=
 SAN     :=
@@ -128,12 +129,12 @@ BENCH_FIGURES := bench
 FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
 figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
 
-# First what uses all cores by itself, then side by side what uses one, the longest before the others; what is timed, alone.
+# Each core works on something of its own, so that none waits for the last run of a sweep; what takes longest comes
+# first. What is timed, alone.
 figures: | $(SETUP_FIRST) ## every figure, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(B)/check
-	@$(MAKE) -s $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles
-	@$(MAKE) -s -j$(JOBS) $(filter %_precision,$(VALIDATED)) $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) \
-	  $(patsubst %,$(T)/%.tsv,$(filter-out bench run_times,$(REPORT_TABLES)))
+	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(filter %_precision,$(VALIDATED)) $(SWEPT:%=$(T)/%.tsv) $(T)/lh_stress_piles \
+	  $(VALIDATED) $(FIGURES:%=$(B)/figures/%.svg) $(patsubst %,$(T)/%.tsv,$(filter-out bench run_times,$(REPORT_TABLES)))
 	@$(MAKE) -s $(B)/paper-repro.md
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
@@ -153,7 +154,7 @@ define make_sweep
 @mkdir -p $(T)
 @echo "sweep   $* $(1)"
 @$(REPOSE) sweep plan sweeps/$*.cfg -o $(B)/sweeps/$* $(1) >/dev/null
-@$(REPOSE) sweep run $(B)/sweeps/$* -j $(JOBS) >/dev/null
+@$(REPOSE) sweep run $(B)/sweeps/$* -j $(WORKERS) >/dev/null
 @$(REPOSE) sweep export $(B)/sweeps/$* --reduce >$(T)/$*.tsv
 endef
 $(T)/%.tsv: sweeps/%.cfg $(CODE)
@@ -314,7 +315,7 @@ $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 STRESS_ROWS := $(shell seq 20 39)
 $(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
 	@echo "run     lh_stress"
-	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(JOBS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
+	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(WORKERS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
 	@touch $@
 $(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
 	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@

@@ -4,6 +4,7 @@
 
 #include "angle/dip.h"
 #include "core/random.h"
+#include "dem/sim.h"
 #include "sweeps/protocol.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -305,19 +306,31 @@ static void away_is_no_part(void)
 /* Disks that fall in a row onto a heap, several to a step that collide, and are put in one by one. */
 enum { DROPPED = 60 };
 
-static void dropped(int kernel, dem_state last[DROPPED])
+static dem_sim *drop_first(int kernel)
 {
     const dem_grain first = disk(0.0, 0.6, 0.0);
     dem_definition def = disks(true);
     def.kernel = kernel;
     def.grains = &first;
     def.n_grains = 1;
-    dem_sim *sim = grains_start(&def);
+    def.x_max = 4.0;
+    return grains_start(&def);
+}
+
+static void drop_next(dem_sim *sim, int k)
+{
+    dem_grain next = disk(0.7 * (k * 5 % 11 - 5), 11.0 + 0.1 * (k % 3), 0.02 * (k % 7 - 3));
+    next.r = 0.5 - 0.05 * (k % 4);
+    next.m = 1.0 - 0.1 * (k % 4);
+    next.vy = -3.0;
+    CHECK_OK(dem_add(sim, &next, NULL));
+}
+
+static void dropped(int kernel, dem_state last[DROPPED])
+{
+    dem_sim *sim = drop_first(kernel);
     for (int k = 1; k < DROPPED; k++) {
-        dem_grain next = disk(0.7 * (k * 5 % 11 - 5), 11.0 + 0.1 * (k % 3), 0.02 * (k % 7 - 3));
-        next.r = 0.5 - 0.01 * (k % 4);
-        next.vy = -3.0;
-        CHECK_OK(dem_add(sim, &next, NULL));
+        drop_next(sim, k);
         CHECK_OK(dem_run(sim, 150));
     }
     CHECK_OK(dem_run(sim, 600));
@@ -341,6 +354,117 @@ static void kernels_collide_alike(void)
     }
 }
 
+/* Each disk has the contacts that its distances from all the others and the ground say. */
+static void check_contacts(const dem_sim *sim)
+{
+    dem_state s[DROPPED];
+    CHECK_OK(dem_states(sim, s));
+    for (size_t i = 0; i < dem_count(sim); i++) {
+        int contacts = s[i].y < s[i].r;
+        for (size_t j = 0; j < dem_count(sim); j++) {
+            const double dx = s[i].x - s[j].x, dy = s[i].y - s[j].y, reach = s[i].r + s[j].r;
+            contacts += i != j && dx * dx + dy * dy < reach * reach;
+        }
+        CU_ASSERT_EQUAL(s[i].contacts, contacts);
+        CHECK_NEAR(sim->reach[i], sim->radius[i] + sqrt(sim->margin2[i]), 1e-12);
+    }
+}
+
+/* Listed once are all pairs and disks near the ground, and no others, that may come to touch while each disk
+ * is within its margin. */
+static void check_list(const dem_sim *sim)
+{
+    bool listed[DROPPED][DROPPED] = {{false}}, right = true;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const uint32_t i = sim->pair_i[k], j = sim->pair_j[k];
+        if (i == j) continue; /* of a disk that left */
+        right &= !listed[i][j];
+        listed[i][j] = listed[j][i] = true;
+    }
+    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+        const uint32_t i = sim->wall_slot[k].grain;
+        right &= !listed[i][i];
+        listed[i][i] = true;
+    }
+    for (size_t i = 0; i < sim->n; i++) {
+        right &= listed[i][i] == (sim->ref[i][1] < sim->reach[i]);
+        for (size_t j = 0; j < i; j++) {
+            const dem_vec d = sim->ref[i] - sim->ref[j];
+            const double reach = sim->reach[i] + sim->reach[j];
+            right &= listed[i][j] == (dem_dot(d, d) < reach * reach);
+        }
+    }
+    CU_ASSERT(right);
+}
+
+/* In steps that few disks end the list with, it misses no contact and doubles none. */
+static void lists_are_complete(void)
+{
+    dem_sim *sim = drop_first(DEM_FAST);
+    for (int k = 1; k < DROPPED; k++) {
+        drop_next(sim, k);
+        for (int step = 0; step < 150; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            check_contacts(sim);
+            check_list(sim);
+        }
+    }
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.rebuilds < 3 * DROPPED);
+    dem_free(sim);
+}
+
+/* Are the contacts, springs included, the same in whatever order? */
+static void check_same_contacts(const dem_sim *one, const dem_sim *two)
+{
+    dem_contact *a, *b;
+    size_t n, m, same = 0;
+    CHECK_OK(dem_contacts(one, &a, &n));
+    CHECK_OK(dem_contacts(two, &b, &m));
+    for (size_t k = 0; k < n * m; k++) {
+        const dem_contact *p = &a[k / m], *q = &b[k % m];
+        const bool turned = p->id_a == q->id_b;
+        same += ((p->id_a == q->id_a && p->id_b == q->id_b) || (turned && p->id_b == q->id_a)) &&
+                p->shear_spring == q->shear_spring &&
+                p->rolling_spring == (turned ? -q->rolling_spring : q->rolling_spring);
+    }
+    CU_ASSERT(n == m && n == same);
+    free(a);
+    free(b);
+}
+
+/* The list renewed for some disks, and after that the whole list anew, have the contacts and springs of
+ * before. */
+static void renewed_lists_hold_springs(void)
+{
+    enum { EVERY = 15 };
+    dem_sim *sim = drop_first(DEM_FAST), *renewed;
+    for (int k = EVERY; k < EVERY * DROPPED; k++) {
+        if (k % EVERY == 0) drop_next(sim, k / EVERY);
+        CHECK_OK(dem_run(sim, 150 / EVERY));
+        CHECK_OK(dem_clone(sim, &renewed));
+        const long rebuilds = renewed->rebuilds;
+        for (size_t i = 0; i < renewed->n; i++) { /* as if some were to go far, the others not at all */
+            renewed->way[i] = (i + (size_t)k) % 11 == 0 ? INFINITY : 0.0;
+            renewed->margin2[i] = 1e300;
+        }
+        renewed->apart_holds = true;
+        CHECK_OK(dem_neighbours_renew(renewed));
+        CU_ASSERT(renewed->rebuilds == rebuilds && !renewed->apart_holds);
+        for (size_t i = 0; i < renewed->n; i++)
+            CU_ASSERT((renewed->margin2[i] < 1e300) == isinf(renewed->way[i]));
+        check_list(renewed);
+        check_same_contacts(sim, renewed);
+        CHECK_OK(dem_neighbours_rebuild(renewed));
+        check_same_contacts(sim, renewed);
+        renewed->grain[0].x[1] = NAN;
+        CHECK_FAILS(dem_neighbours_renew(renewed), RP_BROKEN, "not finite");
+        dem_free(renewed);
+    }
+    dem_free(sim);
+}
+
 void suite_drop(void)
 {
     static const check_case cases[] = {{"contacts of the start go on", contacts_go_on},
@@ -352,6 +476,8 @@ void suite_drop(void)
                                        {"rest takes its steps", rest_takes_its_steps},
                                        {"away is no part", away_is_no_part},
                                        {"kernels collide alike", kernels_collide_alike},
+                                       {"lists are complete", lists_are_complete},
+                                       {"renewed lists hold springs", renewed_lists_hold_springs},
                                        {NULL, NULL}};
     check_register("drop", cases);
 }

@@ -43,7 +43,8 @@ static const rp_param options[] = {
 
 static const cli_command command = {
     "bench",
-    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps N] "
+    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps "
+    "N] "
     "[--kernel NAME] [--repeat N] [-o TABLE]",
     "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
     "and time the simulator on one core: million particle-steps a second of processor time, the best and "

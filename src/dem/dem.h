@@ -224,7 +224,7 @@ bool dem_kernel_runs(int kernel);
 /* How much work the run was. */
 typedef struct {
     size_t pairs, contacts, wall_slots; /* now */
-    long rebuilds, collisions;          /* since the start; hard ones */
+    long rebuilds, collisions;          /* since the start: of whole lists; hard ones */
     double grain_steps;                 /* sum over steps of the grains present */
     double iterations;                  /* of the implicit integrator: factorisations, or sweeps */
 } dem_counts;

@@ -251,7 +251,7 @@ rp_status dem_impacts_apply(dem_sim *sim)
     enum { ROUNDS = 8 };
     size_t beyond = set_ways(sim);
     if (beyond < sim->n) {
-        rp_status status = dem_neighbours_rebuild(sim);
+        rp_status status = dem_neighbours_renew(sim);
         if (status) return status;
         beyond = set_ways(sim);
         if (beyond < sim->n)

@@ -18,9 +18,15 @@ typedef struct {
 
 /* A spring and a dashpot under a limit: shear, or rolling. */
 typedef struct {
-    double k, inverse_k, gamma, mu;
+    wide k, inverse_k, gamma, mu;
     bool truncated, inside;
 } slider;
+
+INLINE slider slider_of(double k, double gamma, double mu, bool truncated, bool inside)
+{
+    const wide zero = {0};
+    return (slider){zero + k, zero + 1.0 / k, zero + gamma, zero + mu, truncated, inside};
+}
 
 INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
 {
@@ -38,13 +44,13 @@ INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
 INLINE slider shear_of(const laws *law)
 {
     const dem_material *c = &law->c;
-    return (slider){c->k_s, 1.0 / c->k_s, c->gamma_s, law->mu, law->truncated, law->inside};
+    return slider_of(c->k_s, c->gamma_s, law->mu, law->truncated, law->inside);
 }
 
 INLINE slider rolls_of(const laws *law)
 {
     const dem_material *c = &law->c;
-    return (slider){c->k_roll, 1.0 / c->k_roll, c->gamma_roll, c->mu_roll, true, true};
+    return slider_of(c->k_roll, c->gamma_roll, c->mu_roll, true, true);
 }
 
 /* law_normal.h */
@@ -107,14 +113,45 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
     return m;
 }
 
+/* What the pairs have given each grain goes to its force and torque, which were 0: there all else looks. */
+INLINE void take_pushes(dem_sim *sim)
+{
+    static const double is_torque[8] = {0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    const wide zero = {0};
+    const lanes third = wide_less(zero, wide_load(is_torque));
+    for (size_t i = 0; i < sim->n; i += WIDTH / 2) {
+        double *from = (double *)(sim->push + i), *spin = (double *)(sim->spin + i);
+        wide force, rest;
+        wide_load_records((const dem_record *)from, &force, &rest);
+        wide_store((double *)(sim->force + i), force);
+        for (size_t p = 0; p < 2 * WIDTH; p += WIDTH) {
+            wide_store(spin + p, wide_choose(third, wide_load(from + p), wide_load(spin + p)));
+            wide_store(from + p, zero);
+        }
+    }
+}
+
+/* *to += *b and *to -= *b, all of their 32 bytes at once */
+INLINE void push_add(dem_push *to, const dem_push *b)
+{
+    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
+}
+
+INLINE void push_subtract(dem_push *to, const dem_push *b)
+{
+    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
+}
+
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
- * since it starts from +0. The list ends in pairs that never touch. */
+ * since it starts from +0. The list ends in pairs that never touch. With `rotation` there is a tangential
+ * law, and what acts on a grain is summed up in sim->push: all pairs at once. */
 INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
     const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
+    dem_push *restrict push = sim->push;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     uint64_t *restrict touching = sim->touching;
     uint32_t *restrict apart = sim->apart;
@@ -167,13 +204,15 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
                                          f_n, h, &xi);
                     wide_store(roll + k, wide_choose(touch, xi, zero));
                 }
-                double on_i[WIDTH], on_j[WIDTH];
-                wide_store(on_i, wide_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
-                wide_store(on_j, wide_choose(touch, (r_j - 0.5 * overlap) * f_s - couple, zero));
+                dem_push on_i[WIDTH], on_j[WIDTH];
+                const wide x = wide_choose(touch, fx, zero), y = wide_choose(touch, fy, zero);
+                wide_store_pushes(on_i, x, y, wide_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
+                wide_store_pushes(on_j, x, y, wide_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
                 for (int p = 0; p < WIDTH; p++) {
-                    spin[i[p]].torque += on_i[p];
-                    spin[j[p]].torque += on_j[p];
+                    push_add(push + i[p], on_i + p);
+                    push_subtract(push + j[p], on_j + p);
                 }
+                continue;
             }
         }
         dem_vec f[WIDTH];
@@ -183,6 +222,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
             force[j[p]] -= f[p];
         }
     }
+    if (rotation) take_pushes(sim);
     sim->alarm |= alarm != 0;
     if (!apart) return;
     while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
@@ -191,22 +231,31 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
     sim->apart_holds = true;
 }
 
-/* With instances of their own for the laws of a box and of dropped piles: the compiler leaves out of them
- * what the tests have decided. */
+/* A law with truncated springs of these kinds, told in a way that the compiler can leave the others out. */
+INLINE laws spring_law(laws law, bool hertz, bool tension, bool inside)
+{
+    law.hertz = hertz, law.tension = tension, law.inside = inside;
+    law.shear = law.truncated = law.friction = true, law.slip_roll = false;
+    return law;
+}
+
+/* With instances of their own for the laws of a box and of dropped piles. Pairs without friction leave spins
+ * alone. */
 void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
 {
     const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    const bool turns = sim->def.rotation && law.friction;
     const bool spring = law.shear && !law.slip_roll && law.truncated;
-    if (!sim->def.rotation && spring && law.hertz && law.tension && !law.inside)
+    if (!turns && spring && law.hertz && law.tension && !law.inside)
+        wide_loop(sim, from, to, h, spring_law(law, true, true, false), false, false);
+    else if (!turns && !law.friction && law.hertz && law.tension)
         wide_loop(sim, from, to, h, law, false, false);
-    else if (!sim->def.rotation && !law.friction && law.hertz && law.tension)
-        wide_loop(sim, from, to, h, law, false, false);
-    else if (!sim->def.rotation)
+    else if (!turns)
         wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->rolling)
         wide_loop(sim, from, to, h, law, true, false);
     else if (spring && !law.hertz && !law.tension && law.inside)
-        wide_loop(sim, from, to, h, law, true, true);
+        wide_loop(sim, from, to, h, spring_law(law, false, false, true), true, true);
     else
         wide_loop(sim, from, to, h, law, true, true);
 }
@@ -386,15 +435,14 @@ size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, do
 /* As add_near in neighbours.c. */
 void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const wide zero = {0}, x = wide_repeat(sim->grain[i].x), own = zero + sim->reach[i],
+    const wide zero = {0}, x = wide_repeat(sim->ref[i]), own = zero + sim->reach[i],
                inverse_mass = zero + sim->inverse_mass[i];
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j += WIDTH) {
-        wide a, b, v;
-        wide_load_records(sim->grain + j, &a, &v);
-        wide_load_records(sim->grain + j + WIDTH / 2, &b, &v);
-        a = (x - a) * (x - a);
-        b = (x - b) * (x - b);
+        wide a = x - wide_load((const double *)(sim->ref + j)),
+             b = x - wide_load((const double *)(sim->ref + j + WIDTH / 2));
+        a *= a;
+        b *= b;
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
         wide reach = own + wide_load(sim->reach + j);
         unsigned near = wide_bits(wide_less(d2, reach * reach)) &

@@ -1,7 +1,8 @@
 /* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
  * large for them). Each grain has a margin, how far it may go until the list is rebuilt; each pair closer
  * than touching and their margins has a slot, and each grain as near to a wall. A rebuilding carries the
- * springs of touching contacts over. It is a function of the state alone. */
+ * springs of touching contacts over. It is a function of the state alone. Where few grains go far, only their
+ * pairs are looked for anew, behind the others. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -205,32 +206,40 @@ void dem_neighbours_free(dem_sim *sim)
     sim->scratch = NULL;
 }
 
-/* What must hold of every grain when the list is rebuilt; the largest speed. */
-static rp_status check_grains(dem_sim *sim, double *fastest)
+/* What must hold of a grain when its part of the list is rebuilt; its speed into *fastest if that is larger.
+ */
+static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
 {
-    *fastest = 0.0;
     const double size = 2.0 * sim->r_max + sim->skin;
-    for (size_t i = 0; i < sim->n; i++) {
-        dem_vec x = sim->grain[i].x, v = sim->grain[i].v;
-        if (!isfinite(x[0] + x[1] + v[0] + v[1]))
-            return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
-        const double speed = sqrt(dem_dot(v, v)), travel = speed * sim->def.dt;
-        *fastest = fmax(*fastest, speed);
-        if (travel > sim->radius[i])
-            return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
-                            sim->radius[i]);
-        if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
-            return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
-        for (size_t k = 0; k < sim->def.n_walls && sim->inverse_mass[i] > 0.0; k++) {
-            const dem_wall *wall = &sim->def.walls[k];
-            bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
-            bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
-            if (line && !open && dem_dot(x - sim->wall[k].point, sim->wall[k].direction) < 0.0)
-                return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0],
-                                x[1]);
-        }
+    dem_vec x = sim->grain[i].x, v = sim->grain[i].v;
+    if (!isfinite(x[0] + x[1] + v[0] + v[1]))
+        return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
+    const double speed = sqrt(dem_dot(v, v)), travel = speed * sim->def.dt;
+    *fastest = fmax(*fastest, speed);
+    if (travel > sim->radius[i])
+        return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
+                        sim->radius[i]);
+    if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
+        return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
+    for (size_t k = 0; k < sim->def.n_walls && sim->inverse_mass[i] > 0.0; k++) {
+        const dem_wall *wall = &sim->def.walls[k];
+        bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
+        bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
+        if (line && !open && dem_dot(x - sim->wall[k].point, sim->wall[k].direction) < 0.0)
+            return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
     }
     return RP_OK;
+}
+
+/* Its place and margin in the list are those of now. */
+static void mark_grain(dem_sim *sim, size_t i)
+{
+    const dem_record *grain = &sim->grain[i];
+    const double most = margin(sim, sqrt(dem_dot(grain->v, grain->v)));
+    sim->ref[i] = grain->x;
+    sim->margin2[i] = most * most;
+    sim->reach[i] = sim->radius[i] + most;
+    sim->slack[i / DEM_GROUP] = 0.0;
 }
 
 /* Drop the grains that left and sort the rest by square cells of that size, keeping their order within one.
@@ -289,11 +298,7 @@ static void sort_grains(dem_sim *sim, double size)
 #undef SWAP
     sim->n_fixed = 0;
     for (size_t i = 0; i < sim->n; i++) {
-        const dem_record *grain = &sim->grain[i];
-        const double most = margin(sim, sqrt(dem_dot(grain->v, grain->v)));
-        sim->ref[i] = grain->x;
-        sim->margin2[i] = most * most;
-        sim->reach[i] = sim->radius[i] + most;
+        mark_grain(sim, i);
         if (sim->inverse_mass[i] == 0.0) sim->fixed[sim->n_fixed++] = (uint32_t)i;
     }
 }
@@ -308,7 +313,6 @@ static void measure_room(dem_sim *sim)
     sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
     sim->box_swept = 0.0;
     sim->round_off = 1e-15 * (sqrt(far2) + sim->skin);
-    memset(sim->slack, 0, (sim->n / DEM_GROUP + 1) * sizeof *sim->slack);
 }
 
 /* Keep the springs of touching pairs. */
@@ -356,12 +360,12 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 /* Pairs of grain i with grains from..to. Each is written, and kept where near, without a branch. */
 static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const dem_vec x = sim->grain[i].x;
+    const dem_vec x = sim->ref[i];
     const double own = sim->reach[i], inverse_mass = sim->inverse_mass[i];
     uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
     size_t k = sim->n_pairs;
     for (size_t j = from; j < to; j++) {
-        dem_vec d = x - sim->grain[j].x;
+        dem_vec d = x - sim->ref[j];
         const double reach = own + sim->reach[j];
         pair_i[k] = (uint32_t)i;
         pair_j[k] = (uint32_t)j;
@@ -371,13 +375,11 @@ static void add_near(dem_sim *sim, size_t i, size_t from, size_t to)
     sim->n_pairs = k;
 }
 
-/* The rest of what a pair holds, with the springs of those that touch. */
-static void complete_pairs(dem_sim *sim)
+/* The rest of what the pairs from k on hold; springs are 0. */
+static void complete_pairs(dem_sim *sim, size_t k)
 {
-    uint64_t *restrict touching = sim->touching, word = 0;
-    for (size_t k = 0; k < sim->n_pairs; k++) {
+    for (; k < sim->n_pairs; k++) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
-        dem_vec d = sim->grain[i].x - sim->grain[j].x;
         double radii = sim->radius[i] + sim->radius[j], m_i = sim->mass[i], m_j = sim->mass[j];
         sim->pair_radii[k] = radii;
         sim->pair_mass[k] = sim->inverse_mass[i] == 0.0   ? m_j
@@ -389,10 +391,16 @@ static void complete_pairs(dem_sim *sim)
             sim->radius_i[k] = r_i, sim->radius_j[k] = r_j, sim->roll_radius[k] = r_i * r_j / radii;
         }
         if (sim->rolling) sim->roll[k] = 0.0;
-        const bool touch = dem_dot(d, d) < radii * radii;
-        dem_note(touching, k, touch, &word);
     }
-    DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
+}
+
+static void find_touching(dem_sim *sim)
+{
+    uint64_t *restrict touching = sim->touching, word = 0;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
+        dem_note(touching, k, dem_dot(d, d) < sim->pair_radii[k] * sim->pair_radii[k], &word);
+    }
 }
 
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
@@ -422,7 +430,9 @@ static rp_status find_pairs(dem_sim *sim)
                 for (size_t a = 1; a < n; a++) add(sim, i, from[a], to[a]);
             }
         }
-    complete_pairs(sim);
+    complete_pairs(sim, 0);
+    find_touching(sim);
+    DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
     return RP_OK;
 }
 
@@ -453,7 +463,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             if (w->wall_slot[s].wall == k && w->moved_to[w->wall_slot[s].grain] != NOWHERE)
                 w->wall_held[w->moved_to[w->wall_slot[s].grain]] = s;
         for (uint32_t i = 0; i < sim->n; i++) {
-            double distance = dem_dot(sim->grain[i].x - point, direction);
+            double distance = dem_dot(sim->ref[i] - point, direction);
             uint32_t held = w->wall_held[i];
             w->wall_held[i] = NOWHERE;
             if (!(fabs(distance) < sim->reach[i] + turn) || sim->inverse_mass[i] == 0.0) continue;
@@ -482,6 +492,7 @@ static void move_last(dem_sim *sim, size_t to)
     sim->grain[to] = sim->grain[last];
     sim->force[to] = sim->force[last];
     sim->ref[to] = sim->ref[last];
+    sim->reach[to] = sim->reach[last];
     if (sim->gear) sim->gear[to] = sim->gear[last];
     sim->radius[to] = sim->radius[last];
     sim->mass[to] = sim->mass[last];
@@ -530,8 +541,9 @@ void dem_neighbours_drop(dem_sim *sim)
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
-    double fastest;
-    rp_status status = check_grains(sim, &fastest);
+    double fastest = 0.0;
+    rp_status status = RP_OK;
+    for (size_t i = 0; i < sim->n && !status; i++) status = check_grain(sim, i, &fastest);
     if (status) return status;
     sim->rebuilds++;
     sim->apart_holds = false;
@@ -542,4 +554,86 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     pad_pairs(sim);
     if (!status) status = find_wall_slots(sim);
     return status ? status : plan_chunks(sim);
+}
+
+/* The last pair takes the place of this one. */
+static void remove_pair(dem_sim *sim, size_t k)
+{
+    const size_t last = --sim->n_pairs;
+    sim->pair_i[k] = sim->pair_i[last];
+    sim->pair_j[k] = sim->pair_j[last];
+    sim->pair_radii[k] = sim->pair_radii[last];
+    sim->pair_mass[k] = sim->pair_mass[last];
+    sim->spring[k] = sim->spring[last];
+    if (sim->spin) {
+        sim->radius_i[k] = sim->radius_i[last];
+        sim->radius_j[k] = sim->radius_j[last];
+        sim->roll_radius[k] = sim->roll_radius[last];
+    }
+    if (sim->rolling) sim->roll[k] = sim->roll[last];
+}
+
+/* Remove the pairs of grain i that are no longer near, and append those that are not listed; what touches is
+ * near, and keeps its springs. `listed` holds numbers below `mark`. */
+static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_t mark)
+{
+    listed[i] = mark;
+    for (size_t k = 0; k < sim->n_pairs;) {
+        const uint32_t a = sim->pair_i[k], b = sim->pair_j[k], j = a == i ? b : a;
+        if (a != i && b != i) {
+            k++;
+            continue;
+        }
+        const dem_vec d = sim->ref[i] - sim->ref[j];
+        const double reach = sim->reach[i] + sim->reach[j];
+        if (dem_dot(d, d) < reach * reach)
+            listed[j] = mark, k++;
+        else
+            remove_pair(sim, k);
+    }
+    rp_status status = pair_room(sim, sim->n);
+    if (status) return status;
+    const size_t from = sim->n_pairs;
+    (sim->near ? sim->near : add_near)(sim, i, 0, sim->n);
+    size_t n = from;
+    for (size_t k = from; k < sim->n_pairs; k++) {
+        sim->pair_j[n] = sim->pair_j[k];
+        n += listed[sim->pair_j[k]] != mark;
+    }
+    sim->n_pairs = n;
+    complete_pairs(sim, from);
+    return RP_OK;
+}
+
+/* A grain that in the coming step may pass its margin has gone half of it or goes half of it in that step;
+ * such grains get new places and margins in the list. Others keep theirs, within which they still are. A
+ * whole rebuilding takes as long as some ten grains' parts, and rids the list of the wide margins of grains
+ * that were fast. */
+rp_status dem_neighbours_renew(dem_sim *sim)
+{
+    enum { FEW = 8 };
+    struct dem_scratch *w = sim->scratch;
+    uint32_t moved[FEW];
+    size_t n = 0;
+    for (size_t i = 0; i < sim->n; i++) {
+        const dem_vec d = sim->grain[i].x - sim->ref[i];
+        const double d2 = dem_dot(d, d), way2 = sim->way[i] * sim->way[i];
+        /* so that NaN counts as moved */
+        if ((4.0 * d2 <= sim->margin2[i]) & (4.0 * way2 <= sim->margin2[i])) continue;
+        if (n == FEW) return dem_neighbours_rebuild(sim);
+        moved[n++] = (uint32_t)i;
+    }
+    double fastest = 0.0;
+    rp_status status = RP_OK;
+    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m], &fastest);
+    if (status) return status;
+    for (size_t m = 0; m < n; m++) mark_grain(sim, moved[m]);
+    memset(w->cell, 0, sim->n * sizeof *w->cell);
+    for (size_t m = 0; m < n && !status; m++) status = renew_pairs(sim, moved[m], w->cell, (uint32_t)m + 1);
+    sim->apart_holds = false;
+    pad_pairs(sim);
+    find_touching(sim);
+    for (uint32_t i = 0; i < sim->n; i++) w->moved_to[i] = i;
+    if (!status) status = find_wall_slots(sim);
+    return status;
 }

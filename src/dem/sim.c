@@ -532,11 +532,15 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->fixed = dem_array(room, sizeof *sim->fixed);
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = dem_array(room, sizeof *sim->gear);
-    if (sim->def.rotation) sim->spin = dem_array(room, sizeof *sim->spin);
+    if (sim->def.rotation) {
+        sim->spin = dem_array(room, sizeof *sim->spin);
+        sim->push = dem_array(room, sizeof *sim->push);
+    }
     if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
-    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) || (sim->def.rotation && !sim->spin) ||
-        !sim->grain || !sim->force || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass ||
-        !sim->margin2 || !sim->reach || !sim->slack || !sim->id || !sim->fixed)
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
+        (sim->def.rotation && (!sim->spin || !sim->push)) || !sim->grain || !sim->force || !sim->ref ||
+        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
+        !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -740,7 +744,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->way = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL, c->way = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
     c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
@@ -758,6 +762,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->radius, sim->radius, c->n * sizeof *c->radius);
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
     memcpy(c->margin2, sim->margin2, c->n * sizeof *c->margin2);
+    memcpy(c->reach, sim->reach, c->n * sizeof *c->reach);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
@@ -846,7 +851,7 @@ void dem_free(dem_sim *sim)
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
     free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart), free(sim->done);
-    free(sim->spin), free(sim->roll), free(sim);
+    free(sim->spin), free(sim->push), free(sim->roll), free(sim);
 }
 
 static inline void lap(double *phase, double *clock)
@@ -856,12 +861,14 @@ static inline void lap(double *phase, double *clock)
     *clock = now;
 }
 
-/* May grains go on before the forces on all the others are there? */
+/* May grains go on before the forces on all the others are there? With rotation, forces are there at the end.
+ */
 static bool runs_ahead(const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
     return sim->n_chunks > 0 && def->integrator == DEM_VERLET && def->kernel != DEM_REFERENCE &&
-           !def->hard.on && !sim->book && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
+           !def->rotation && !def->hard.on && !sim->book && def->turn_per_step == 0.0 &&
+           def->box_turn_per_step == 0.0;
 }
 
 /* The forces, and the next step of the grains behind them while these are in the cache; gives what

@@ -22,6 +22,12 @@ typedef struct {
     double angle, omega, torque, inverse_inertia;
 } dem_spin;
 
+/* Force and torque that a grain is given, in one 32-byte piece. */
+typedef struct {
+    dem_vec force;
+    double torque, spare;
+} dem_push;
+
 /* Grains near a wall: one slot each, from one rebuilding of the list to the next. `side` is +1 where the
  * grain is on the side of the wall's direction; -1 only behind a wall that it came round the end of. */
 typedef struct {
@@ -114,7 +120,7 @@ struct dem_sim {
     bool rolling; /* some contact resists rolling */
     bool alarm;   /* an overlap beyond the smallest radius was seen */
 
-    /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding */
+    /* grains, in the order of their cells; `ref` holds the positions at the last rebuilding or renewal */
     size_t n, room;   /* present; that the arrays hold */
     uint32_t last_id; /* of the grain that came last */
     dem_record *grain;
@@ -125,13 +131,13 @@ struct dem_sim {
     dem_gear *gear;                       /* NULL for other integrators */
     struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
-    double *margin2,
-        *reach;        /* of the neighbour list: the margin's square; radius and margin, while it is built */
-    bool even_margins; /* half the skin for all */
+    double *margin2, *reach;              /* of the neighbour list: the margin's square; radius and margin */
+    bool even_margins;                    /* half the skin for all */
     double *slack; /* of each DEM_GROUP grains: while they go less than this, all are within their margins */
     double round_off; /* of a place, at most */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
+    dem_push *push; /* sums of the wide pair loop, all 0 outside it; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
@@ -276,6 +282,10 @@ dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
+
+/* Let every grain have room for its sim->way: where few may not, their part of the list anew, else all of it.
+ * Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_neighbours_renew(dem_sim *sim);
 
 /* Take out the grains that left, with their pairs and wall slots, and keep the list as it is. */
 void dem_neighbours_drop(dem_sim *sim);

@@ -112,6 +112,17 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
     wide_store((double *)(to + 4), _mm512_permutex2var_pd(x, high, y));
 }
 
+/* The pushes (x, y, torque); of the fourth number any. */
+static inline void wide_store_pushes(dem_push to[WIDTH], wide x, wide y, wide torque)
+{
+    for (int p = 0; p < 8; p += 2) {
+        const __m512i xy = _mm512_setr_epi64(p, p + 8, p, p, p + 1, p + 9, p, p),
+                      third = _mm512_setr_epi64(p, p, p, p, p, p, p + 1, p);
+        wide_store((double *)(to + p),
+                   _mm512_mask_permutexvar_pd(_mm512_permutex2var_pd(x, xy, y), 0x44, third, torque));
+    }
+}
+
 /* From here on a wide holds WIDTH/2 vectors. */
 static inline wide wide_repeat(dem_vec a)
 {
@@ -240,6 +251,16 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
     wide even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y);
     wide_store((double *)to, _mm256_permute2f128_pd(even, odd, 0x20));
     wide_store((double *)(to + 2), _mm256_permute2f128_pd(even, odd, 0x31));
+}
+
+static inline void wide_store_pushes(dem_push to[WIDTH], wide x, wide y, wide torque)
+{
+    wide even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y),
+         t_even = _mm256_unpacklo_pd(torque, torque), t_odd = _mm256_unpackhi_pd(torque, torque);
+    wide_store((double *)to, _mm256_permute2f128_pd(even, t_even, 0x20));
+    wide_store((double *)(to + 1), _mm256_permute2f128_pd(odd, t_odd, 0x20));
+    wide_store((double *)(to + 2), _mm256_permute2f128_pd(even, t_even, 0x31));
+    wide_store((double *)(to + 3), _mm256_permute2f128_pd(odd, t_odd, 0x31));
 }
 
 static inline wide wide_repeat(dem_vec a)

@@ -35,24 +35,28 @@ growth() { # sizes
               for (i = 1; i <= NR; i++) print line[i] }'
 }
 
-wall_time() { # workers
+seconds() { # workers: by the clock, and of both processors
     rm -rf sweep
     "$repose" sweep plan sweep.cfg -o sweep >/dev/null
-    (TIMEFORMAT=%R; { time "$repose" sweep run sweep -j "$1" >/dev/null 2>&1; } 2>&1)
+    (TIMEFORMAT='%R %U %S'; { time "$repose" sweep run sweep -j "$1" >/dev/null 2>&1; } 2>&1)
 }
 
 workers() { # pairs
     cat >sweep.cfg <<'S'
-protocol = "repose"; replicas = 32; seed = 1993;
+protocol = "repose"; replicas = 64; seed = 1993;
 fixed = { W = 4.0; H = 4.0; stop = "steps"; fill_steps = 30000; relax_steps = 50000; };
 S
     provenance
     echo "# efficiency: time of one worker over twice that of two, by the clock on the wall: needs an idle machine"
-    printf '# units: s\ts\t\n# one\ttwo\tefficiency\n'
+    echo "# busy: processor time of two workers over twice the clock"
     local k
     for k in $(seq "$1"); do
-        echo "$(wall_time 1) $(wall_time 2)" | awk '{ print $1, $2, $1 / (2 * $2) }' OFS='\t'
-    done
+        echo "$(seconds 1) $(seconds 2)" | awk '{ print $1, $4, $1 / (2 * $4), ($5 + $6) / (2 * $4) }' OFS='\t'
+    done | awk -F'\t' '{ line[NR] = $0; if (NR == 1 || $1 < one) one = $1; if (NR == 1 || $2 < two) two = $2 }
+        END { printf "# shortest: %.3g s by one, %.3g s by two, efficiency %.3f\n", one, two, one / (2 * two)
+              print "# units: s\ts\t\t"
+              print "# one\ttwo\tefficiency\tbusy"
+              for (i = 1; i <= NR; i++) print line[i] }'
 }
 
 $table "$argument"
