@@ -151,8 +151,8 @@ struct dem_sim {
     double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll;                              /* rolling displacements; NULL without rolling resistance */
 
-    /* where there are more pairs than a chunk, chunks of them: from the end of chunk c on, no pair and no
-     * wall slot before its place in the order of walls is of a grain below done[c] */
+    /* where there are more pairs than a chunk, a multiple of 64, chunks of them: after chunk c, no pair is of a
+     * grain below done[c]; n_chunks 0 where that is not known */
     size_t chunk, n_chunks, chunk_room;
     uint32_t *done;
 
