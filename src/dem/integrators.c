@@ -57,8 +57,8 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
-/* Grains from..to of a group, at once or in turn; as dem_advance. */
-static void advance_group(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+/* As dem_advance, of all of them. */
+static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     const bool turned = sim->box_angle != 0.0;
     const double dt = sim->def.dt;
@@ -76,9 +76,12 @@ static void advance_group(dem_sim *sim, size_t from, size_t to, unsigned *left, 
             grain[i].x += dt * grain[i].v;
         }
         force[i] = (dem_vec){0.0, 0.0};
-        const dem_vec x = grain[i].x, v = grain[i].v;
-        const double v2 = dem_dot(v, v);
-        *speed2 = v2 <= *speed2 ? *speed2 : isnan(v2) ? INFINITY : v2;
+        const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
+        const double moved2 = dem_dot(moved, moved);
+        if (speed2)
+            *speed2 = moved2 <= *speed2 ? *speed2 : isnan(moved2) ? INFINITY : moved2;
+        else
+            *left |= !(moved2 <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
         *left |= ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
     for (size_t i = from; i < to && turned; i++) *left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
@@ -102,15 +105,18 @@ static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
     return left;
 }
 
+/* In a pile larger than the cache, margins are looked at only where they may have been used up. Where it is
+ * not, and in flow, where that often is so, to look at once costs less. */
 unsigned dem_integrate(dem_sim *sim, size_t from, size_t to)
 {
+    const bool large = sim->n_chunks > 0 && !sim->gear; /* Gear's places go otherwise */
     unsigned left = 0;
     sim->grain_steps += (double)(to - from);
-    for (size_t end; from < to; from = end) {
-        double speed2 = sim->gear ? INFINITY : 0.0; /* Gear's places go otherwise */
+    if (!large) advance(sim, from, to, &left, NULL);
+    for (size_t end; large && from < to; from = end) {
+        double speed2 = 0.0, *slack = &sim->slack[from / DEM_GROUP];
         end = from + DEM_GROUP < to ? from + DEM_GROUP : to;
-        advance_group(sim, from, end, &left, &speed2);
-        double *slack = &sim->slack[from / DEM_GROUP];
+        advance(sim, from, end, &left, &speed2);
         *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->round_off;
         if (!(*slack > 0.0)) left |= measure_slack(sim, from, end);
     }

@@ -374,8 +374,8 @@ INLINE double largest(wide a)
     return most;
 }
 
-/* As dem_integrate, spins included. */
-size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+/* With `look`, margins are looked at, in place of speeds. */
+INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2, bool look)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
@@ -384,8 +384,8 @@ size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double
     const wide zero = {0}, gravity = wide_repeat(sim->gravity),
                most = wide_repeat((dem_vec){x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, y_min}), finite = zero + DBL_MAX;
-    wide fast = zero + *speed2;
-    unsigned strange = 0, out = 0;
+    wide fast = zero;
+    unsigned far = 0, out = 0;
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
         double *force = (double *)(sim->force + i);
@@ -395,16 +395,29 @@ size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double
         x = x + dt * v;
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
-        wide v2 = v * v;
-        v2 += wide_swap(v2);
-        fast = wide_max(v2, fast);
-        strange |= wide_bits(wide_at_most(v2, finite)) ^ ALL;
+        wide moved = v, most_moved = finite;
+        if (look) {
+            moved = x - wide_load((const double *)(sim->ref + i));
+            most_moved = wide_load_twice(sim->margin2 + i);
+        }
+        moved *= moved;
+        moved += wide_swap(moved);
+        if (!look) fast = wide_max(moved, fast);
+        /* written so that NaN counts as moved */
+        far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
-    *speed2 = strange ? INFINITY : largest(fast);
-    *left |= (out != 0) * DEM_GRAIN_OUT;
+    if (!look) *speed2 = far ? INFINITY : largest(fast);
+    *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
     if (sim->spin) advance_spins(sim->spin, from, i, dt);
     return i;
+}
+
+/* As dem_integrate, spins included. */
+size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+{
+    return speed2 ? advance_grains(sim, from, to, left, speed2, false)
+                  : advance_grains(sim, from, to, left, NULL, true);
 }
 
 /* As measure_slack in integrators.c. */

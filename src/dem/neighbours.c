@@ -116,9 +116,10 @@ static void pad_pairs(dem_sim *sim)
  * renamed, that may be so of few before the end. */
 static rp_status plan_chunks(dem_sim *sim)
 {
+    enum { LEAST = 6 }; /* fewer fit into the cache together */
     const size_t n = (sim->n_pairs + sim->chunk - 1) / sim->chunk;
     sim->n_chunks = 0;
-    if (n < 2) return RP_OK;
+    if (n < LEAST) return RP_OK;
     if (n > sim->chunk_room && !dem_grow(&sim->done, sizeof *sim->done, sim->chunk_room = 2 * n))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     uint32_t done = (uint32_t)sim->n;

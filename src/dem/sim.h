@@ -58,8 +58,9 @@ typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
 enum { DEM_GROUP = 64 };
-/* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate, but for
- * DEM_LIST_OUT; raises *speed2 to the square of their largest speed, INFINITY for NaN. */
+/* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate. With
+ * speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest speed,
+ * INFINITY for NaN. */
 typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2);
 /* Have as many as it can of the grains from..to left their margins? Returns up to where; raises *margin2 to
  * the largest square of a margin, *beyond to the largest of that of the way less that of the margin. */
@@ -151,8 +152,8 @@ struct dem_sim {
     double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll;                              /* rolling displacements; NULL without rolling resistance */
 
-    /* where there are more pairs than a chunk, a multiple of 64, chunks of them: after chunk c, no pair is of a
-     * grain below done[c]; n_chunks 0 where that is not known */
+    /* where there are more pairs than a chunk, a multiple of 64, chunks of them: after chunk c, no pair is of
+     * a grain below done[c]; n_chunks 0 where that is not known */
     size_t chunk, n_chunks, chunk_room;
     uint32_t *done;
 
