@@ -330,7 +330,7 @@ static void avalanche_in_chunks(void)
     for (int i = 0; i < N; i += 50) grains[i].fixed = true;
     def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
     def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
-    def.x_max = 4.1;
+    def.x_max = 8.0;
     def.y_min = -0.5;
     def.kernel = DEM_REFERENCE;
     dem_sim *reference[PARTS + 1] = {start_in_chunks(&def, 0)};
@@ -420,6 +420,8 @@ static void margins_of(bool hard, int kernel)
     CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->n < N && sim->rebuilds < 500);
     CHECK_OK(dem_neighbours_rebuild(sim));
     CU_ASSERT(sim->slack[0] == 0.0 && sim->slack[1] == 0.0); /* it would be that of other grains */
+    CU_ASSERT(beyond_margins(sim, 1) == 0);
+    sim->n_chunks = 1;
     sim->grain[sim->n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
     dem_free(sim);
