@@ -1368,7 +1368,7 @@ static void limit_of_rotation(void)
         def.grains = grains;
         def.n_grains = 2;
         const double square = 2.5 * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
-        CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.4 / sqrt(12.0 * square)), 1.0, 1e-14);
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.8 / sqrt(12.0 * square)), 1.0, 1e-14);
     }
 }
 

@@ -268,7 +268,7 @@ static void sweep_steps(const motion *p, double doubt, int phases, double decade
 {
     const double limit = dem_time_step_limit(&p->def, NULL);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
-        const double largest = limit * (integrator == DEM_IMPLICIT ? head_start : 0.9);
+        const double largest = limit * (integrator == DEM_IMPLICIT ? head_start : 0.75);
         for (int k = 0; k <= lround(3.0 * decades); k++) {
             const double steps = ceil(p->time / largest * pow(10.0, k / 3.0)), dt = p->time / steps;
             if (!allowed(p, integrator, dt / 0.94)) continue; /* Gear's steps are smaller */

@@ -361,9 +361,12 @@ static double theory_tolerance(const stability_case *c)
 {
     return c->integrator == DEM_VERLET ? 0.005 : c->damping > 0.0 ? 0.02 : 0.08;
 }
-/* The limit takes 0.85 of a packing's root, 1/1.176; the bisection and growth that starts late take the rest.
- */
-static const double MARGIN = 1.15;
+/* The limit takes 0.85 of a packing's root, 1/1.176, with Verlet and the linear law 0.95, 1/1.053; the
+ * bisection and growth that starts late take the rest. */
+static double least_margin(const stability_case *c)
+{
+    return c->integrator == DEM_VERLET && c->law == DEM_LINEAR ? 1.04 : 1.15;
+}
 
 static FILE *table;
 
@@ -377,7 +380,7 @@ static void check_one(const stability_case *c)
 {
     const stability s = examine(c, check_full() ? 4 : 3);
     CHECK_NEAR(s.measured / s.theory, 1.0, theory_tolerance(c));
-    CU_ASSERT(s.measured > MARGIN * s.limit);
+    CU_ASSERT(s.measured > least_margin(c) * s.limit);
     summary.cases++;
     summary.least = fmin(summary.least, s.measured / s.limit);
     summary.most = fmax(summary.most, s.measured / s.limit);

@@ -150,7 +150,7 @@ typedef enum {
 const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of where a
- * packing's fastest mode becomes unstable. omega^2 = k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n
+ * packing's fastest mode becomes unstable, and 0.95 of it, 3.8, with Verlet and the linear law. omega^2 = k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n
  * sqrt(overlap) for Hertz at the overlap that an impact from the start's height and speed makes, and the
  * largest of k_eff + k_s/3 (or the other way round), 3/4 (k_eff + k_s) and, where grains rotate,
  * (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger than others, but not heavier, has more
