@@ -5,6 +5,7 @@
 #include "core/clock.h"
 #include "core/random.h"
 #include "dem/scene.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -299,6 +300,158 @@ static void check_name(const dem_definition *def, const char *name)
     CU_ASSERT_STRING_NOT_EQUAL(name, "reference");
     CU_ASSERT((strstr(name, "_avx2") != NULL) == (def->kernel == DEM_AVX2));
     CU_ASSERT((strstr(name, "_avx512") != NULL) == (def->kernel == DEM_AVX512));
+}
+
+/* One whose steps take a few hundred pairs as they do those of a large pile, where `chunk` says so. */
+static dem_sim *start_in_chunks(const dem_definition *def, size_t chunk)
+{
+    dem_sim *sim = grains_start(def);
+    if (chunk > 0) sim->chunk = chunk;
+    CHECK_OK(dem_neighbours_rebuild(sim)); /* of both that are compared */
+    return sim;
+}
+
+static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
+{
+    double f[2 * DEM_MAX_WALLS] = {0}, g[2 * DEM_MAX_WALLS] = {0};
+    dem_wall_forces(a, f);
+    dem_wall_forces(b, g);
+    return memcmp(f, g, sizeof f) == 0;
+}
+
+/* Where grains go on behind the pair loop against where all wait for all forces: filling, a wall that opens,
+ * cells that wrap around, grains that leave a list that goes on, fixed grains in between. */
+static void avalanche_in_chunks(void)
+{
+    enum { N = 400, PARTS = 4 };
+    const long part = check_fast() ? 700 : 2500;
+    dem_grain *grains;
+    dem_definition def = grains_box(N, 4.0, 9, &grains);
+    for (int i = 0; i < N; i += 50) grains[i].fixed = true;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
+    def.x_max = 8.0;
+    def.y_min = -0.5;
+    def.kernel = DEM_REFERENCE;
+    dem_sim *reference[PARTS + 1] = {start_in_chunks(&def, 0)};
+    for (int k = 0; k < PARTS; k++) {
+        CHECK_OK(dem_clone(reference[k], &reference[k + 1]));
+        CHECK_OK(dem_run(reference[k + 1], part));
+    }
+    CU_ASSERT(dem_count(reference[PARTS]) < N - 20);
+    for (def.kernel = DEM_BASELINE; def.kernel < DEM_KERNELS; def.kernel++) {
+        if (!dem_kernel_runs(def.kernel)) continue;
+        dem_sim *sim = start_in_chunks(&def, 64), *copy;
+        for (int k = 1; k <= PARTS; k++) {
+            CHECK_OK(dem_clone(sim, &copy));
+            CU_ASSERT(copy->n_chunks == sim->n_chunks);
+            dem_free(sim);
+            sim = copy;
+            CHECK_OK(dem_run(sim, part));
+            CU_ASSERT(grains_same_bits(sim, reference[k]));
+            CU_ASSERT(same_wall_forces(sim, reference[k]));
+            CU_ASSERT(grains_energy(sim) == grains_energy(reference[k])); /* springs too */
+            if (k == 2) CU_ASSERT(sim->n_chunks > 6 && sim->done[sim->n_chunks / 2] > N / 4);
+        }
+        dem_free(sim);
+    }
+    for (int k = 0; k <= PARTS; k++) dem_free(reference[k]);
+    free(grains);
+}
+
+/* A fault is found at the same step, with the same words. */
+static void faults_in_chunks(bool wall)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(1200, 6.0, 9, &grains);
+    *(wall ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
+    def.kernel = DEM_REFERENCE;
+    dem_sim *reference = start_in_chunks(&def, 0);
+    CU_ASSERT(dem_run(reference, 100000) == RP_BROKEN);
+    char text[256];
+    snprintf(text, sizeof text, "%s", rp_message());
+    def.kernel = DEM_FAST;
+    dem_sim *sim = start_in_chunks(&def, 64);
+    CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, text);
+    CU_ASSERT(dem_step(sim) == dem_step(reference) && dem_sim_fault(sim) == dem_sim_fault(reference));
+    CU_ASSERT(sim->n_chunks > 0);
+    dem_free(sim);
+    dem_free(reference);
+    free(grains);
+}
+
+static void chunks(void)
+{
+    avalanche_in_chunks();
+    faults_in_chunks(false);
+    faults_in_chunks(true);
+}
+
+/* How often within so many steps a grain is beyond its margin of the list, or its group's slack more than is
+ * left of that. */
+static long beyond_margins(dem_sim *sim, int steps)
+{
+    long beyond = 0;
+    for (int k = 0; k < steps; k++) {
+        sim->n_chunks = 1; /* as if the pile were large */
+        CHECK_OK(dem_run(sim, 1));
+        for (size_t i = 0; i < sim->n; i++) {
+            const dem_vec way = sim->grain[i].x - sim->ref[i];
+            const double rest = sqrt(sim->margin2[i]) - sqrt(dem_dot(way, way));
+            beyond += !(rest >= 0.0 && sim->slack[i / DEM_GROUP] <= rest);
+        }
+    }
+    return beyond;
+}
+
+static void margins_of(bool hard, int kernel)
+{
+    enum { N = 150 };
+    dem_grain *grains;
+    dem_definition def = grains_box(N, 3.0, 4, &grains);
+    for (int i = 0; i < N; i++) grains[i].vx = 100.0 * (i % 5 - 2), grains[i].vy = i % 3 ? -200.0 : 0.0;
+    def.dt = 2e-5;
+    def.kernel = kernel;
+    def.x_max = 3.1;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 500;
+    if (hard) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
+    dem_sim *sim = grains_start(&def);
+    CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->n < N && sim->rebuilds < 500);
+    CHECK_OK(dem_neighbours_rebuild(sim));
+    CU_ASSERT(sim->slack[0] == 0.0 && sim->slack[1] == 0.0); /* it would be that of other grains */
+    CU_ASSERT(beyond_margins(sim, 1) == 0);
+    sim->n_chunks = 1;
+    sim->grain[sim->n / 2].v[0] = NAN;
+    CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
+    dem_free(sim);
+    free(grains);
+}
+
+/* Two that stop one another at one or another time between two rebuildings. */
+static void margins_of_two(void)
+{
+    for (int k = 0; k < 60; k++) {
+        dem_grain two[2] = {{-0.5 - 0.002 * k, 0.0, 0.1, 0.004, 300.0, 0.0},
+                            {0.5 + 0.002 * k, 0.0, 0.1, 0.004, -300.0, 0.0}};
+        dem_definition def = dem_definition_default();
+        def.grains = two;
+        def.n_grains = 2;
+        def.gravity[1] = 0.0;
+        def.dt = 1e-5;
+        def.tension = false;
+        def.hard.on = true;
+        dem_sim *sim = grains_start(&def);
+        CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->collisions == 1);
+        dem_free(sim);
+    }
+}
+
+static void margins(void)
+{
+    margins_of_two();
+    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++)
+        for (int hard = 0; hard < 2 && dem_kernel_runs(kernel); hard++) margins_of(hard, kernel);
 }
 
 /* Each instance of the pair loop against the loop that decides at run time, through an avalanche. */
@@ -1309,6 +1462,8 @@ void suite_dem(void)
                                        {"grains leave the list", leaving},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"each kernel matches the reference loop", kernels_match_reference},
+                                       {"grains that go on behind the pair loop", chunks},
+                                       {"margins of the list", margins},
                                        {"same bits however it is run", determinism},
                                        {"gravity turns", gravity_turns},
                                        {"floor that ends", floor_that_ends},

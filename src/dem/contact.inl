@@ -6,10 +6,10 @@
  * overlap, at arms from the centres that add up to their distance, so that angular momentum is conserved. A
  * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
  * along -s; so both add to v_s, and F_s turns both the same way. */
-static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double h, int normal,
-                                                            int tangential, int slip, bool tension,
-                                                            int damping, bool rotation, bool rolling,
-                                                            bool gear)
+static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t from, size_t to, double h,
+                                                            int normal, int tangential, int slip,
+                                                            bool tension, int damping, bool rotation,
+                                                            bool rolling, bool gear)
 {
     const dem_record *restrict grain = sim->grain;
     dem_vec *restrict force = sim->force;
@@ -18,57 +18,65 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, double
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     const double *restrict radius = sim->radius;
     dem_spin *restrict spin = sim->spin;
-    uint32_t *restrict touching = sim->touching;
+    uint64_t *restrict touching = sim->touching;
     const dem_material c = sim->def.material;
     const double mu = sim->mu, limit = sim->r_min;
 
-    /* which pairs touch; a spring ends with its contact */
-    size_t n = 0;
-    for (size_t k = 0; k < sim->n_pairs; k++) {
-        dem_vec d = grain[pair_i[k]].x - grain[pair_j[k]].x;
-        bool touch = dem_dot(d, d) < radii[k] * radii[k];
-        touching[n] = (uint32_t)k;
-        n += touch;
-        if (tangential == DEM_SPRING) spring[k] = touch ? spring[k] : 0.0;
-        if (rolling) roll[k] = touch ? roll[k] : 0.0;
-    }
-    sim->n_touching = n;
-
     bool alarm = false;
-    for (size_t t = 0; t < n; t++) {
-        const size_t k = touching[t], i = pair_i[k], j = pair_j[k];
-        dem_vec d = grain[i].x - grain[j].x, v = grain[i].v - grain[j].v;
-        double r = sqrt(dem_dot(d, d)), overlap = radii[k] - r;
-        dem_vec direction = d * (1.0 / r);
-        alarm |= !(overlap <= limit);
-        double f_n =
-            dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
-        dem_vec f = f_n * direction;
-        if (tangential != DEM_NONE) {
-            dem_vec s = dem_clockwise(direction);
-            double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
-            if (rotation) {
-                arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
-                v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
+    uint64_t word = 0;
+    while (from < to) {
+        /* which pairs touch, listed without a branch; a spring ends with its contact */
+        enum { BLOCK = 256 };
+        uint32_t held[BLOCK + 1];
+        size_t n = 0;
+        for (const size_t end = from + BLOCK; from < to && from < end; from += 8) {
+            unsigned bits = 0;
+            for (size_t k = from; k < from + 8; k++) {
+                dem_vec d = grain[pair_i[k]].x - grain[pair_j[k]].x;
+                const bool touch = dem_dot(d, d) < radii[k] * radii[k];
+                bits |= (unsigned)touch << (k - from);
+                held[n] = (uint32_t)k;
+                n += touch;
+                if (tangential == DEM_SPRING) spring[k] = touch ? spring[k] : 0.0;
+                if (rolling) roll[k] = touch ? roll[k] : 0.0;
             }
-            if (gear && tangential == DEM_SPRING)
-                spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
-            double f_s =
-                dem_law_tangential(tangential, slip, damping, &c, mu, mass[k], v_s, f_n, h, &spring[k]);
-            f += f_s * s;
-            if (rotation) {
-                double couple = 0.0;
-                if (rolling) {
-                    const double r_eff = radius[i] * radius[j] / radii[k];
-                    couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (spin[i].omega - spin[j].omega),
-                                                     f_n, h, &roll[k]);
-                }
-                spin[i].torque += arm_i * f_s + couple;
-                spin[j].torque += arm_j * f_s - couple;
-            }
+            dem_note(touching, from, bits, &word);
         }
-        force[i] += f;
-        force[j] -= f;
+        for (size_t t = 0; t < n; t++) {
+            const size_t k = held[t], i = pair_i[k], j = pair_j[k];
+            dem_vec d = grain[i].x - grain[j].x, v = grain[i].v - grain[j].v;
+            double r = sqrt(dem_dot(d, d)), overlap = radii[k] - r;
+            dem_vec direction = d * (1.0 / r);
+            alarm |= !(overlap <= limit);
+            double f_n =
+                dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
+            dem_vec f = f_n * direction;
+            if (tangential != DEM_NONE) {
+                dem_vec s = dem_clockwise(direction);
+                double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
+                if (rotation) {
+                    arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
+                    v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
+                }
+                if (gear && tangential == DEM_SPRING)
+                    spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
+                double f_s =
+                    dem_law_tangential(tangential, slip, damping, &c, mu, mass[k], v_s, f_n, h, &spring[k]);
+                f += f_s * s;
+                if (rotation) {
+                    double couple = 0.0;
+                    if (rolling) {
+                        const double r_eff = radius[i] * radius[j] / radii[k];
+                        couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (spin[i].omega - spin[j].omega),
+                                                         f_n, h, &roll[k]);
+                    }
+                    spin[i].torque += arm_i * f_s + couple;
+                    spin[j].torque += arm_j * f_s - couple;
+                }
+            }
+            force[i] += f;
+            force[j] -= f;
+        }
     }
     sim->alarm |= alarm;
 }

@@ -71,6 +71,7 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grain[i].v += gain;
     sim->grain[i].x -= t * gain;
+    sim->slack[i / DEM_GROUP] = 0.0;
     sim->way[i] = INFINITY; /* for the rest of the step */
     if (!sim->spin) return;
     sim->spin[i].omega += to->omega - from->omega;

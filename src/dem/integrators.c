@@ -14,11 +14,11 @@
 
 #include "dem/sim.h"
 
-/* Spins and angles by the same leapfrog, from grain i on. */
-static void integrate_spins(dem_sim *sim, size_t i)
+/* Spins and angles by the same leapfrog, of the grains i..to. */
+static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
     const double dt = sim->def.dt;
-    for (; i < sim->n; i++) {
+    for (; i < to; i++) {
         dem_spin *p = &sim->spin[i];
         p->omega += dt * p->inverse_inertia * p->torque;
         p->angle += dt * p->omega;
@@ -57,7 +57,8 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
     q[2] += 5.0 * q[3];
 }
 
-unsigned dem_integrate(dem_sim *sim)
+/* As dem_advance, of all of them. */
+static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     const bool turned = sim->box_angle != 0.0;
     const double dt = sim->def.dt;
@@ -66,25 +67,60 @@ unsigned dem_integrate(dem_sim *sim)
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
     dem_vec *restrict force = sim->force;
-    unsigned left = 0;
-    const size_t advanced = sim->advance ? sim->advance(sim, &left) : 0;
-    for (size_t i = advanced; i < sim->n; i++) {
+    const size_t advanced = sim->advance ? sim->advance(sim, from, to, left, speed2) : from;
+    for (size_t i = advanced; i < to; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
             grain[i].v += dt * (force[i] * sim->inverse_mass[i] + gravity);
             grain[i].x += dt * grain[i].v;
         }
-        dem_vec x = grain[i].x, moved = x - sim->ref[i];
         force[i] = (dem_vec){0.0, 0.0};
-        /* written so that NaN counts as moved */
-        left |= !(dem_dot(moved, moved) <= sim->margin2[i]) * DEM_LIST_OUT |
-                ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
+        const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
+        const double moved2 = dem_dot(moved, moved);
+        if (speed2)
+            *speed2 = moved2 <= *speed2 ? *speed2 : isnan(moved2) ? INFINITY : moved2;
+        else
+            *left |= !(moved2 <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+        *left |= ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
-    for (size_t i = 0; i < sim->n && turned; i++) left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
-    hold_fixed(sim);
-    if (sim->spin) integrate_spins(sim, advanced);
-    sim->grain_steps += (double)sim->n;
+    for (size_t i = from; i < to && turned; i++) *left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
+    if (sim->spin) integrate_spins(sim, advanced, to);
+}
+
+/* Look whether grains of a group have left their margins, and how far they may go until one can. A way d
+ * leaves m - d >= (m^2 - d^2) / (2 m) of a margin m. */
+static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
+{
+    unsigned left = 0;
+    double margin2 = 0.0, beyond = -INFINITY;
+    for (size_t i = sim->stray ? sim->stray(sim, from, to, &left, &margin2, &beyond) : from; i < to; i++) {
+        const dem_vec moved = sim->grain[i].x - sim->ref[i];
+        const double way2 = dem_dot(moved, moved);
+        left |= !(way2 <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+        margin2 = fmax(margin2, sim->margin2[i]);
+        beyond = fmax(beyond, way2 - sim->margin2[i]);
+    }
+    sim->slack[from / DEM_GROUP] = -0.5 * beyond / sqrt(margin2) - 1e-9 * sqrt(margin2);
+    return left;
+}
+
+/* In a pile larger than the cache, margins are looked at only where they may have been used up. Where it is
+ * not, and in flow, where that often is so, to look at once costs less. */
+unsigned dem_integrate(dem_sim *sim, size_t from, size_t to)
+{
+    const bool large = sim->n_chunks > 0 && !sim->gear; /* Gear's places go otherwise */
+    unsigned left = 0;
+    sim->grain_steps += (double)(to - from);
+    if (!large) advance(sim, from, to, &left, NULL);
+    for (size_t end; large && from < to; from = end) {
+        double speed2 = 0.0, *slack = &sim->slack[from / DEM_GROUP];
+        end = from + DEM_GROUP < to ? from + DEM_GROUP : to;
+        advance(sim, from, end, &left, &speed2);
+        *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->round_off;
+        if (!(*slack > 0.0)) left |= measure_slack(sim, from, end);
+    }
+    if (to == sim->n) hold_fixed(sim);
     return left;
 }
 

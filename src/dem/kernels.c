@@ -48,18 +48,18 @@
     SLIP_ROLL(X, linear_slip_rolling, DEM_LINEAR, true, true)
 
 #define X(name, ...)                                                                                         \
-    static void kernel_##name(dem_sim *sim, double h)                                                        \
+    static void kernel_##name(dem_sim *sim, size_t from, size_t to, double h)                                \
     {                                                                                                        \
-        pair_loop(sim, h, __VA_ARGS__, false);                                                               \
+        pair_loop(sim, from, to, h, __VA_ARGS__, false);                                                     \
     }
 KERNELS(X)
 #undef X
 
-static void kernel_reference(dem_sim *sim, double h)
+static void kernel_reference(dem_sim *sim, size_t from, size_t to, double h)
 {
     const dem_definition *def = &sim->def;
-    pair_loop(sim, h, def->normal, def->tangential, def->slip, def->tension, def->damping, def->rotation,
-              sim->rolling, sim->gear != NULL);
+    pair_loop(sim, from, to, h, def->normal, def->tangential, def->slip, def->tension, def->damping,
+              def->rotation, sim->rolling, sim->gear != NULL);
 }
 
 bool dem_kernel_runs(int kernel)
@@ -94,6 +94,7 @@ static void choose_wide(dem_sim *sim)
     if (def->integrator == DEM_VERLET) {
         sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
         sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+        sim->stray = avx512 ? dem_stray_avx512 : dem_stray_avx2;
     }
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");

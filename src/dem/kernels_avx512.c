@@ -6,6 +6,7 @@
 #define WIDE_KERNEL    dem_kernel_avx512
 #define WIDE_LINE      dem_line_avx512
 #define WIDE_ADVANCE   dem_advance_avx512
+#define WIDE_STRAY     dem_stray_avx512
 #define WIDE_NEAR      dem_near_avx512
 #define WIDE_WAYS      dem_ways_avx512
 #define WIDE_CLOSING   dem_closing_avx512

@@ -12,6 +12,8 @@ typedef struct {
     dem_material c;
     double mu;
     bool hertz, tension, shear, slip_roll, truncated, inside;
+    bool friction; /* shear or slip_roll; asked for as two bytes, the compiler reads what it has just written
+                    */
 } laws;
 
 /* A spring and a dashpot under a limit: shear, or rolling. */
@@ -35,7 +37,8 @@ INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
                   def->tangential == DEM_SPRING,
                   def->tangential == DEM_SLIP_ROLL,
                   def->slip == DEM_TRUNCATED,
-                  def->damping == DEM_DAMPING_INSIDE};
+                  def->damping == DEM_DAMPING_INSIDE,
+                  def->tangential != DEM_NONE};
 }
 
 INLINE slider shear_of(const laws *law)
@@ -141,39 +144,41 @@ INLINE void push_subtract(dem_push *to, const dem_push *b)
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
- * since it starts from +0. The list ends in pairs that never touch. With `rotation` there is a tangential law,
- * and what acts on a grain is summed up in sim->push. */
-INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool rolling)
+ * since it starts from +0. The list ends in pairs that never touch. With `rotation` there is a tangential
+ * law, and what acts on a grain is summed up in sim->push: all pairs at once. */
+INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
     const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
     dem_spin *restrict spin = sim->spin;
     dem_push *restrict push = sim->push;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    uint32_t *restrict touching = sim->touching, *restrict apart = sim->apart;
+    uint64_t *restrict touching = sim->touching;
+    uint32_t *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
-    size_t n = 0, n_apart = 0;
+    size_t n_apart = 0;
     unsigned alarm = 0;
+    uint64_t word = 0;
     geometry next = {0};
-    if (sim->n_pairs > 0) next = geometry_of(sim, 0);
-    for (size_t k = 0; k < sim->n_pairs; k += WIDTH) {
+    if (from < to) next = geometry_of(sim, from);
+    for (size_t k = from; k < to; k += WIDTH) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
         const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
         const lanes touch = next.touch;
-        if (k + WIDTH < sim->n_pairs)
+        if (k + WIDTH < to)
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
+        dem_note(touching, k, wide_bits(touch), &word);
         if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
-        n = wide_append(touching, n, wide_bits(touch), k);
         const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
         wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (law.shear || law.slip_roll) {
+        if (law.friction) {
             /* along s = (ny, -nx), the normal turned clockwise */
             wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
             if (rotation) {
@@ -218,7 +223,6 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
         }
     }
     if (rotation) take_pushes(sim);
-    sim->n_touching = n;
     sim->alarm |= alarm != 0;
     if (!apart) return;
     while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
@@ -231,29 +235,29 @@ INLINE void wide_loop(dem_sim *sim, double h, laws law, bool rotation, bool roll
 INLINE laws spring_law(laws law, bool hertz, bool tension, bool inside)
 {
     law.hertz = hertz, law.tension = tension, law.inside = inside;
-    law.shear = law.truncated = true, law.slip_roll = false;
+    law.shear = law.truncated = law.friction = true, law.slip_roll = false;
     return law;
 }
 
 /* With instances of their own for the laws of a box and of dropped piles. Pairs without friction leave spins
  * alone. */
-void WIDE_KERNEL(dem_sim *sim, double h)
+void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
 {
     const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
-    const bool turns = sim->def.rotation && (law.shear || law.slip_roll);
+    const bool turns = sim->def.rotation && law.friction;
     const bool spring = law.shear && !law.slip_roll && law.truncated;
     if (!turns && spring && law.hertz && law.tension && !law.inside)
-        wide_loop(sim, h, spring_law(law, true, true, false), false, false);
-    else if (!turns && !law.shear && !law.slip_roll && law.hertz && law.tension)
-        wide_loop(sim, h, law, false, false);
+        wide_loop(sim, from, to, h, spring_law(law, true, true, false), false, false);
+    else if (!turns && !law.friction && law.hertz && law.tension)
+        wide_loop(sim, from, to, h, law, false, false);
     else if (!turns)
-        wide_loop(sim, h, law, false, false);
+        wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->rolling)
-        wide_loop(sim, h, law, true, false);
+        wide_loop(sim, from, to, h, law, true, false);
     else if (spring && !law.hertz && !law.tension && law.inside)
-        wide_loop(sim, h, spring_law(law, false, false, true), true, true);
+        wide_loop(sim, from, to, h, spring_law(law, false, false, true), true, true);
     else
-        wide_loop(sim, h, law, true, true);
+        wide_loop(sim, from, to, h, law, true, true);
 }
 
 /* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
@@ -286,7 +290,7 @@ INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uin
                .roll = wide_gather(&slot->roll, at, of_slot),
                .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
                .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
-    if (!law->shear && !law->slip_roll) return b;
+    if (!law->friction) return b;
     const wide arm = radius - overlap, omega = sim->spin ? wide_gather(&sim->spin->omega, i, of_spin) : zero;
     wide v_s = vx * ny - vy * nx, f_s;
     if (sim->spin) v_s += arm * omega;
@@ -326,16 +330,14 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
     }
 }
 
-/* As apply_slot for the slots from k on of one wall, a whole line at rest and not the ground; returns the
- * first of the next. The last block is filled up with its last slot. */
-size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
+/* As apply_slot for slots k..end of one wall, a whole line at rest and not the ground. The last block is
+ * filled up with its last slot. */
+void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->wall_slot;
     const uint32_t w = slot[k].wall;
     const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
     dem_vec wall = sim->wall_force[w];
-    size_t end = k;
-    while (end < sim->n_wall_slots && slot[end].wall == w) end++;
     for (; k < end; k += WIDTH) {
         const size_t n = end - k < WIDTH ? end - k : WIDTH;
         uint32_t at[WIDTH], i[WIDTH];
@@ -346,16 +348,15 @@ size_t WIDE_LINE(dem_sim *sim, size_t k, double h)
         sim->alarm |= b.deep != 0;
     }
     sim->wall_force[w] = wall;
-    return end;
 }
 
-/* As integrate_spins in integrators.c, for the first n, a multiple of WIDTH/2: (angle, omega) and (torque,
+/* As integrate_spins in integrators.c, for i..to, some times WIDTH/2: (angle, omega) and (torque,
  * inverse inertia) are taken as vectors. */
-INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
+INLINE void advance_spins(dem_spin *spin, size_t i, size_t to, double dt)
 {
     const wide zero = {0};
     const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
-    for (size_t i = 0; i < n; i += WIDTH / 2) {
+    for (; i < to; i += WIDTH / 2) {
         dem_record *at = (dem_record *)(spin + i);
         wide turn, drive;
         wide_load_records(at, &turn, &drive);
@@ -364,8 +365,17 @@ INLINE void advance_spins(dem_spin *spin, size_t n, double dt)
     }
 }
 
-/* As dem_integrate, spins included; returns for how many grains. */
-size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
+INLINE double largest(wide a)
+{
+    double all[WIDTH];
+    wide_store(all, a);
+    double most = all[0];
+    for (int p = 1; p < WIDTH; p++) most = all[p] > most ? all[p] : most;
+    return most;
+}
+
+/* With `look`, margins are looked at, in place of speeds. */
+INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2, bool look)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
@@ -373,25 +383,65 @@ size_t WIDE_ADVANCE(dem_sim *sim, unsigned *left)
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity),
                most = wide_repeat((dem_vec){x_max, INFINITY}),
-               least = wide_repeat((dem_vec){-INFINITY, y_min});
+               least = wide_repeat((dem_vec){-INFINITY, y_min}), finite = zero + DBL_MAX;
+    wide fast = zero;
     unsigned far = 0, out = 0;
-    size_t i = 0;
-    for (; i + GRAINS <= sim->n; i += GRAINS) {
+    size_t i = from;
+    for (; i + GRAINS <= to; i += GRAINS) {
         double *force = (double *)(sim->force + i);
         wide x, v;
         wide_load_records(sim->grain + i, &x, &v);
         v = v + dt * (wide_load(force) * wide_load_twice(sim->inverse_mass + i) + gravity);
         x = x + dt * v;
-        wide moved = x - wide_load((const double *)(sim->ref + i));
-        moved *= moved;
         wide_store_records(sim->grain + i, x, v);
         wide_store(force, zero);
+        wide moved = v, most_moved = finite;
+        if (look) {
+            moved = x - wide_load((const double *)(sim->ref + i));
+            most_moved = wide_load_twice(sim->margin2 + i);
+        }
+        moved *= moved;
+        moved += wide_swap(moved);
+        if (!look) fast = wide_max(moved, fast);
         /* written so that NaN counts as moved */
-        far |= wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
+        far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
         out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
     }
-    *left |= (far != 0) * DEM_LIST_OUT | (out != 0) * DEM_GRAIN_OUT;
-    if (sim->spin) advance_spins(sim->spin, i, dt);
+    if (!look) *speed2 = far ? INFINITY : largest(fast);
+    *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
+    if (sim->spin) advance_spins(sim->spin, from, i, dt);
+    return i;
+}
+
+/* As dem_integrate, spins included. */
+size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+{
+    return speed2 ? advance_grains(sim, from, to, left, speed2, false)
+                  : advance_grains(sim, from, to, left, NULL, true);
+}
+
+/* As measure_slack in integrators.c. */
+size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2, double *beyond)
+{
+    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
+    wide widest = (wide){0} + *margin2, most = (wide){0} + *beyond;
+    unsigned far = 0;
+    size_t i = from;
+    for (; i + GRAINS <= to; i += GRAINS) {
+        wide x, v;
+        wide_load_records(sim->grain + i, &x, &v);
+        wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
+        moved += wide_swap(moved);
+        const wide margin = wide_load_twice(sim->margin2 + i);
+        /* written so that NaN counts as moved */
+        far |= wide_bits(wide_at_most(moved, margin)) ^ ALL;
+        widest = wide_max(margin, widest);
+        most = wide_max(moved - margin, most);
+    }
+    *left |= (far != 0) * DEM_LIST_OUT;
+    *margin2 = largest(widest);
+    *beyond = largest(most);
     return i;
 }
 

@@ -71,7 +71,7 @@ static rp_status grain_room(dem_sim *sim, size_t last_id)
 static rp_status contact_room(dem_sim *sim)
 {
     struct dem_book *b = sim->book;
-    const size_t need = sim->n_touching + sim->n_wall_slots;
+    const size_t need = dem_count_touching(sim) + sim->n_wall_slots;
     if (need < b->contact_room) return RP_OK;
     const size_t room = 2 * need + 16;
     if (!dem_grow(&b->old_contact, sizeof *b->old_contact, room) ||
@@ -194,8 +194,7 @@ rp_status dem_ledger_forces(dem_sim *sim, double h)
     rp_status status = contact_room(sim);
     if (status) return status;
     b->n_new = 0;
-    for (size_t t = 0; t < sim->n_touching; t++)
-        pair_forces(sim, sim->touching[t], h, &b->new_contact[b->n_new++]);
+    DEM_EACH_TOUCHING (sim, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
     for (uint32_t k = 0; k < sim->n_wall_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
     qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
     return RP_OK;

@@ -21,8 +21,8 @@ struct dem_scratch {
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
     dem_spin *spin;
-    /* springs of touching pairs, by the lower new index of the two grains */
-    uint32_t *held_start; /* n + 1 */
+    /* springs of touching pairs, a chain for the lower new index of the two grains */
+    uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
     uint32_t *held_partner;
     double *held_spring, *held_roll;
     size_t held_room;
@@ -86,10 +86,10 @@ static bool lengthen(void *array, size_t size, size_t held, size_t room)
 static rp_status pair_room(dem_sim *sim, size_t more)
 {
     if (sim->n_pairs + more + 8 <= sim->pair_room) return RP_OK;
-    const size_t held = sim->n_pairs, room = sim->pair_room = 9 * (sim->n_pairs + more) / 8 + 64;
+    const size_t held = sim->n_pairs, room = sim->pair_room = 9 * (sim->n_pairs + more) / 512 * 64 + 128;
     if (lengthen(&sim->pair_i, sizeof *sim->pair_i, held, room) &&
         lengthen(&sim->pair_j, sizeof *sim->pair_j, held, room) &&
-        lengthen(&sim->touching, sizeof *sim->touching, held, room) &&
+        lengthen(&sim->touching, sizeof *sim->touching, (held + 63) / 64, room / 64) &&
         lengthen(&sim->pair_radii, sizeof *sim->pair_radii, held, room) &&
         lengthen(&sim->pair_mass, sizeof *sim->pair_mass, held, room) &&
         lengthen(&sim->spring, sizeof *sim->spring, held, room) &&
@@ -112,6 +112,28 @@ static void pad_pairs(dem_sim *sim)
     }
 }
 
+/* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
+ * renamed, that may be so of few before the end. */
+static rp_status plan_chunks(dem_sim *sim)
+{
+    enum { LEAST = 6 }; /* fewer fit into the cache together */
+    const size_t n = (sim->n_pairs + sim->chunk - 1) / sim->chunk;
+    sim->n_chunks = 0;
+    if (n < LEAST) return RP_OK;
+    if (n > sim->chunk_room && !dem_grow(&sim->done, sizeof *sim->done, sim->chunk_room = 2 * n))
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    uint32_t done = (uint32_t)sim->n;
+    for (size_t c = n, end = sim->n_pairs; c-- > 0; end = c * sim->chunk) {
+        sim->done[c] = c + 1 == n ? done : done / DEM_GROUP * DEM_GROUP;
+        for (size_t k = c * sim->chunk; k < end; k++) {
+            const uint32_t i = sim->pair_i[k], j = sim->pair_j[k], first = i < j ? i : j;
+            done = first < done ? first : done;
+        }
+    }
+    sim->n_chunks = n;
+    return RP_OK;
+}
+
 static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
 {
     sim->n_pairs = sim->pair_room = 0;
@@ -122,7 +144,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     sim->n_pairs = like->n_pairs;
     memcpy(sim->pair_i, like->pair_i, sim->n_pairs * sizeof *sim->pair_i);
     memcpy(sim->pair_j, like->pair_j, sim->n_pairs * sizeof *sim->pair_j);
-    memcpy(sim->touching, like->touching, sim->n_touching * sizeof *sim->touching);
+    memcpy(sim->touching, like->touching, (sim->n_pairs + 63) / 64 * sizeof *sim->touching);
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
@@ -136,7 +158,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
-    return RP_OK;
+    return like->n_chunks > 0 ? plan_chunks(sim) : RP_OK;
 }
 
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
@@ -163,10 +185,10 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->inverse_mass = dem_array(n, sizeof *w->inverse_mass);
     w->id = dem_array(n, sizeof *w->id);
     if (sim->def.rotation) w->spin = dem_array(n, sizeof *w->spin);
-    w->held_start = calloc(n + 1, sizeof *w->held_start);
+    w->held_first = malloc(n * sizeof *w->held_first);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
-        !w->inverse_mass || !w->id || !w->held_start || !w->wall_held || (sim->gear && !w->gear) ||
+        !w->inverse_mass || !w->id || !w->held_first || !w->wall_held || (sim->gear && !w->gear) ||
         (sim->def.rotation && !w->spin))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
@@ -178,7 +200,8 @@ void dem_neighbours_free(dem_sim *sim)
     struct dem_scratch *w = sim->scratch;
     if (!w) return;
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
-    free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_start), free(w->held_partner);
+    free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
+        free(w->held_partner);
     free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin);
     free(w->gear), free(w);
     sim->scratch = NULL;
@@ -217,6 +240,7 @@ static void mark_grain(dem_sim *sim, size_t i)
     sim->ref[i] = grain->x;
     sim->margin2[i] = most * most;
     sim->reach[i] = sim->radius[i] + most;
+    sim->slack[i / DEM_GROUP] = 0.0;
 }
 
 /* Drop the grains that left and sort the rest by square cells of that size, keeping their order within one.
@@ -289,40 +313,34 @@ static void measure_room(dem_sim *sim)
     for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
     sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
     sim->box_swept = 0.0;
+    sim->round_off = 1e-15 * (sqrt(far2) + sim->skin);
 }
 
-/* Keep the springs of touching pairs, sorted by the lower new index. */
+/* Keep the springs of touching pairs. */
 static rp_status hold_springs(dem_sim *sim)
 {
     struct dem_scratch *w = sim->scratch;
-    if (sim->n_touching > w->held_room) {
-        w->held_room = sim->n_touching + sim->n_touching / 2;
-        if (!dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
+    const size_t most = dem_count_touching(sim);
+    if (most > w->held_room) {
+        w->held_room = most + most / 2;
+        if (!dem_grow(&w->held_next, sizeof *w->held_next, w->held_room) ||
+            !dem_grow(&w->held_partner, sizeof *w->held_partner, w->held_room) ||
             !dem_grow(&w->held_spring, sizeof *w->held_spring, w->held_room) ||
             (sim->rolling && !dem_grow(&w->held_roll, sizeof *w->held_roll, w->held_room)))
             return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     }
-    memset(w->held_start, 0, (sim->n + 1) * sizeof *w->held_start);
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t t = 0; t < sim->n_touching; t++) {
-            const uint32_t k = sim->touching[t];
-            uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
-            if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
-            uint32_t low = a < b ? a : b;
-            if (pass == 0) {
-                w->held_start[low + 1]++;
-            } else {
-                uint32_t at = w->held_start[low]++;
-                w->held_partner[at] = a < b ? b : a;
-                w->held_spring[at] = sim->spring[k];
-                if (sim->rolling) w->held_roll[at] = a < b ? sim->roll[k] : -sim->roll[k];
-            }
-        }
-        if (pass == 0)
-            for (size_t i = 0; i < sim->n; i++) w->held_start[i + 1] += w->held_start[i];
+    memset(w->held_first, 0xff, sim->n * sizeof *w->held_first);
+    uint32_t n = 0;
+    DEM_EACH_TOUCHING (sim, k) {
+        const uint32_t a = w->moved_to[sim->pair_i[k]], b = w->moved_to[sim->pair_j[k]];
+        if (a == NOWHERE || b == NOWHERE || (sim->spring[k] == 0.0 && !sim->rolling)) continue;
+        const uint32_t low = a < b ? a : b;
+        w->held_partner[n] = a < b ? b : a;
+        w->held_spring[n] = sim->spring[k];
+        if (sim->rolling) w->held_roll[n] = a < b ? sim->roll[k] : -sim->roll[k];
+        w->held_next[n] = w->held_first[low];
+        w->held_first[low] = n++;
     }
-    for (size_t i = sim->n; i > 0; i--) w->held_start[i] = w->held_start[i - 1];
-    w->held_start[0] = 0;
     return RP_OK;
 }
 
@@ -331,7 +349,7 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
     const struct dem_scratch *w = sim->scratch;
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
-    for (uint32_t at = w->held_start[low]; at < w->held_start[low + 1]; at++)
+    for (uint32_t at = w->held_first[low]; at != NOWHERE; at = w->held_next[at])
         if (w->held_partner[at] == high) {
             sim->spring[k] = w->held_spring[at];
             /* it is i's turn against j, where the shear displacement does not ask who is i */
@@ -379,13 +397,11 @@ static void complete_pairs(dem_sim *sim, size_t k)
 
 static void find_touching(dem_sim *sim)
 {
-    size_t n = 0;
+    uint64_t *restrict touching = sim->touching, word = 0;
     for (size_t k = 0; k < sim->n_pairs; k++) {
         dem_vec d = sim->grain[sim->pair_i[k]].x - sim->grain[sim->pair_j[k]].x;
-        sim->touching[n] = (uint32_t)k;
-        n += dem_dot(d, d) < sim->pair_radii[k] * sim->pair_radii[k];
+        dem_note(touching, k, dem_dot(d, d) < sim->pair_radii[k] * sim->pair_radii[k], &word);
     }
-    sim->n_touching = n;
 }
 
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
@@ -417,11 +433,16 @@ static rp_status find_pairs(dem_sim *sim)
         }
     complete_pairs(sim, 0);
     find_touching(sim);
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const uint32_t k = sim->touching[t];
-        restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
-    }
+    DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);
     return RP_OK;
+}
+
+static void mark_walls(dem_sim *sim)
+{
+    for (size_t w = 0, k = 0; w <= sim->def.n_walls; w++) {
+        while (k < sim->n_wall_slots && sim->wall_slot[k].wall < w) k++;
+        sim->wall_start[w] = k;
+    }
 }
 
 /* Slots of grains near a wall's line; a wall that is gone has none. */
@@ -461,6 +482,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             }
         }
     }
+    mark_walls(sim);
     return RP_OK;
 }
 
@@ -513,6 +535,9 @@ void dem_neighbours_drop(dem_sim *sim)
             if (sim->fixed[k] == last) sim->fixed[k] = gone;
         move_last(sim, i);
     }
+    mark_walls(sim);
+    memset(sim->slack, 0, (sim->n / DEM_GROUP + 1) * sizeof *sim->slack);
+    sim->n_chunks = 0; /* places are no longer in the order of the list */
 }
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
@@ -529,7 +554,7 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (!status) status = find_pairs(sim);
     pad_pairs(sim);
     if (!status) status = find_wall_slots(sim);
-    return status;
+    return status ? status : plan_chunks(sim);
 }
 
 /* The last pair takes the place of this one. */

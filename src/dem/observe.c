@@ -55,9 +55,9 @@ static int *count_contacts(const dem_sim *sim)
 {
     int *count = calloc(sim->n + 1, sizeof *count);
     if (!count) return NULL;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        count[sim->pair_i[sim->touching[t]]]++;
-        count[sim->pair_j[sim->touching[t]]]++;
+    DEM_EACH_TOUCHING (sim, k) {
+        count[sim->pair_i[k]]++;
+        count[sim->pair_j[k]]++;
     }
     dem_vec n, v;
     double overlap;
@@ -166,9 +166,9 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
 {
     *n = 0;
-    *contacts = malloc((sim->n_touching + sim->n_wall_slots + 1) * sizeof **contacts);
+    *contacts = malloc((dem_count_touching(sim) + sim->n_wall_slots + 1) * sizeof **contacts);
     if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
-    for (size_t t = 0; t < sim->n_touching; t++) (*contacts)[(*n)++] = pair_contact(sim, sim->touching[t]);
+    DEM_EACH_TOUCHING (sim, k) (*contacts)[(*n)++] = pair_contact(sim, k);
     for (size_t k = 0; k < sim->n_wall_slots; k++) *n += slot_contact(sim, k, *contacts + *n);
     return RP_OK;
 }
@@ -221,8 +221,7 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
         energy->gravity -= sim->mass[i] * dem_dot(sim->gravity, sim->grain[i].x);
         energy->rotational += dem_rotational_energy(sim, i, 0.0);
     }
-    for (size_t t = 0; t < sim->n_touching; t++)
-        energy->elastic += all_elastic(dem_pair_elastic(sim, sim->touching[t]));
+    DEM_EACH_TOUCHING (sim, k) energy->elastic += all_elastic(dem_pair_elastic(sim, k));
     for (size_t k = 0; k < sim->n_wall_slots; k++) energy->elastic += all_elastic(dem_slot_elastic(sim, k));
 }
 
@@ -265,10 +264,7 @@ int dem_contact_count(const dem_sim *sim, uint32_t id)
     int count = 0;
     dem_vec n, v;
     double overlap;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t];
-        count += sim->id[sim->pair_i[k]] == id || sim->id[sim->pair_j[k]] == id;
-    }
+    DEM_EACH_TOUCHING (sim, k) count += sim->id[sim->pair_i[k]] == id || sim->id[sim->pair_j[k]] == id;
     for (size_t k = 0; k < sim->n_wall_slots; k++)
         count += sim->id[sim->wall_slot[k].grain] == id && wall_contact(sim, k, &n, &overlap, &v);
     return count;
@@ -287,6 +283,6 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi)
 
 void dem_count_work(const dem_sim *sim, dem_counts *counts)
 {
-    *counts = (dem_counts){sim->n_pairs,    sim->n_touching,  sim->n_wall_slots, sim->rebuilds,
-                           sim->collisions, sim->grain_steps, sim->iterations};
+    *counts = (dem_counts){sim->n_pairs,    dem_count_touching(sim), sim->n_wall_slots, sim->rebuilds,
+                           sim->collisions, sim->grain_steps,        sim->iterations};
 }

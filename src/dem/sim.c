@@ -10,6 +10,9 @@
 #include "core/clock.h"
 #include "dem/sim.h"
 
+/* Pairs of a chunk: some 3000 grains. What a step reads and writes of them fits into the second cache. */
+enum { CHUNK = 8192 };
+
 dem_definition dem_definition_default(void)
 {
     return (dem_definition){
@@ -476,12 +479,14 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
                    sim->id[grain], text);
 }
 
-/* An overlap beyond the smallest radius was seen: find one that is beyond the smaller of its own two. */
-static rp_status check_overlaps(dem_sim *sim)
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
+ * find one that is beyond the smaller of its own two. */
+static rp_status check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
 {
     sim->alarm = false;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
+    for (; k < to; k++) {
+        if (!dem_touches(sim, k)) continue;
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
         double overlap = sim->pair_radii[k] - sqrt(dem_dot(d, d)),
                smaller = fmin(sim->radius[i], sim->radius[j]);
@@ -490,11 +495,12 @@ static rp_status check_overlaps(dem_sim *sim)
                             "overlap %g with grain %u, beyond the smaller radius %g", overlap, sim->id[j],
                             smaller);
     }
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
+    for (size_t s = 0; s < sim->n_wall_slots; s++) {
         dem_vec normal, velocity;
         double overlap;
-        dem_wall_slot slot = sim->wall_slot[k];
-        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && !(overlap <= sim->radius[slot.grain]))
+        dem_wall_slot slot = sim->wall_slot[s];
+        if (slot.grain >= grain && dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
+            !(overlap <= sim->radius[slot.grain]))
             return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE, slot.grain,
                             "its centre passed wall %u (overlap %g)", slot.wall + 1, overlap);
     }
@@ -522,6 +528,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->mass = dem_array(room, sizeof *sim->mass);
     sim->margin2 = dem_array(room, sizeof *sim->margin2);
     sim->reach = dem_array(room, sizeof *sim->reach);
+    sim->slack = dem_array(room / DEM_GROUP + 1, sizeof *sim->slack);
     sim->inverse_mass = dem_array(room, sizeof *sim->inverse_mass);
     sim->id = dem_array(room, sizeof *sim->id);
     sim->fixed = dem_array(room, sizeof *sim->fixed);
@@ -534,8 +541,8 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
         (sim->def.rotation && (!sim->spin || !sim->push)) || !sim->grain || !sim->force || !sim->ref ||
-        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->id ||
-        !sim->fixed)
+        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
+        !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -552,8 +559,8 @@ static meeting meeting_of(const dem_sim *sim, size_t i, size_t j)
 static rp_status check_start_overlaps(const dem_sim *sim)
 {
     double limit = INFINITY;
-    for (size_t t = 0; t < sim->n_touching; t++) {
-        const size_t k = sim->touching[t], i = sim->pair_i[k], j = sim->pair_j[k];
+    DEM_EACH_TOUCHING (sim, k) {
+        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
         limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.material, meeting_of(sim, i, j),
                                                sim->pair_radii[k] - sqrt(dem_dot(d, d))));
@@ -577,19 +584,18 @@ static rp_status check_start_overlaps(const dem_sim *sim)
  */
 static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, double roll)
 {
-    size_t lo = 0, hi = sim->n_touching;
+    size_t lo = 0, hi = sim->n_pairs;
     while (lo < hi) {
         const size_t middle = (lo + hi) / 2;
-        if (sim->pair_i[sim->touching[middle]] < i)
+        if (sim->pair_i[middle] < i)
             lo = middle + 1;
         else
             hi = middle;
     }
-    for (; lo < sim->n_touching && sim->pair_i[sim->touching[lo]] == i; lo++) {
-        const size_t k = sim->touching[lo];
-        if (sim->pair_j[k] != j) continue;
-        sim->spring[k] = shear;
-        if (sim->rolling) sim->roll[k] = roll;
+    for (; lo < sim->n_pairs && sim->pair_i[lo] == i; lo++) {
+        if (sim->pair_j[lo] != j || !dem_touches(sim, lo)) continue;
+        sim->spring[lo] = shear;
+        if (sim->rolling) sim->roll[lo] = roll;
         return true;
     }
     return false;
@@ -634,9 +640,9 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     rp_status status = dem_neighbours_rebuild(sim);
     if (!status) status = set_springs(sim, def->n_contacts, def->contacts);
     if (status) return status;
-    sim->kernel(sim, 0.0);
-    dem_walls_apply(sim, 0.0);
-    if (sim->alarm) status = check_overlaps(sim);
+    sim->kernel(sim, 0, sim->n_pairs, 0.0);
+    dem_walls_apply(sim, 0, sim->n, 0.0);
+    if (sim->alarm) status = check_overlaps(sim, 0, sim->n_pairs, 0);
     if (!status) status = check_start_overlaps(sim);
     if (!status && sim->book) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;
@@ -692,6 +698,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->mu = fmin(def->material.mu, 1e300);
     for (size_t w = 0; w < def->n_walls; w++) sim->wall_mu[w] = fmin(def->walls[w].material.mu, 1e300);
     sim->rolling = has_rolling(def);
+    sim->chunk = CHUNK;
     dem_kernel_choose(sim);
     rp_status status = alloc_arrays(sim, sim->n);
     if (status) return status;
@@ -737,11 +744,12 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
     c->room = room;
-    c->margin2 = c->reach = NULL, c->grain = NULL, c->force = c->ref = NULL,
+    c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
     c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL, c->way = NULL;
-    c->pair_i = c->pair_j = c->touching = NULL, c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
-    c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL;
+    c->pair_i = c->pair_j = NULL, c->touching = NULL,
+    c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
+    c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
     c->wall_slot = NULL, c->scratch = NULL, c->book = NULL;
     rp_status status = alloc_arrays(c, room);
     if (!status) status = dem_neighbours_alloc(c, sim);
@@ -840,11 +848,11 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->margin2), free(sim->reach), free(sim->gear), free(sim->fixed), free(sim->way);
+    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed), free(sim->way);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
-    free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart);
+    free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart), free(sim->done);
     free(sim->spin), free(sim->push), free(sim->roll), free(sim);
 }
 
@@ -855,11 +863,39 @@ static inline void lap(double *phase, double *clock)
     *clock = now;
 }
 
+/* May grains go on before the forces on all the others are there? With rotation, forces are there at the end.
+ */
+static bool runs_ahead(const dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    return sim->n_chunks > 0 && def->integrator == DEM_VERLET && def->kernel != DEM_REFERENCE &&
+           !def->rotation && !def->hard.on && !sim->book && def->turn_per_step == 0.0 &&
+           def->box_turn_per_step == 0.0;
+}
+
+/* The forces, and the next step of the grains behind them while these are in the cache; gives what
+ * dem_integrate does in *left. */
+static rp_status run_ahead(dem_sim *sim, unsigned *left)
+{
+    rp_status status;
+    for (size_t c = 0, k = 0, i = 0; c < sim->n_chunks; c++) {
+        const size_t end = c + 1 < sim->n_chunks ? k + sim->chunk : sim->n_pairs, done = sim->done[c];
+        sim->kernel(sim, k, end, sim->def.dt);
+        dem_walls_apply(sim, i, done, sim->def.dt);
+        if (sim->alarm && (status = check_overlaps(sim, k, end, i)) != RP_OK) return status;
+        *left |= dem_integrate(sim, i, done);
+        k = end, i = done;
+    }
+    return RP_OK;
+}
+
 /* With `times` NULL, as the compiler knows, no more than the steps. */
 static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     const double h = sim->def.dt;
     double clock = times ? rp_clock() : 0.0;
+    unsigned left = 0;
+    bool ahead = false; /* the step to come is made already */
     rp_status status;
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
     if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
@@ -867,9 +903,8 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        unsigned left = 0;
         if (!sim->implicit)
-            left = dem_integrate(sim);
+            left = ahead ? left : dem_integrate(sim, 0, sim->n);
         else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
             return status;
         sim->step++;
@@ -880,10 +915,16 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
             dem_neighbours_drop(sim);
         }
         if (times) lap(&times->lists, &clock);
-        sim->kernel(sim, h);
+        ahead = !times && steps > 1 && runs_ahead(sim);
+        left = 0;
+        if (ahead) {
+            if ((status = run_ahead(sim, &left)) != RP_OK) return status;
+            continue;
+        }
+        sim->kernel(sim, 0, sim->n_pairs, h);
         if (times) lap(&times->contacts, &clock);
-        dem_walls_apply(sim, h);
-        if (sim->alarm && (status = check_overlaps(sim)) != RP_OK) return status;
+        dem_walls_apply(sim, 0, sim->n, h);
+        if (sim->alarm && (status = check_overlaps(sim, 0, sim->n_pairs, 0)) != RP_OK) return status;
         if (times) lap(&times->walls, &clock);
         if (sim->book && (status = dem_ledger_forces(sim, h)) != RP_OK) return status;
         if (sim->gear) dem_integrate_correct(sim);

@@ -49,15 +49,23 @@ typedef struct {
     double normal, well, shear, rolling;
 } dem_elastic;
 
-typedef void dem_kernel(struct dem_sim *sim, double h);
-/* Add the forces of the wall of slot k, a whole line at rest, not the ground; returns the first slot of the
- * next. */
-typedef size_t dem_line(struct dem_sim *sim, size_t k, double h);
+/* Add the forces of the pairs from..to: the first a multiple of 64, the second too or n_pairs. All, in turn.
+ */
+typedef void dem_kernel(struct dem_sim *sim, size_t from, size_t to, double h);
+/* Add the forces of slots k..end of one wall, a whole line at rest, not the ground. */
+typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
-/* Like dem_integrate, for as many grains from the first on as it can; returns how many. */
-typedef size_t dem_advance(struct dem_sim *sim, unsigned *left);
+enum { DEM_GROUP = 64 };
+/* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate. With
+ * speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest speed,
+ * INFINITY for NaN. */
+typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2);
+/* Have as many as it can of the grains from..to left their margins? Returns up to where; raises *margin2 to
+ * the largest square of a margin, *beyond to the largest of that of the way less that of the margin. */
+typedef size_t dem_stray(const struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
+                         double *beyond);
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
@@ -73,6 +81,7 @@ typedef size_t dem_deflected(const struct dem_sim *sim, size_t k, size_t end);
 dem_kernel dem_kernel_avx512, dem_kernel_avx2;
 dem_line dem_line_avx512, dem_line_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
+dem_stray dem_stray_avx512, dem_stray_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
 dem_ways dem_ways_avx512, dem_ways_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
@@ -87,6 +96,7 @@ struct dem_sim {
     dem_kernel *kernel;
     dem_line *line;                 /* NULL for none */
     dem_advance *advance;           /* the same */
+    dem_stray *stray;               /* the same */
     dem_near *near;                 /* NULL for that of neighbours.c */
     dem_ways *ways;                 /* NULL for none */
     dem_closing *closing;           /* NULL for that of impact.c */
@@ -124,19 +134,28 @@ struct dem_sim {
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     double *margin2, *reach;              /* of the neighbour list: the margin's square; radius and margin */
     bool even_margins;                    /* half the skin for all */
+    double *slack; /* of each DEM_GROUP grains: while they go less than this, all are within their margins */
+    double round_off; /* of a place, at most */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
     dem_push *push; /* sums of the wide pair loop, all 0 outside it; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
-    /* pairs closer than touching and margins; `spring` and `roll` are 0 while they do not touch. Up to the
-     * next multiple of 8 follow pairs of grain 0 with itself that never touch. */
-    size_t n_pairs, pair_room, n_touching;
-    uint32_t *pair_i, *pair_j, *touching;
+    /* pairs closer than touching and margins; `touching` has a bit for each, lowest of a word first;
+     * `spring` and `roll` are 0 while they do not touch. Up to the next multiple of 8 follow pairs of grain 0
+     * with itself that never touch. */
+    size_t n_pairs, pair_room;
+    uint32_t *pair_i, *pair_j;
+    uint64_t *touching;
     double *pair_radii, *pair_mass, *spring;
     double *radius_i, *radius_j, *roll_radius; /* r_i, r_j, r_i r_j/(r_i + r_j); NULL without rotation */
     double *roll;                              /* rolling displacements; NULL without rolling resistance */
+
+    /* where there are more pairs than a chunk, a multiple of 64, chunks of them: after chunk c, no pair is of
+     * a grain below done[c]; n_chunks 0 where that is not known */
+    size_t chunk, n_chunks, chunk_room;
+    uint32_t *done;
 
     /* hard collisions: the pairs that do not touch, in their order. It holds where a kernel that makes it has
      * run since the pairs or places changed. */
@@ -144,7 +163,8 @@ struct dem_sim {
     size_t n_apart;
     bool apart_holds;
 
-    size_t n_wall_slots, wall_room;
+    /* slots in the order of walls: the first of each, and the first that a step has still to do */
+    size_t n_wall_slots, wall_room, wall_start[DEM_MAX_WALLS + 1], wall_next[DEM_MAX_WALLS];
     dem_wall_slot *wall_slot;
     dem_vec wall_force[DEM_MAX_WALLS];
 
@@ -154,6 +174,32 @@ struct dem_sim {
     long collisions;
     double grain_steps, iterations;
 };
+
+/* Put the bits of pairs k.. into an array that is filled from a multiple of 64 on; `word` is what its word
+ * has so far. */
+static inline void dem_note(uint64_t *array, size_t k, unsigned bits, uint64_t *word)
+{
+    *word = (k % 64 ? *word : 0) | (uint64_t)bits << k % 64;
+    array[k / 64] = *word;
+}
+
+static inline bool dem_touches(const dem_sim *sim, size_t k)
+{
+    return sim->touching[k / 64] >> k % 64 & 1;
+}
+
+static inline size_t dem_count_touching(const dem_sim *sim)
+{
+    size_t n = 0;
+    for (size_t w = 0; 64 * w < sim->n_pairs; w++) n += (size_t)__builtin_popcountll(sim->touching[w]);
+    return n;
+}
+
+/* For each pair k that touches. `break` does not end it. */
+#define DEM_EACH_TOUCHING(sim, k)                                                                            \
+    for (size_t word_ = 0, k; 64 * word_ < (sim)->n_pairs; word_++)                                          \
+        for (uint64_t bits_ = (sim)->touching[word_];                                                        \
+             bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
 
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
@@ -167,8 +213,8 @@ static inline dem_vec dem_clockwise(dem_vec n)
     return (dem_vec){n[1], -n[0]};
 }
 
-/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache, and
- * lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
+/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache,
+ * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
 void *dem_array(size_t n, size_t size);
 
 /* Let the array that `array` points to hold `room` items; false, and as it was, if memory is short. */
@@ -201,9 +247,10 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
-/* Advance velocities and positions by a step, Gear's as a prediction, and clear the forces; gives
- * DEM_LIST_OUT and DEM_GRAIN_OUT; integrators.c. */
-unsigned dem_integrate(dem_sim *sim);
+/* Advance velocities and positions of the grains from..to by a step, Gear's as a prediction, and clear their
+ * forces; `from` is a multiple of DEM_GROUP. Gives DEM_LIST_OUT and DEM_GRAIN_OUT. Fixed grains are put back
+ * with the last. integrators.c. */
+unsigned dem_integrate(dem_sim *sim, size_t from, size_t to);
 
 /* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
  * predicted. */
@@ -247,8 +294,8 @@ void dem_neighbours_drop(dem_sim *sim);
 /* Turn the walls on for a step if they turn now; walls.c. */
 void dem_walls_turn(dem_sim *sim);
 
-/* Add the forces of the walls; walls.c. */
-void dem_walls_apply(dem_sim *sim, double h);
+/* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on; walls.c. */
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
 
 static inline bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot)
 {

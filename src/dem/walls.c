@@ -99,14 +99,17 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
     sim->wall_force[slot->wall] -= f;
 }
 
-void dem_walls_apply(dem_sim *sim, double h)
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
 {
-    for (size_t w = 0; w < sim->def.n_walls; w++) sim->wall_force[w] = (dem_vec){0.0, 0.0};
-    for (size_t k = 0; k < sim->n_wall_slots;) {
-        dem_wall_slot *slot = &sim->wall_slot[k];
-        if (sim->line && dem_wall_rests(sim, slot->wall) && !dem_is_ground(sim, slot))
-            k = sim->line(sim, k, h);
+    dem_wall_slot *const slot = sim->wall_slot;
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        size_t k = from == 0 ? sim->wall_start[w] : sim->wall_next[w], end = k;
+        if (from == 0) sim->wall_force[w] = (dem_vec){0.0, 0.0};
+        while (end < sim->wall_start[w + 1] && slot[end].grain < to) end++;
+        sim->wall_next[w] = end;
+        if (k < end && sim->line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
+            sim->line(sim, k, end, h);
         else
-            apply_slot(sim, slot, h), k++;
+            for (; k < end; k++) apply_slot(sim, &slot[k], h);
     }
 }
