@@ -228,12 +228,14 @@ static rp_status settle(drop *d, bool *rest)
     rp_status status = RP_OK;
     for (long quiet = 0; !status && dem_step(d->sim) - start < d->p->max_steps;) {
         status = dem_run(d->sim, EVERY);
-        if (!status) status = dem_states(d->sim, d->states);
-        quiet = !status && is_quiet(d) ? quiet + EVERY : 0;
+        /* most often one is fast, and the rest need not be looked at */
+        const bool slow = dem_largest_speed(d->sim, -d->p->x_limit, d->p->x_limit) <= d->p->rest_speed;
+        if (!status && slow) status = dem_states(d->sim, d->states);
+        quiet = !status && slow && is_quiet(d) ? quiet + EVERY : 0;
         *rest = (double)quiet * d->scene.dt >= REST_TIME;
-        if (*rest) break;
+        if (*rest) return RP_OK;
     }
-    return status;
+    return status ? status : dem_states(d->sim, d->states);
 }
 
 static rp_status put_in(drop *d, const dem_grain *grain)

@@ -155,13 +155,16 @@ static bool deflected(const dem_sim *sim, size_t i)
 /* Those of the slots from which a soft contact can be told without all the rest are passed over. */
 static void collide_walls(dem_sim *sim, bool deflected_only)
 {
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        const dem_wall_slot *slot = &sim->wall_slot[k];
-        const size_t i = slot->grain, w = slot->wall;
-        const dem_vec d = sim->grain[i].x - sim->wall[w].point;
-        const bool touches = sim->radius[i] - slot->side * dem_dot(d, sim->wall[w].direction) > 0.0;
-        if ((touches && dem_wall_rests(sim, w)) || (deflected_only && !deflected(sim, i))) continue;
-        collide_wall(sim, *slot);
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        const bool rests = dem_wall_rests(sim, w);
+        for (size_t k = sim->wall_start[w]; k < sim->wall_start[w + 1]; k++) {
+            const dem_wall_slot *slot = &sim->wall_slot[k];
+            const size_t i = slot->grain;
+            if (deflected_only && !deflected(sim, i)) continue;
+            const dem_vec d = sim->grain[i].x - sim->wall[w].point;
+            const bool touches = sim->radius[i] - slot->side * dem_dot(d, sim->wall[w].direction) > 0.0;
+            if (!(touches && rests)) collide_wall(sim, *slot);
+        }
     }
 }
 

@@ -103,9 +103,10 @@ void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
 {
     dem_wall_slot *const slot = sim->wall_slot;
     for (size_t w = 0; w < sim->def.n_walls; w++) {
-        size_t k = from == 0 ? sim->wall_start[w] : sim->wall_next[w], end = k;
+        size_t k = from == 0 ? sim->wall_start[w] : sim->wall_next[w], end = sim->wall_start[w + 1];
         if (from == 0) sim->wall_force[w] = (dem_vec){0.0, 0.0};
-        while (end < sim->wall_start[w + 1] && slot[end].grain < to) end++;
+        if (to < sim->n)
+            for (end = k; end < sim->wall_start[w + 1] && slot[end].grain < to;) end++;
         sim->wall_next[w] = end;
         if (k < end && sim->line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
             sim->line(sim, k, end, h);
