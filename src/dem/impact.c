@@ -48,7 +48,7 @@ typedef struct {
 static motion motion_of(const dem_sim *sim, size_t i)
 {
     const bool moves = sim->inverse_mass[i] > 0.0;
-    const dem_vec a = moves ? sim->force[i] * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
+    const dem_vec a = moves ? *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
     return (motion){sim->grain[i].x, sim->grain[i].v + 0.5 * sim->def.dt * a, a};
 }
 
@@ -59,7 +59,7 @@ static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
     if (sim->spin) {
         const dem_spin *p = &sim->spin[i];
         body.inverse_inertia = p->inverse_inertia;
-        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * p->torque;
+        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * sim->push[i].torque;
     }
     return body;
 }

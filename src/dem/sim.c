@@ -522,7 +522,6 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
 {
     const size_t room = n + 8; /* some pass the last grain by up to 7 */
     sim->grain = dem_array(room, sizeof *sim->grain);
-    sim->force = dem_array(room, sizeof *sim->force);
     sim->ref = dem_array(room, sizeof *sim->ref);
     sim->radius = dem_array(room, sizeof *sim->radius);
     sim->mass = dem_array(room, sizeof *sim->mass);
@@ -537,10 +536,12 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if (sim->def.rotation) {
         sim->spin = dem_array(room, sizeof *sim->spin);
         sim->push = dem_array(room, sizeof *sim->push);
+    } else {
+        sim->force = dem_array(room, sizeof *sim->force);
     }
     if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
-        (sim->def.rotation && (!sim->spin || !sim->push)) || !sim->grain || !sim->force || !sim->ref ||
+        (sim->def.rotation ? !sim->spin || !sim->push : !sim->force) || !sim->grain || !sim->ref ||
         !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
         !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
@@ -667,13 +668,16 @@ static void place_walls(dem_sim *sim)
 static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
 {
     sim->grain[i] = (dem_record){{p->x, p->y}, {p->vx, p->vy}};
-    sim->force[i] = (dem_vec){0.0, 0.0};
     if (sim->gear) sim->gear[i] = (dem_gear){0};
     sim->radius[i] = p->r;
     sim->mass[i] = p->m;
     sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
-    if (sim->spin)
-        sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0,
+    *dem_force(sim, i) = (dem_vec){0.0, 0.0};
+    if (!sim->spin) return;
+    sim->push[i].torque = 0.0;
+    sim->spin[i] = (dem_spin){.angle = p->angle,
+                              .omega = p->omega,
+                              .inverse_inertia =
                                   p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
 }
 
@@ -759,7 +763,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
         return status;
     }
     memcpy(c->grain, sim->grain, c->n * sizeof *c->grain);
-    memcpy(c->force, sim->force, c->n * sizeof *c->force);
+    if (c->force) memcpy(c->force, sim->force, c->n * sizeof *c->force);
     memcpy(c->ref, sim->ref, c->n * sizeof *c->ref);
     memcpy(c->radius, sim->radius, c->n * sizeof *c->radius);
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
@@ -768,6 +772,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
+    if (c->push) memcpy(c->push, sim->push, c->n * sizeof *c->push);
     memcpy(c->fixed, sim->fixed, c->n_fixed * sizeof *c->fixed);
     if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
     *copy = c;

@@ -19,10 +19,10 @@ typedef struct {
 
 /* What rotates, where anything does. The spin is of half a step before, as the velocity is. */
 typedef struct {
-    double angle, omega, torque, inverse_inertia;
+    double angle, omega, spare, inverse_inertia;
 } dem_spin;
 
-/* Force and torque that a grain is given, in one 32-byte piece. */
+/* Force and torque on a grain that rotates, in one 32-byte piece. */
 typedef struct {
     dem_vec force;
     double torque, spare;
@@ -125,7 +125,7 @@ struct dem_sim {
     size_t n, room;   /* present; that the arrays hold */
     uint32_t last_id; /* of the grain that came last */
     dem_record *grain;
-    dem_vec *force; /* contact forces, without gravity */
+    dem_vec *force; /* contact forces, without gravity; NULL with rotation */
     dem_vec *ref;
     double *way; /* of hard collisions, NULL without: how far each may go in the coming step, INFINITY once it
                     has collided */
@@ -138,7 +138,7 @@ struct dem_sim {
     double round_off; /* of a place, at most */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
-    dem_push *push; /* sums of the wide pair loop, all 0 outside it; NULL without rotation */
+    dem_push *push; /* in place of `force`, with torques; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
@@ -200,6 +200,12 @@ static inline size_t dem_count_touching(const dem_sim *sim)
     for (size_t word_ = 0, k; 64 * word_ < (sim)->n_pairs; word_++)                                          \
         for (uint64_t bits_ = (sim)->touching[word_];                                                        \
              bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
+
+/* Where the force on the grain at a place is. */
+static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
+{
+    return sim->push ? &sim->push[i].force : &sim->force[i];
+}
 
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
