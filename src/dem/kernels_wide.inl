@@ -331,15 +331,14 @@ void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
 
 /* As integrate_spins in integrators.c, for WIDTH/2 grains; of `rest`, (torque, spare), and of the spins'
  * second halves only the torques and the inverse inertias count. */
-INLINE void advance_spins(dem_spin *spin, wide rest, double dt)
+INLINE void advance_spins(const dem_spin *spin, dem_spin *next, wide rest, double dt)
 {
     const wide zero = {0};
     const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
-    dem_record *at = (dem_record *)spin;
     wide turn, inverse;
-    wide_load_records(at, &turn, &inverse);
+    wide_load_records((const dem_record *)spin, &turn, &inverse);
     const wide omega = turn + dt * inverse * wide_swap(rest), angle = turn + dt * wide_swap(omega);
-    wide_store_records(at, wide_choose(first, angle, omega), inverse);
+    wide_store_records((dem_record *)next, wide_choose(first, angle, omega), inverse);
 }
 
 /* The forces on WIDTH/2 grains; those and the torques, left in *rest, are then 0. */
@@ -385,7 +384,7 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
         v = v + dt * (force * wide_load_twice(sim->inverse_mass + i) + gravity);
         x = x + dt * v;
         wide_store_records(sim->grain + i, x, v);
-        if (sim->spin) advance_spins(sim->spin + i, rest, dt);
+        if (sim->spin) advance_spins(sim->spin + i, sim->spin + i, rest, dt);
         wide moved = v, most_moved = finite;
         if (look) {
             moved = x - wide_load((const double *)(sim->ref + i));
@@ -457,61 +456,63 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
     sim->n_pairs = k;
 }
 
-/* The way of a step of WIDTH/2 grains from i on; *out has bits where they go beyond the list. */
-INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
+/* As foresee_all in impact.c. */
+size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
 {
-    const wide zero = {0}, inverse_mass = wide_load_twice(sim->inverse_mass + i);
+    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
-    wide x, v;
-    wide_load_records(sim->grain + i, &x, &v);
-    wide force = wide_load((const double *)dem_force(sim, i)), rest;
-    if (sim->push) wide_load_records((const dem_record *)(sim->push + i), &force, &rest);
-    wide a = force * inverse_mass + gravity;
-    a = wide_choose(wide_less(zero, inverse_mass), a, zero);
-    const wide way = dt * (v + 0.5 * dt * a + 0.5 * dt * a);
-    wide moved = x + way - wide_load((const double *)(sim->ref + i));
-    moved *= moved;
-    *out = ~wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) &
-           ((1u << WIDTH) - 1);
-    return way;
-}
-
-/* As set_ways in impact.c. */
-size_t WIDE_WAYS(dem_sim *sim, size_t *beyond)
-{
-    const wide gravity = wide_repeat(sim->gravity);
+    const wide zero = {0}, gravity = wide_repeat(sim->gravity);
     size_t i = 0;
-    for (; i + WIDTH <= sim->n; i += WIDTH) {
-        unsigned out[2];
-        wide a = way_of(sim, i, gravity, &out[0]), b = way_of(sim, i + WIDTH / 2, gravity, &out[1]);
-        a *= a;
-        b *= b;
-        const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
-        if (out[0] | out[1]) *beyond = i + (31 - (size_t)__builtin_clz(out[0] | out[1] << WIDTH)) / 2;
+    for (; i + GRAINS <= sim->n; i += GRAINS) {
+        const wide inverse_mass = wide_load_twice(sim->inverse_mass + i);
+        wide x, v, force = zero, rest = zero;
+        if (sim->push)
+            wide_load_records((const dem_record *)(sim->push + i), &force, &rest);
+        else
+            force = wide_load((const double *)(sim->force + i));
+        wide_load_records(sim->grain + i, &x, &v);
+        v = wide_choose(wide_less(zero, inverse_mass), v + dt * (force * inverse_mass + gravity), v);
+        x = x + dt * v;
+        wide_store_records(sim->next + i, x, v);
+        if (sim->spin) advance_spins(sim->spin + i, sim->next_spin + i, rest, dt);
+        wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
+        /* written so that NaN counts as moved */
+        const unsigned far =
+            wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
+        if (far) *beyond = i + (31 - (size_t)__builtin_clz(far)) / 2;
     }
     return i;
 }
 
-/* Which of WIDTH pairs may come to touch; as next_closing in impact.c. */
+/* Which of WIDTH pairs may come to touch; as in impact.c. */
 INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
 {
     wide x, y, vx, vy;
-    wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
-    const wide r2 = x * x + y * y, most = reach + (wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1));
-    return wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most));
+    wide_difference(sim->next, i, j, &x, &y, &vx, &vy);
+    const double dt = sim->def.dt;
+    const wide way_x = dt * vx, way_y = dt * vy, start_x = x - way_x, start_y = y - way_y;
+    const wide reach2 = reach * reach, slop = 1e-9 * reach2,
+               gap = start_x * start_x + start_y * start_y - reach2,
+               along = start_x * way_x + start_y * way_y, way2 = way_x * way_x + way_y * way_y;
+    const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),
+                   ends = wide_bits(wide_at_most(x * x + y * y, reach2 + slop)),
+                   turns = wide_bits(wide_at_most((wide){0}, x * way_x + y * way_y)),
+                   meets = wide_bits(wide_at_most((gap - slop) * way2, along * along));
+    return apart & (ends | (turns & meets));
 }
 
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end)
 {
     unsigned from = ~0u << k % WIDTH;
-    for (k -= k % WIDTH; k < sim->n_pairs; k += WIDTH) {
+    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
         const unsigned near =
             may_touch(sim, sim->pair_i + k, sim->pair_j + k, wide_load(sim->pair_radii + k)) & from;
-        if (near) return k + (size_t)__builtin_ctz(near);
-        from = ~0u;
+        if (!near) continue;
+        k += (size_t)__builtin_ctz(near);
+        break;
     }
-    return sim->n_pairs;
+    return k < end ? k : end;
 }
 
 /* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last
@@ -529,16 +530,15 @@ void WIDE_APART(dem_sim *sim)
     sim->n_apart = n;
 }
 
-/* As next_deflected in impact.c, but passes over those that touch. */
+/* As next_deflected in impact.c, of DEM_HITS grains at most. */
 size_t WIDE_DEFLECTED(const dem_sim *sim, size_t k, size_t end)
 {
-    const wide most = (wide){0} + DBL_MAX;
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        unsigned hit = (wide_bits(wide_less(most, wide_gather(sim->way, i, 1))) |
-                        wide_bits(wide_less(most, wide_gather(sim->way, j, 1)))) &
-                       from;
+        unsigned hit = 0;
+        for (size_t h = 0; h < sim->n_hit; h++) hit |= wide_is(i, sim->hit[h]) | wide_is(j, sim->hit[h]);
+        hit &= from;
         if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pair_radii + k));
         if (!hit) continue;
         k += (size_t)__builtin_ctz(hit);

@@ -627,7 +627,8 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     size_t n = 0;
     for (size_t i = 0; i < sim->n; i++) {
         const dem_vec d = sim->grain[i].x - sim->ref[i];
-        const double d2 = dem_dot(d, d), way2 = sim->way[i] * sim->way[i];
+        const dem_vec way = 1.01 * sim->def.dt * sim->next[i].v;
+        const double d2 = dem_dot(d, d), way2 = dem_dot(way, way);
         /* so that NaN counts as moved */
         if ((4.0 * d2 <= sim->margin2[i]) & (4.0 * way2 <= sim->margin2[i])) continue;
         if (n == FEW) return dem_neighbours_rebuild(sim);

@@ -539,8 +539,10 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     } else {
         sim->force = dem_array(room, sizeof *sim->force);
     }
-    if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
-    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
+    if (sim->def.hard.on) sim->next = dem_array(room, sizeof *sim->next);
+    if (sim->next && sim->def.rotation) sim->next_spin = dem_array(room, sizeof *sim->next_spin);
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->next) ||
+        (sim->next && sim->def.rotation && !sim->next_spin) ||
         (sim->def.rotation ? !sim->spin || !sim->push : !sim->force) || !sim->grain || !sim->ref ||
         !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
         !sim->id || !sim->fixed)
@@ -750,7 +752,8 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL, c->way = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL;
+    c->next = NULL, c->next_spin = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
     c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
@@ -853,7 +856,8 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed), free(sim->way);
+    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed);
+    free(sim->next), free(sim->next_spin);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
@@ -908,7 +912,9 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        if (!sim->implicit)
+        if (sim->def.hard.on)
+            left = dem_impacts_integrate(sim);
+        else if (!sim->implicit)
             left = ahead ? left : dem_integrate(sim, 0, sim->n);
         else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
             return status;
