@@ -57,7 +57,7 @@ typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
-enum { DEM_GROUP = 64, DEM_HITS = 4 };
+enum { DEM_GROUP = 64, DEM_HITS = 8 };
 /* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate. With
  * speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest speed,
  * INFINITY for NaN. */
