@@ -206,7 +206,8 @@ void dem_neighbours_free(dem_sim *sim)
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
         free(w->held_partner);
-    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin), free(w->push);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin),
+        free(w->push);
     free(w->gear), free(w);
     sim->scratch = NULL;
 }

@@ -677,10 +677,10 @@ static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
     *dem_force(sim, i) = (dem_vec){0.0, 0.0};
     if (!sim->spin) return;
     sim->push[i].torque = 0.0;
-    sim->spin[i] = (dem_spin){.angle = p->angle,
-                              .omega = p->omega,
-                              .inverse_inertia =
-                                  p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
+    sim->spin[i] =
+        (dem_spin){.angle = p->angle,
+                   .omega = p->omega,
+                   .inverse_inertia = p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
 }
 
 static void note_radius(dem_sim *sim, double r)
