@@ -447,9 +447,48 @@ static void margins_of_two(void)
     }
 }
 
+/* Disks at rest, each hit hard in the same step: those that have then gone beyond their margin get new ones.
+ */
+static void margins_of_many_hit(size_t pairs)
+{
+    enum { MOST = 20 };
+    long rebuilds = 0;
+    for (int k = 0; k < 30; k++) {
+        dem_grain grains[2 * MOST];
+        for (size_t p = 0; p < pairs; p++) {
+            grains[2 * p] = (dem_grain){0.0, 2.0 * (double)p, 0.1, 0.004, 0.0, 0.0};
+            grains[2 * p + 1] = (dem_grain){0.4 + 0.001 * k, 2.0 * (double)p, 0.1, 0.004, -300.0, 0.0};
+        }
+        dem_definition def = dem_definition_default();
+        def.grains = grains;
+        def.n_grains = 2 * pairs;
+        def.gravity[1] = 0.0;
+        def.dt = 1e-4;
+        def.normal = DEM_LINEAR;
+        def.material.k_n = 1e3;
+        def.tension = false;
+        def.hard = (dem_hard){.on = true, .restitution = 1.0};
+        dem_sim *sim = grains_start(&def);
+        const long before = sim->rebuilds;
+        for (int step = 0; sim->collisions == 0 && step < 20; step++) {
+            CHECK_OK(dem_run(sim, 1));
+            for (size_t i = 0; i < sim->n; i++) {
+                const dem_vec way = sim->grain[i].x - sim->ref[i];
+                CU_ASSERT(dem_dot(way, way) <= sim->margin2[i]);
+            }
+        }
+        CU_ASSERT(sim->collisions == (long)pairs);
+        rebuilds += sim->rebuilds - before;
+        dem_free(sim);
+    }
+    CU_ASSERT(rebuilds > 0);
+}
+
 static void margins(void)
 {
     margins_of_two();
+    margins_of_many_hit(2);
+    margins_of_many_hit(20);
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++)
         for (int hard = 0; hard < 2 && dem_kernel_runs(kernel); hard++) margins_of(hard, kernel);
 }

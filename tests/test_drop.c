@@ -446,14 +446,14 @@ static void renewed_lists_hold_springs(void)
         CHECK_OK(dem_clone(sim, &renewed));
         const long rebuilds = renewed->rebuilds;
         for (size_t i = 0; i < renewed->n; i++) { /* as if some were to go far, the others not at all */
-            renewed->way[i] = (i + (size_t)k) % 11 == 0 ? INFINITY : 0.0;
+            renewed->next[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
             renewed->margin2[i] = 1e300;
         }
         renewed->apart_holds = true;
         CHECK_OK(dem_neighbours_renew(renewed));
         CU_ASSERT(renewed->rebuilds == rebuilds && !renewed->apart_holds);
         for (size_t i = 0; i < renewed->n; i++)
-            CU_ASSERT((renewed->margin2[i] < 1e300) == isinf(renewed->way[i]));
+            CU_ASSERT((renewed->margin2[i] < 1e300) == isinf(renewed->next[i].v[0]));
         check_list(renewed);
         check_same_contacts(sim, renewed);
         CHECK_OK(dem_neighbours_rebuild(renewed));

@@ -17,7 +17,8 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
     const double *restrict radii = sim->pair_radii, *restrict mass = sim->pair_mass;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     const double *restrict radius = sim->radius;
-    dem_spin *restrict spin = sim->spin;
+    const dem_spin *restrict spin = sim->spin;
+    dem_push *restrict push = sim->push;
     uint64_t *restrict touching = sim->touching;
     const dem_material c = sim->def.material;
     const double mu = sim->mu, limit = sim->r_min;
@@ -70,12 +71,12 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
                         couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (spin[i].omega - spin[j].omega),
                                                          f_n, h, &roll[k]);
                     }
-                    spin[i].torque += arm_i * f_s + couple;
-                    spin[j].torque += arm_j * f_s - couple;
+                    push[i].torque += arm_i * f_s + couple;
+                    push[j].torque += arm_j * f_s - couple;
                 }
             }
-            force[i] += f;
-            force[j] -= f;
+            *(rotation ? &push[i].force : &force[i]) += f;
+            *(rotation ? &push[j].force : &force[j]) -= f;
         }
     }
     sim->alarm |= alarm;

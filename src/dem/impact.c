@@ -3,6 +3,7 @@
 #include "dem/impact.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "dem/sim.h"
 
@@ -48,7 +49,7 @@ typedef struct {
 static motion motion_of(const dem_sim *sim, size_t i)
 {
     const bool moves = sim->inverse_mass[i] > 0.0;
-    const dem_vec a = moves ? sim->force[i] * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
+    const dem_vec a = moves ? *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
     return (motion){sim->grain[i].x, sim->grain[i].v + 0.5 * sim->def.dt * a, a};
 }
 
@@ -59,9 +60,41 @@ static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
     if (sim->spin) {
         const dem_spin *p = &sim->spin[i];
         body.inverse_inertia = p->inverse_inertia;
-        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * p->torque;
+        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * sim->push[i].torque;
     }
     return body;
+}
+
+/* What the coming step makes of grain i if nothing stops it. */
+static void foresee(dem_sim *sim, size_t i)
+{
+    const double dt = sim->def.dt;
+    dem_record next = sim->grain[i];
+    if (sim->inverse_mass[i] > 0.0) {
+        next.v += dt * (*dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity);
+        next.x += dt * next.v;
+    }
+    sim->next[i] = next;
+    if (!sim->spin) return;
+    dem_spin spin = sim->spin[i];
+    spin.omega += dt * spin.inverse_inertia * sim->push[i].torque;
+    spin.angle += dt * spin.omega;
+    sim->next_spin[i] = spin;
+}
+
+/* Does that bring it to where the neighbour list may lack a pair of its? True for NaN. */
+static bool goes_beyond(const dem_sim *sim, size_t i)
+{
+    const dem_vec moved = sim->next[i].x - sim->ref[i];
+    return !(dem_dot(moved, moved) <= sim->margin2[i]);
+}
+
+/* Has it collided in this step? */
+static bool deflected(const dem_sim *sim, size_t i)
+{
+    bool hit = sim->n_hit > DEM_HITS;
+    for (size_t h = 0; h < sim->n_hit && !hit; h++) hit = sim->hit[h] == i;
+    return hit;
 }
 
 /* Let grain i, at time t, go on as another body: all its step has the new velocity, and starts from where
@@ -71,11 +104,14 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grain[i].v += gain;
     sim->grain[i].x -= t * gain;
-    sim->slack[i / DEM_GROUP] = 0.0;
-    sim->way[i] = INFINITY; /* for the rest of the step */
-    if (!sim->spin) return;
-    sim->spin[i].omega += to->omega - from->omega;
-    sim->spin[i].angle -= t * (to->omega - from->omega);
+    if (sim->spin) {
+        sim->spin[i].omega += to->omega - from->omega;
+        sim->spin[i].angle -= t * (to->omega - from->omega);
+    }
+    foresee(sim, i);
+    if (deflected(sim, i)) return;
+    if (sim->n_hit < DEM_HITS) sim->hit[sim->n_hit] = (uint32_t)i;
+    sim->n_hit++;
 }
 
 /* Collide two bodies, unless, eq (22), a step of the acceleration that presses them together makes up the
@@ -146,12 +182,6 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     deflect(sim, i, &before[0], &after[0], t);
 }
 
-/* Has it collided in this step? */
-static bool deflected(const dem_sim *sim, size_t i)
-{
-    return isinf(sim->way[i]);
-}
-
 /* Those of the slots from which a soft contact can be told without all the rest are passed over. */
 static void collide_walls(dem_sim *sim, bool deflected_only)
 {
@@ -168,25 +198,35 @@ static void collide_walls(dem_sim *sim, bool deflected_only)
     }
 }
 
-/* The first pair from k on that may come to touch, not below n_pairs for none, of grains that go no farther
- * than sim->way says. */
-static size_t next_closing(const dem_sim *sim, size_t k)
+/* May the grains of this pair, apart now, come to touch on the straight line to where the step ends? All for
+ * which time_of_touch has an answer, and a few more by round-off. */
+static bool may_touch(const dem_sim *sim, size_t k)
 {
-    for (; k < sim->n_pairs; k++) {
-        const size_t i = sim->pair_i[k], j = sim->pair_j[k];
-        const dem_vec d = sim->grain[i].x - sim->grain[j].x;
-        const double r2 = dem_dot(d, d), reach = sim->pair_radii[k],
-                     most = reach + (sim->way[i] + sim->way[j]);
-        if (r2 >= reach * reach && r2 <= most * most) break; /* nearer is a soft contact */
-    }
+    const dem_record *a = &sim->next[sim->pair_i[k]], *b = &sim->next[sim->pair_j[k]];
+    const dem_vec end = a->x - b->x, way = sim->def.dt * (a->v - b->v), start = end - way;
+    const double reach2 = sim->pair_radii[k] * sim->pair_radii[k], slop = 1e-9 * reach2,
+                 gap = dem_dot(start, start) - reach2, along = dem_dot(start, way);
+    if (gap < -slop || along > slop) return false; /* nearer is a soft contact */
+    return dem_dot(end, end) <= reach2 + slop ||
+           (dem_dot(end, way) >= 0.0 && (gap - slop) * dem_dot(way, way) <= along * along);
+}
+
+/* The first pair from k to `end` that may come to touch, or `end`. */
+static size_t next_closing(const dem_sim *sim, size_t k, size_t end)
+{
+    if (sim->closing) return sim->closing(sim, k, end);
+    while (k < end && !may_touch(sim, k)) k++;
     return k;
 }
 
-/* The first pair from k to `end` of grains one of which has collided in this step, or `end`. */
+/* The same of grains one of which has collided in this step. */
 static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
 {
+    if (sim->n_hit > DEM_HITS) return next_closing(sim, k, end); /* others do once more what they did */
     if (sim->deflected) return sim->deflected(sim, k, end);
-    while (k < end && !(deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k]))) k++;
+    while (k < end &&
+           !((deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k])) && may_touch(sim, k)))
+        k++;
     return k;
 }
 
@@ -202,13 +242,12 @@ static void collide_listed(dem_sim *sim, size_t k)
  * that have collided besides. */
 static void collide_apart(dem_sim *sim)
 {
-    const long before = sim->collisions;
     sim->keep_closing(sim);
     sim->apart_holds = false;
     for (size_t k = 0, t = 0;; k++) {
         while (t < sim->n_apart && sim->apart[t] < k) t++;
         const size_t next = t < sim->n_apart ? sim->apart[t] : sim->n_pairs;
-        k = sim->collisions > before ? next_deflected(sim, k, next) : next;
+        k = sim->n_hit ? next_deflected(sim, k, next) : next;
         if (k >= sim->n_pairs) return;
         collide_listed(sim, k);
     }
@@ -216,11 +255,12 @@ static void collide_apart(dem_sim *sim)
 
 static void collide_all(dem_sim *sim)
 {
-    dem_closing *const next = sim->closing ? sim->closing : next_closing;
+    const size_t n = sim->n_pairs;
     if (sim->apart_holds)
         collide_apart(sim);
     else
-        for (size_t k = next(sim, 0); k < sim->n_pairs; k = next(sim, k + 1)) collide_listed(sim, k);
+        for (size_t k = next_closing(sim, 0, n); k < n; k = next_closing(sim, k + 1, n))
+            collide_listed(sim, k);
     collide_walls(sim, false);
 }
 
@@ -233,17 +273,13 @@ static void collide_deflected(dem_sim *sim)
     collide_walls(sim, true);
 }
 
-/* Into sim->way a little more than the way of each grain over the coming step; gives a grain that it brings
- * to where the neighbour list may lack a pair of its, n for none. */
-static size_t set_ways(dem_sim *sim)
+/* Of all grains; gives one that goes beyond its margin, n for none. */
+static size_t foresee_all(dem_sim *sim)
 {
-    const double dt = sim->def.dt;
     size_t beyond = sim->n;
-    for (size_t i = sim->ways ? sim->ways(sim, &beyond) : 0; i < sim->n; i++) {
-        const motion m = motion_of(sim, i);
-        const dem_vec way = dt * (m.v + 0.5 * dt * m.a), moved = m.x + way - sim->ref[i];
-        sim->way[i] = 1.01 * sqrt(dem_dot(way, way)) + 1e-9 * sim->radius[i]; /* more than round-off */
-        if (!(dem_dot(moved, moved) <= sim->margin2[i])) beyond = i;
+    for (size_t i = sim->foresee ? sim->foresee(sim, &beyond) : 0; i < sim->n; i++) {
+        foresee(sim, i);
+        if (goes_beyond(sim, i)) beyond = i;
     }
     return beyond;
 }
@@ -252,11 +288,12 @@ static size_t set_ways(dem_sim *sim)
 rp_status dem_impacts_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
-    size_t beyond = set_ways(sim);
+    size_t beyond = foresee_all(sim);
+    sim->n_hit = 0;
     if (beyond < sim->n) {
         rp_status status = dem_neighbours_renew(sim);
         if (status) return status;
-        beyond = set_ways(sim);
+        beyond = foresee_all(sim);
         if (beyond < sim->n)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
@@ -269,4 +306,25 @@ rp_status dem_impacts_apply(dem_sim *sim)
         collide_deflected(sim);
     }
     return RP_OK;
+}
+
+/* Margins of those that have not collided have been looked at. */
+unsigned dem_impacts_integrate(dem_sim *sim)
+{
+    dem_record *const grain = sim->grain;
+    dem_spin *const spin = sim->spin;
+    unsigned left = 0;
+    for (size_t h = 0; h < sim->n_hit && sim->n_hit <= DEM_HITS; h++)
+        left |= goes_beyond(sim, sim->hit[h]) * DEM_LIST_OUT;
+    for (size_t i = 0; i < sim->n && sim->n_hit > DEM_HITS; i++) left |= goes_beyond(sim, i) * DEM_LIST_OUT;
+    sim->grain = sim->next, sim->next = grain;
+    sim->spin = sim->next_spin, sim->next_spin = spin;
+    for (size_t i = 0; i < sim->n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
+        left |= dem_beyond(sim, sim->grain[i].x) * DEM_GRAIN_OUT;
+    if (sim->push)
+        memset(sim->push, 0, sim->n * sizeof *sim->push);
+    else
+        memset(sim->force, 0, sim->n * sizeof *sim->force);
+    sim->grain_steps += (double)sim->n;
+    return left;
 }

@@ -563,7 +563,7 @@ rp_status dem_implicit_step(dem_sim *sim, unsigned *left)
     if (status) return status;
     const double dt = sim->def.dt;
     for (size_t i = 0; i < sim->n; i++) {
-        sim->force[i] = (dem_vec){0.0, 0.0};
+        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
         if (is_fixed(sim, i)) continue;
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
         sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);

@@ -20,9 +20,9 @@ static void integrate_spins(dem_sim *sim, size_t i, size_t to)
     const double dt = sim->def.dt;
     for (; i < to; i++) {
         dem_spin *p = &sim->spin[i];
-        p->omega += dt * p->inverse_inertia * p->torque;
+        p->omega += dt * p->inverse_inertia * sim->push[i].torque;
         p->angle += dt * p->omega;
-        p->torque = 0.0;
+        sim->push[i].torque = 0.0;
     }
 }
 
@@ -41,7 +41,7 @@ static void hold_fixed(dem_sim *sim)
 
 static dem_vec acceleration(const dem_sim *sim, size_t i)
 {
-    return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
+    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
 }
 
 static inline void predict(dem_record *grain, dem_gear *gear, double dt)
@@ -66,16 +66,15 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
     const dem_vec gravity = sim->gravity;
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
-    dem_vec *restrict force = sim->force;
     const size_t advanced = sim->advance ? sim->advance(sim, from, to, left, speed2) : from;
     for (size_t i = advanced; i < to; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
-            grain[i].v += dt * (force[i] * sim->inverse_mass[i] + gravity);
+            grain[i].v += dt * (*dem_force(sim, i) * sim->inverse_mass[i] + gravity);
             grain[i].x += dt * grain[i].v;
         }
-        force[i] = (dem_vec){0.0, 0.0};
+        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
         const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
         const double moved2 = dem_dot(moved, moved);
         if (speed2)
@@ -148,7 +147,7 @@ void dem_integrate_start(dem_sim *sim, size_t from)
         else
             sim->grain[i].v -= 0.5 * dt * acceleration(sim, i);
     for (size_t i = from; i < sim->n && sim->spin; i++)
-        sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->spin[i].torque;
+        sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->push[i].torque;
     hold_fixed(sim);
 }
 

@@ -87,7 +87,7 @@ static void choose_wide(dem_sim *sim)
     const bool avx2 = def->kernel == DEM_AVX2 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX2));
     if (!avx512 && !avx2) return;
     sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
-    sim->ways = avx512 ? dem_ways_avx512 : dem_ways_avx2;
+    sim->foresee = avx512 ? dem_foresee_avx512 : dem_foresee_avx2;
     sim->closing = avx512 ? dem_closing_avx512 : dem_closing_avx2;
     sim->keep_closing = avx512 ? dem_keep_closing_avx512 : dem_keep_closing_avx2;
     sim->deflected = avx512 ? dem_deflected_avx512 : dem_deflected_avx2;

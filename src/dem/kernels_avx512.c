@@ -8,7 +8,7 @@
 #define WIDE_ADVANCE   dem_advance_avx512
 #define WIDE_STRAY     dem_stray_avx512
 #define WIDE_NEAR      dem_near_avx512
-#define WIDE_WAYS      dem_ways_avx512
+#define WIDE_FORESEE   dem_foresee_avx512
 #define WIDE_CLOSING   dem_closing_avx512
 #define WIDE_APART     dem_keep_closing_avx512
 #define WIDE_DEFLECTED dem_deflected_avx512

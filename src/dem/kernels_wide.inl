@@ -113,24 +113,6 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
     return m;
 }
 
-/* What the pairs have given each grain goes to its force and torque, which were 0: there all else looks. */
-INLINE void take_pushes(dem_sim *sim)
-{
-    static const double is_torque[8] = {0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0};
-    const wide zero = {0};
-    const lanes third = wide_less(zero, wide_load(is_torque));
-    for (size_t i = 0; i < sim->n; i += WIDTH / 2) {
-        double *from = (double *)(sim->push + i), *spin = (double *)(sim->spin + i);
-        wide force, rest;
-        wide_load_records((const dem_record *)from, &force, &rest);
-        wide_store((double *)(sim->force + i), force);
-        for (size_t p = 0; p < 2 * WIDTH; p += WIDTH) {
-            wide_store(spin + p, wide_choose(third, wide_load(from + p), wide_load(spin + p)));
-            wide_store(from + p, zero);
-        }
-    }
-}
-
 /* *to += *b and *to -= *b, all of their 32 bytes at once */
 INLINE void push_add(dem_push *to, const dem_push *b)
 {
@@ -144,13 +126,12 @@ INLINE void push_subtract(dem_push *to, const dem_push *b)
 
 /* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
  * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
- * since it starts from +0. The list ends in pairs that never touch. With `rotation` there is a tangential
- * law, and what acts on a grain is summed up in sim->push: all pairs at once. */
+ * since it starts from +0. The list ends in pairs that never touch. */
 INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
     const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
-    dem_spin *restrict spin = sim->spin;
+    const dem_spin *restrict spin = sim->spin;
     dem_push *restrict push = sim->push;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     uint64_t *restrict touching = sim->touching;
@@ -218,11 +199,10 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
         dem_vec f[WIDTH];
         wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));
         for (int p = 0; p < WIDTH; p++) {
-            force[i[p]] += f[p];
-            force[j[p]] -= f[p];
+            *(rotation ? &push[i[p]].force : &force[i[p]]) += f[p];
+            *(rotation ? &push[j[p]].force : &force[j[p]]) -= f[p];
         }
     }
-    if (rotation) take_pushes(sim);
     sim->alarm |= alarm != 0;
     if (!apart) return;
     while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
@@ -239,12 +219,11 @@ INLINE laws spring_law(laws law, bool hertz, bool tension, bool inside)
     return law;
 }
 
-/* With instances of their own for the laws of a box and of dropped piles. Pairs without friction leave spins
- * alone. */
+/* With instances of their own for the laws of a box and of dropped piles. */
 void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
 {
     const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
-    const bool turns = sim->def.rotation && law.friction;
+    const bool turns = sim->def.rotation;
     const bool spring = law.shear && !law.slip_roll && law.truncated;
     if (!turns && spring && law.hertz && law.tension && !law.inside)
         wide_loop(sim, from, to, h, spring_law(law, true, true, false), false, false);
@@ -323,9 +302,9 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
         }
         slot->spring = spring[p];
         slot->roll = roll[p];
-        if (sim->spin) sim->spin[i[p]].torque += slip[p];
-        if (sim->rolling) sim->spin[i[p]].torque += couple[p];
-        sim->force[i[p]] += f[p];
+        if (sim->spin) sim->push[i[p]].torque += slip[p];
+        if (sim->rolling) sim->push[i[p]].torque += couple[p];
+        *dem_force(sim, i[p]) += f[p];
         *wall -= f[p];
     }
 }
@@ -350,19 +329,30 @@ void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
     sim->wall_force[w] = wall;
 }
 
-/* As integrate_spins in integrators.c, for i..to, some times WIDTH/2: (angle, omega) and (torque,
- * inverse inertia) are taken as vectors. */
-INLINE void advance_spins(dem_spin *spin, size_t i, size_t to, double dt)
+/* As integrate_spins in integrators.c, for WIDTH/2 grains; of `rest`, (torque, spare), and of the spins'
+ * second halves only the torques and the inverse inertias count. */
+INLINE void advance_spins(const dem_spin *spin, dem_spin *next, wide rest, double dt)
 {
     const wide zero = {0};
     const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
-    for (; i < to; i += WIDTH / 2) {
-        dem_record *at = (dem_record *)(spin + i);
-        wide turn, drive;
-        wide_load_records(at, &turn, &drive);
-        const wide omega = turn + dt * drive * wide_swap(drive), angle = turn + dt * wide_swap(omega);
-        wide_store_records(at, wide_choose(first, angle, omega), wide_choose(first, zero, drive));
+    wide turn, inverse;
+    wide_load_records((const dem_record *)spin, &turn, &inverse);
+    const wide omega = turn + dt * inverse * wide_swap(rest), angle = turn + dt * wide_swap(omega);
+    wide_store_records((dem_record *)next, wide_choose(first, angle, omega), inverse);
+}
+
+/* The forces on WIDTH/2 grains; those and the torques, left in *rest, are then 0. */
+INLINE wide take_forces(dem_sim *sim, size_t i, wide *rest)
+{
+    const wide zero = {0};
+    double *from = sim->push ? (double *)(sim->push + i) : (double *)(sim->force + i);
+    wide force = wide_load(from);
+    if (sim->push) {
+        wide_load_records((const dem_record *)from, &force, rest);
+        wide_store(from + WIDTH, zero);
     }
+    wide_store(from, zero);
+    return force;
 }
 
 INLINE double largest(wide a)
@@ -388,13 +378,13 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
     unsigned far = 0, out = 0;
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
-        double *force = (double *)(sim->force + i);
-        wide x, v;
+        wide x, v, rest = zero;
+        const wide force = take_forces(sim, i, &rest);
         wide_load_records(sim->grain + i, &x, &v);
-        v = v + dt * (wide_load(force) * wide_load_twice(sim->inverse_mass + i) + gravity);
+        v = v + dt * (force * wide_load_twice(sim->inverse_mass + i) + gravity);
         x = x + dt * v;
         wide_store_records(sim->grain + i, x, v);
-        wide_store(force, zero);
+        if (sim->spin) advance_spins(sim->spin + i, sim->spin + i, rest, dt);
         wide moved = v, most_moved = finite;
         if (look) {
             moved = x - wide_load((const double *)(sim->ref + i));
@@ -409,7 +399,6 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
     }
     if (!look) *speed2 = far ? INFINITY : largest(fast);
     *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
-    if (sim->spin) advance_spins(sim->spin, from, i, dt);
     return i;
 }
 
@@ -467,59 +456,63 @@ void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
     sim->n_pairs = k;
 }
 
-/* The way of a step of WIDTH/2 grains from i on; *out has bits where they go beyond the list. */
-INLINE wide way_of(const dem_sim *sim, size_t i, wide gravity, unsigned *out)
+/* As foresee_all in impact.c. */
+size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
 {
-    const wide zero = {0}, inverse_mass = wide_load_twice(sim->inverse_mass + i);
+    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
-    wide x, v;
-    wide_load_records(sim->grain + i, &x, &v);
-    wide a = wide_load((const double *)(sim->force + i)) * inverse_mass + gravity;
-    a = wide_choose(wide_less(zero, inverse_mass), a, zero);
-    const wide way = dt * (v + 0.5 * dt * a + 0.5 * dt * a);
-    wide moved = x + way - wide_load((const double *)(sim->ref + i));
-    moved *= moved;
-    *out = ~wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) &
-           ((1u << WIDTH) - 1);
-    return way;
-}
-
-/* As set_ways in impact.c. */
-size_t WIDE_WAYS(dem_sim *sim, size_t *beyond)
-{
-    const wide gravity = wide_repeat(sim->gravity);
+    const wide zero = {0}, gravity = wide_repeat(sim->gravity);
     size_t i = 0;
-    for (; i + WIDTH <= sim->n; i += WIDTH) {
-        unsigned out[2];
-        wide a = way_of(sim, i, gravity, &out[0]), b = way_of(sim, i + WIDTH / 2, gravity, &out[1]);
-        a *= a;
-        b *= b;
-        const wide way2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide_store(sim->way + i, 1.01 * wide_sqrt(way2) + 1e-9 * wide_load(sim->radius + i));
-        if (out[0] | out[1]) *beyond = i + (31 - (size_t)__builtin_clz(out[0] | out[1] << WIDTH)) / 2;
+    for (; i + GRAINS <= sim->n; i += GRAINS) {
+        const wide inverse_mass = wide_load_twice(sim->inverse_mass + i);
+        wide x, v, force = zero, rest = zero;
+        if (sim->push)
+            wide_load_records((const dem_record *)(sim->push + i), &force, &rest);
+        else
+            force = wide_load((const double *)(sim->force + i));
+        wide_load_records(sim->grain + i, &x, &v);
+        v = wide_choose(wide_less(zero, inverse_mass), v + dt * (force * inverse_mass + gravity), v);
+        x = x + dt * v;
+        wide_store_records(sim->next + i, x, v);
+        if (sim->spin) advance_spins(sim->spin + i, sim->next_spin + i, rest, dt);
+        wide moved = x - wide_load((const double *)(sim->ref + i));
+        moved *= moved;
+        /* written so that NaN counts as moved */
+        const unsigned far =
+            wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
+        if (far) *beyond = i + (31 - (size_t)__builtin_clz(far)) / 2;
     }
     return i;
 }
 
-/* Which of WIDTH pairs may come to touch; as next_closing in impact.c. */
+/* Which of WIDTH pairs may come to touch; as in impact.c. */
 INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
 {
     wide x, y, vx, vy;
-    wide_difference(sim->grain, i, j, &x, &y, &vx, &vy);
-    const wide r2 = x * x + y * y, most = reach + (wide_gather(sim->way, i, 1) + wide_gather(sim->way, j, 1));
-    return wide_bits(wide_at_most(reach * reach, r2)) & wide_bits(wide_at_most(r2, most * most));
+    wide_difference(sim->next, i, j, &x, &y, &vx, &vy);
+    const double dt = sim->def.dt;
+    const wide way_x = dt * vx, way_y = dt * vy, start_x = x - way_x, start_y = y - way_y;
+    const wide reach2 = reach * reach, slop = 1e-9 * reach2,
+               gap = start_x * start_x + start_y * start_y - reach2,
+               along = start_x * way_x + start_y * way_y, way2 = way_x * way_x + way_y * way_y;
+    const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),
+                   ends = wide_bits(wide_at_most(x * x + y * y, reach2 + slop)),
+                   turns = wide_bits(wide_at_most((wide){0}, x * way_x + y * way_y)),
+                   meets = wide_bits(wide_at_most((gap - slop) * way2, along * along));
+    return apart & (ends | (turns & meets));
 }
 
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k)
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end)
 {
     unsigned from = ~0u << k % WIDTH;
-    for (k -= k % WIDTH; k < sim->n_pairs; k += WIDTH) {
+    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
         const unsigned near =
             may_touch(sim, sim->pair_i + k, sim->pair_j + k, wide_load(sim->pair_radii + k)) & from;
-        if (near) return k + (size_t)__builtin_ctz(near);
-        from = ~0u;
+        if (!near) continue;
+        k += (size_t)__builtin_ctz(near);
+        break;
     }
-    return sim->n_pairs;
+    return k < end ? k : end;
 }
 
 /* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last
@@ -537,16 +530,15 @@ void WIDE_APART(dem_sim *sim)
     sim->n_apart = n;
 }
 
-/* As next_deflected in impact.c, but passes over those that touch. */
+/* As next_deflected in impact.c, of DEM_HITS grains at most. */
 size_t WIDE_DEFLECTED(const dem_sim *sim, size_t k, size_t end)
 {
-    const wide most = (wide){0} + DBL_MAX;
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
         const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
-        unsigned hit = (wide_bits(wide_less(most, wide_gather(sim->way, i, 1))) |
-                        wide_bits(wide_less(most, wide_gather(sim->way, j, 1)))) &
-                       from;
+        unsigned hit = 0;
+        for (size_t h = 0; h < sim->n_hit; h++) hit |= wide_is(i, sim->hit[h]) | wide_is(j, sim->hit[h]);
+        hit &= from;
         if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pair_radii + k));
         if (!hit) continue;
         k += (size_t)__builtin_ctz(hit);

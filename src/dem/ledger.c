@@ -230,10 +230,10 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 
 static ledger_grain read_grain(const dem_sim *sim, size_t i)
 {
-    ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = sim->force[i]};
+    ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = *dem_force(sim, i)};
     if (sim->spin) {
         g.angle = sim->spin[i].angle;
-        g.torque = sim->spin[i].torque;
+        g.torque = sim->push[i].torque;
     }
     if (sim->inverse_mass[i] == 0.0) return g;
     g.mass = sim->mass[i];

@@ -21,6 +21,7 @@ struct dem_scratch {
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
     dem_spin *spin;
+    dem_push *push;
     /* springs of touching pairs, a chain for the lower new index of the two grains */
     uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
     uint32_t *held_partner;
@@ -178,18 +179,21 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->cell = dem_array(n, sizeof *w->cell);
     w->moved_to = dem_array(n, sizeof *w->moved_to);
     w->grain = dem_array(n, sizeof *w->grain);
-    w->force = dem_array(n, sizeof *w->force);
+    if (!sim->def.rotation) w->force = dem_array(n, sizeof *w->force);
     if (sim->gear) w->gear = dem_array(n, sizeof *w->gear);
     w->radius = dem_array(n, sizeof *w->radius);
     w->mass = dem_array(n, sizeof *w->mass);
     w->inverse_mass = dem_array(n, sizeof *w->inverse_mass);
     w->id = dem_array(n, sizeof *w->id);
-    if (sim->def.rotation) w->spin = dem_array(n, sizeof *w->spin);
+    if (sim->def.rotation) {
+        w->spin = dem_array(n, sizeof *w->spin);
+        w->push = dem_array(n, sizeof *w->push);
+    }
     w->held_first = malloc(n * sizeof *w->held_first);
     w->wall_held = malloc(n * sizeof *w->wall_held);
-    if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->force || !w->radius || !w->mass ||
+    if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->radius || !w->mass ||
         !w->inverse_mass || !w->id || !w->held_first || !w->wall_held || (sim->gear && !w->gear) ||
-        (sim->def.rotation && !w->spin))
+        (sim->def.rotation ? !w->spin || !w->push : !w->force))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
     return like ? copy_lists(sim, like) : RP_OK;
@@ -202,7 +206,8 @@ void dem_neighbours_free(dem_sim *sim)
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
         free(w->held_partner);
-    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin),
+        free(w->push);
     free(w->gear), free(w);
     sim->scratch = NULL;
 }
@@ -271,13 +276,15 @@ static void sort_grains(dem_sim *sim, double size)
         /* cell_start moves up as its cell fills, and is moved back below */
         size_t to = w->moved_to[i] = w->cell_start[w->cell[i]]++;
         w->grain[to] = sim->grain[i];
-        w->force[to] = sim->force[i];
         if (sim->gear) w->gear[to] = sim->gear[i];
         w->radius[to] = sim->radius[i];
         w->mass[to] = sim->mass[i];
         w->inverse_mass[to] = sim->inverse_mass[i];
         w->id[to] = sim->id[i];
-        if (sim->spin) w->spin[to] = sim->spin[i];
+        if (sim->spin)
+            w->spin[to] = sim->spin[i], w->push[to] = sim->push[i];
+        else
+            w->force[to] = sim->force[i];
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
@@ -296,6 +303,7 @@ static void sort_grains(dem_sim *sim, double size)
     SWAP(double, inverse_mass);
     SWAP(uint32_t, id);
     SWAP(dem_spin, spin);
+    SWAP(dem_push, push);
 #undef SWAP
     sim->n_fixed = 0;
     for (size_t i = 0; i < sim->n; i++) {
@@ -491,7 +499,6 @@ static void move_last(dem_sim *sim, size_t to)
 {
     const size_t last = --sim->n;
     sim->grain[to] = sim->grain[last];
-    sim->force[to] = sim->force[last];
     sim->ref[to] = sim->ref[last];
     sim->reach[to] = sim->reach[last];
     if (sim->gear) sim->gear[to] = sim->gear[last];
@@ -500,7 +507,10 @@ static void move_last(dem_sim *sim, size_t to)
     sim->inverse_mass[to] = sim->inverse_mass[last];
     sim->margin2[to] = sim->margin2[last];
     sim->id[to] = sim->id[last];
-    if (sim->spin) sim->spin[to] = sim->spin[last];
+    if (sim->spin)
+        sim->spin[to] = sim->spin[last], sim->push[to] = sim->push[last];
+    else
+        sim->force[to] = sim->force[last];
 }
 
 /* A pair of a grain that left becomes one of grain 0 with itself, that never touches. */
@@ -618,7 +628,8 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     size_t n = 0;
     for (size_t i = 0; i < sim->n; i++) {
         const dem_vec d = sim->grain[i].x - sim->ref[i];
-        const double d2 = dem_dot(d, d), way2 = sim->way[i] * sim->way[i];
+        const dem_vec way = 1.01 * sim->def.dt * sim->next[i].v;
+        const double d2 = dem_dot(d, d), way2 = dem_dot(way, way);
         /* so that NaN counts as moved */
         if ((4.0 * d2 <= sim->margin2[i]) & (4.0 * way2 <= sim->margin2[i])) continue;
         if (n == FEW) return dem_neighbours_rebuild(sim);

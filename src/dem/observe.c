@@ -15,7 +15,7 @@ static bool is_fixed(const dem_sim *sim, size_t i)
 
 static dem_vec acceleration(const dem_sim *sim, size_t i)
 {
-    return sim->force[i] * sim->inverse_mass[i] + sim->gravity;
+    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
 }
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
@@ -27,7 +27,7 @@ static dem_vec velocity(const dem_sim *sim, size_t i)
 static double omega(const dem_sim *sim, size_t i)
 {
     const dem_spin *p = &sim->spin[i];
-    return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * p->torque;
+    return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * sim->push[i].torque;
 }
 
 double dem_kinetic_energy(const dem_sim *sim, size_t i)
@@ -80,7 +80,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
-        dem_vec f = is_fixed(sim, i) ? sim->force[i] : sim->mass[i] * acceleration(sim, i);
+        dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * acceleration(sim, i);
         const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
         *states++ = (dem_state){.id = (uint32_t)id,
                                 .x = x[0],
@@ -93,7 +93,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
                                 .fy = f[1],
                                 .angle = spin.angle,
                                 .omega = sim->spin ? omega(sim, i) : 0.0,
-                                .torque = spin.torque,
+                                .torque = sim->push ? sim->push[i].torque : 0.0,
                                 .contacts = contacts[i],
                                 .fixed = is_fixed(sim, i)};
     }

@@ -522,7 +522,6 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
 {
     const size_t room = n + 8; /* some pass the last grain by up to 7 */
     sim->grain = dem_array(room, sizeof *sim->grain);
-    sim->force = dem_array(room, sizeof *sim->force);
     sim->ref = dem_array(room, sizeof *sim->ref);
     sim->radius = dem_array(room, sizeof *sim->radius);
     sim->mass = dem_array(room, sizeof *sim->mass);
@@ -537,10 +536,14 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     if (sim->def.rotation) {
         sim->spin = dem_array(room, sizeof *sim->spin);
         sim->push = dem_array(room, sizeof *sim->push);
+    } else {
+        sim->force = dem_array(room, sizeof *sim->force);
     }
-    if (sim->def.hard.on) sim->way = dem_array(room, sizeof *sim->way);
-    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->way) ||
-        (sim->def.rotation && (!sim->spin || !sim->push)) || !sim->grain || !sim->force || !sim->ref ||
+    if (sim->def.hard.on) sim->next = dem_array(room, sizeof *sim->next);
+    if (sim->next && sim->def.rotation) sim->next_spin = dem_array(room, sizeof *sim->next_spin);
+    if ((gear && !sim->gear) || (sim->def.hard.on && !sim->next) ||
+        (sim->next && sim->def.rotation && !sim->next_spin) ||
+        (sim->def.rotation ? !sim->spin || !sim->push : !sim->force) || !sim->grain || !sim->ref ||
         !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
         !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
@@ -667,14 +670,17 @@ static void place_walls(dem_sim *sim)
 static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
 {
     sim->grain[i] = (dem_record){{p->x, p->y}, {p->vx, p->vy}};
-    sim->force[i] = (dem_vec){0.0, 0.0};
     if (sim->gear) sim->gear[i] = (dem_gear){0};
     sim->radius[i] = p->r;
     sim->mass[i] = p->m;
     sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
-    if (sim->spin)
-        sim->spin[i] = (dem_spin){p->angle, p->omega, 0.0,
-                                  p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
+    *dem_force(sim, i) = (dem_vec){0.0, 0.0};
+    if (!sim->spin) return;
+    sim->push[i].torque = 0.0;
+    sim->spin[i] =
+        (dem_spin){.angle = p->angle,
+                   .omega = p->omega,
+                   .inverse_inertia = p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
 }
 
 static void note_radius(dem_sim *sim, double r)
@@ -746,7 +752,8 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL, c->way = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL;
+    c->next = NULL, c->next_spin = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
     c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
@@ -759,7 +766,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
         return status;
     }
     memcpy(c->grain, sim->grain, c->n * sizeof *c->grain);
-    memcpy(c->force, sim->force, c->n * sizeof *c->force);
+    if (c->force) memcpy(c->force, sim->force, c->n * sizeof *c->force);
     memcpy(c->ref, sim->ref, c->n * sizeof *c->ref);
     memcpy(c->radius, sim->radius, c->n * sizeof *c->radius);
     memcpy(c->mass, sim->mass, c->n * sizeof *c->mass);
@@ -768,6 +775,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
     if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
+    if (c->push) memcpy(c->push, sim->push, c->n * sizeof *c->push);
     memcpy(c->fixed, sim->fixed, c->n_fixed * sizeof *c->fixed);
     if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
     *copy = c;
@@ -848,7 +856,8 @@ void dem_free(dem_sim *sim)
     dem_neighbours_free(sim);
     dem_implicit_free(sim);
     dem_ledger_free(sim);
-    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed), free(sim->way);
+    free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed);
+    free(sim->next), free(sim->next_spin);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
@@ -903,7 +912,9 @@ static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, lon
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
         if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
         dem_walls_turn(sim);
-        if (!sim->implicit)
+        if (sim->def.hard.on)
+            left = dem_impacts_integrate(sim);
+        else if (!sim->implicit)
             left = ahead ? left : dem_integrate(sim, 0, sim->n);
         else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
             return status;

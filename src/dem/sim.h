@@ -19,10 +19,10 @@ typedef struct {
 
 /* What rotates, where anything does. The spin is of half a step before, as the velocity is. */
 typedef struct {
-    double angle, omega, torque, inverse_inertia;
+    double angle, omega, spare, inverse_inertia;
 } dem_spin;
 
-/* Force and torque that a grain is given, in one 32-byte piece. */
+/* Force and torque on a grain that rotates, in one 32-byte piece. */
 typedef struct {
     dem_vec force;
     double torque, spare;
@@ -57,7 +57,7 @@ typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
 /* What a step leaves to do: rebuild the neighbour list, since a grain has gone farther than its margin or a
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
-enum { DEM_GROUP = 64 };
+enum { DEM_GROUP = 64, DEM_HITS = 8 };
 /* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate. With
  * speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest speed,
  * INFINITY for NaN. */
@@ -69,11 +69,11 @@ typedef size_t dem_stray(const struct dem_sim *sim, size_t from, size_t to, unsi
 /* Append the pairs of grain i with those of grains from..to that are near; reads and writes up to 7 more. */
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
-/* Hard collisions: like set_ways in impact.c, for as many grains from the first on as it can, returns how
+/* Hard collisions: like foresee_all in impact.c, for as many grains from the first on as it can, returns how
  * many; like next_closing there; of sim->apart keep the pairs that may come to touch; like next_deflected
- * there, where it may pass over pairs that touch. */
-typedef size_t dem_ways(struct dem_sim *sim, size_t *beyond);
-typedef size_t dem_closing(const struct dem_sim *sim, size_t k);
+ * there. */
+typedef size_t dem_foresee(struct dem_sim *sim, size_t *beyond);
+typedef size_t dem_closing(const struct dem_sim *sim, size_t k, size_t end);
 typedef void dem_keep_closing(struct dem_sim *sim);
 typedef size_t dem_deflected(const struct dem_sim *sim, size_t k, size_t end);
 
@@ -83,7 +83,7 @@ dem_line dem_line_avx512, dem_line_avx2;
 dem_advance dem_advance_avx512, dem_advance_avx2;
 dem_stray dem_stray_avx512, dem_stray_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
-dem_ways dem_ways_avx512, dem_ways_avx2;
+dem_foresee dem_foresee_avx512, dem_foresee_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
 dem_keep_closing dem_keep_closing_avx512, dem_keep_closing_avx2;
 dem_deflected dem_deflected_avx512, dem_deflected_avx2;
@@ -98,7 +98,7 @@ struct dem_sim {
     dem_advance *advance;           /* the same */
     dem_stray *stray;               /* the same */
     dem_near *near;                 /* NULL for that of neighbours.c */
-    dem_ways *ways;                 /* NULL for none */
+    dem_foresee *foresee;           /* NULL for none */
     dem_closing *closing;           /* NULL for that of impact.c */
     dem_keep_closing *keep_closing; /* NULL for none */
     dem_deflected *deflected;       /* NULL for that of impact.c */
@@ -125,10 +125,8 @@ struct dem_sim {
     size_t n, room;   /* present; that the arrays hold */
     uint32_t last_id; /* of the grain that came last */
     dem_record *grain;
-    dem_vec *force; /* contact forces, without gravity */
+    dem_vec *force; /* contact forces, without gravity; NULL with rotation */
     dem_vec *ref;
-    double *way; /* of hard collisions, NULL without: how far each may go in the coming step, INFINITY once it
-                    has collided */
     dem_gear *gear;                       /* NULL for other integrators */
     struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
@@ -138,7 +136,7 @@ struct dem_sim {
     double round_off; /* of a place, at most */
     uint32_t *id;
     dem_spin *spin; /* NULL without rotation */
-    dem_push *push; /* sums of the wide pair loop, all 0 outside it; NULL without rotation */
+    dem_push *push; /* in place of `force`, with torques; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
 
@@ -162,6 +160,12 @@ struct dem_sim {
     uint32_t *apart; /* NULL without */
     size_t n_apart;
     bool apart_holds;
+    /* and what the coming step makes of the grains; NULL without. `hit` are those that have collided in it,
+     * up to DEM_HITS, beyond which it may have been any */
+    dem_record *next;
+    dem_spin *next_spin;
+    uint32_t hit[DEM_HITS];
+    size_t n_hit;
 
     /* slots in the order of walls: the first of each, and the first that a step has still to do */
     size_t n_wall_slots, wall_room, wall_start[DEM_MAX_WALLS + 1], wall_next[DEM_MAX_WALLS];
@@ -200,6 +204,12 @@ static inline size_t dem_count_touching(const dem_sim *sim)
     for (size_t word_ = 0, k; 64 * word_ < (sim)->n_pairs; word_++)                                          \
         for (uint64_t bits_ = (sim)->touching[word_];                                                        \
              bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
+
+/* Where the force on the grain at a place is. */
+static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
+{
+    return sim->push ? &sim->push[i].force : &sim->force[i];
+}
 
 static inline double dem_dot(dem_vec a, dem_vec b)
 {
@@ -284,7 +294,7 @@ dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
 
-/* Let every grain have room for its sim->way: where few may not, their part of the list anew, else all of it.
+/* Let every grain have room for its way to sim->next: where few may not, their part of the list anew, else all of it.
  * Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_neighbours_renew(dem_sim *sim);
 
@@ -311,8 +321,10 @@ double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double no
 dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
                         dem_vec ground_velocity);
 
-/* Hard collisions of the coming step, before it; impact.c. Errors: RP_BROKEN, RP_NO_MEMORY. */
+/* Hard collisions of the coming step, before it; then, in place of dem_integrate, that step; impact.c.
+ * Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_impacts_apply(dem_sim *sim);
+unsigned dem_impacts_integrate(dem_sim *sim);
 
 /* Energies of the grain at a place, as an observer sees them; of its rotation in a frame that spins itself.
  * Of a pair, and of a wall slot, all 0 where it does not touch; observe.c. */

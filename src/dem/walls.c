@@ -87,15 +87,15 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
         double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
                                         sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
         f += s * f_s;
-        if (sim->spin) sim->spin[i].torque += arm * f_s;
+        if (sim->spin) sim->push[i].torque += arm * f_s;
         if (sim->rolling)
-            sim->spin[i].torque +=
+            sim->push[i].torque +=
                 sim->radius[i] * dem_law_rolling(c, sim->mass[i],
                                                  sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
                                                  f_n, h, &slot->roll);
     }
     if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
-    sim->force[i] += f;
+    *dem_force(sim, i) += f;
     sim->wall_force[slot->wall] -= f;
 }
 
