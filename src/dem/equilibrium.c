@@ -79,8 +79,8 @@ struct dem_pile {
     double (*direction)[2];
     double *block;                    /* of the next five, 2 n each */
     double *w, *g, *p, *trial, *kept; /* displacements, gradient, step, place tried, last load's place */
-    double eps, a;      /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
-    bool factored, old; /* there is a factorised stiffness; of a soft pile, brought to other contacts since */
+    double eps, a; /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
+    bool factored;
     double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
     dem_pivots pivots;
     dem_pile_result result;
@@ -400,7 +400,6 @@ static rp_status factorise(dem_pile *pile, bool start, int mode, bool falling)
     pile->soften = soften;
     pile->moved = 0;
     pile->factored = true;
-    pile->old = false;
     return RP_OK;
 }
 
@@ -545,7 +544,6 @@ static bool step_by_old_factor(dem_pile *pile, bool falling, rp_status *status)
     if (changed == 0 || changed > pile->n_changes / 2 || !update(pile, status)) return false;
     const double less = falling && pile->soften / 10 >= SOFTEN_MIN ? pile->soften / 10 : pile->soften;
     bool found = false;
-    pile->old = true;
     for (int again = 0; !found && !*status && again <= (less < pile->soften); again++) {
         const double soften = again ? pile->soften : less;
         assemble(pile, false, soften, 0, false);
@@ -575,8 +573,7 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
         r->fault = hopeless(pile, mode, step, first);
         if (r->fault) return RP_NO_RESULT;
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
-        const bool serves =
-            pile->factored && !pile->old && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
+        const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
         rp_status status = serves ? dem_stiffness_solve(pile->matrix, pile->g, pile->p)
                                   : find_step(pile, start, mode, r->residual < last);
         if (status) return status;
@@ -778,8 +775,7 @@ static double kept_open(const dem_pile *pile)
  * The linearised problem's has no negative ones, so what open contacts keep may at most hide a free disk. */
 static rp_status count_modes(dem_pile *pile)
 {
-    const bool exact = pile->factored && !pile->old && !(pile->soften > 0) &&
-                       pile->def.well == DEM_WELL_SPRING &&
+    const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == DEM_WELL_SPRING &&
                        pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile) &&
                        kept_open(pile) <= (pile->eps > 0 ? 0 : HELD * pile->pivots.smallest);
     rp_status status = RP_OK;
