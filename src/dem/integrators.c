@@ -19,9 +19,8 @@ static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
     const double dt = sim->def.dt;
     for (; i < to; i++) {
-        dem_spin *p = &sim->spin[i];
-        p->omega += dt * p->inverse_inertia * sim->push[i].torque;
-        p->angle += dt * p->omega;
+        sim->omega[i] += dt * sim->inverse_inertia[i] * sim->push[i].torque;
+        sim->angle[i] += dt * sim->omega[i];
         sim->push[i].torque = 0.0;
     }
 }
@@ -84,7 +83,7 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
         *left |= ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
     for (size_t i = from; i < to && turned; i++) *left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
-    if (sim->spin) integrate_spins(sim, advanced, to);
+    if (sim->omega) integrate_spins(sim, advanced, to);
 }
 
 /* Look whether grains of a group have left their margins, and how far they may go until one can. A way d
@@ -146,8 +145,8 @@ void dem_integrate_start(dem_sim *sim, size_t from)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
         else
             sim->grain[i].v -= 0.5 * dt * acceleration(sim, i);
-    for (size_t i = from; i < sim->n && sim->spin; i++)
-        sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->push[i].torque;
+    for (size_t i = from; i < sim->n && sim->omega; i++)
+        sim->omega[i] -= 0.5 * dt * sim->inverse_inertia[i] * sim->push[i].torque;
     hold_fixed(sim);
 }
 
