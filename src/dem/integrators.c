@@ -65,15 +65,17 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
     const dem_vec gravity = sim->gravity;
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
+    dem_vec *restrict force = dem_force(sim, 0);
+    const size_t stride = sim->push ? sizeof *sim->push / sizeof *force : 1;
     const size_t advanced = sim->advance ? sim->advance(sim, from, to, left, speed2) : from;
     for (size_t i = advanced; i < to; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
-            grain[i].v += dt * (*dem_force(sim, i) * sim->inverse_mass[i] + gravity);
+            grain[i].v += dt * (force[stride * i] * sim->inverse_mass[i] + gravity);
             grain[i].x += dt * grain[i].v;
         }
-        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
+        force[stride * i] = (dem_vec){0.0, 0.0};
         const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
         const double moved2 = dem_dot(moved, moved);
         if (speed2)
