@@ -17,7 +17,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
     const double *restrict radii = sim->pair_radii, *restrict mass = sim->pair_mass;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     const double *restrict radius = sim->radius;
-    const dem_spin *restrict spin = sim->spin;
+    const double *restrict omega = sim->omega;
     dem_push *restrict push = sim->push;
     uint64_t *restrict touching = sim->touching;
     const dem_material c = sim->def.material;
@@ -57,7 +57,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
                 double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
                 if (rotation) {
                     arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
-                    v_s += arm_i * spin[i].omega + arm_j * spin[j].omega;
+                    v_s += arm_i * omega[i] + arm_j * omega[j];
                 }
                 if (gear && tangential == DEM_SPRING)
                     spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
@@ -68,8 +68,8 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
                     double couple = 0.0;
                     if (rolling) {
                         const double r_eff = radius[i] * radius[j] / radii[k];
-                        couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (spin[i].omega - spin[j].omega),
-                                                         f_n, h, &roll[k]);
+                        couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (omega[i] - omega[j]), f_n, h,
+                                                         &roll[k]);
                     }
                     push[i].torque += arm_i * f_s + couple;
                     push[j].torque += arm_j * f_s - couple;

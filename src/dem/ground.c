@@ -31,7 +31,7 @@ static bool comes_to_rest(const dem_sim *sim, const dem_wall_slot *slot, double 
     const double v = along(sim, slot, sim->grain[i].v - ground_velocity);
     const double push = along(sim, slot, *dem_force(sim, i) + f + sim->mass[i] * sim->gravity);
     double twice = sim->mass[i] * v * v; /* its kinetic energy; a spin may turn into speed */
-    if (sim->spin) twice += sim->spin[i].omega * sim->spin[i].omega / sim->spin[i].inverse_inertia;
+    if (sim->omega) twice += sim->omega[i] * sim->omega[i] / sim->inverse_inertia[i];
     return v * push <= 0.0 && twice <= sim->def.ground.mu_static * normal_force * sim->def.ground.a;
 }
 

@@ -57,10 +57,9 @@ static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
 {
     const dem_vec v = m->v + t * m->a;
     dem_body body = {{v[0], v[1]}, .arm = sim->radius[i], .inverse_mass = sim->inverse_mass[i]};
-    if (sim->spin) {
-        const dem_spin *p = &sim->spin[i];
-        body.inverse_inertia = p->inverse_inertia;
-        body.omega = p->omega + (0.5 * sim->def.dt + t) * p->inverse_inertia * sim->push[i].torque;
+    if (sim->omega) {
+        body.inverse_inertia = sim->inverse_inertia[i];
+        body.omega = sim->omega[i] + (0.5 * sim->def.dt + t) * sim->inverse_inertia[i] * sim->push[i].torque;
     }
     return body;
 }
@@ -75,11 +74,9 @@ static void foresee(dem_sim *sim, size_t i)
         next.x += dt * next.v;
     }
     sim->next[i] = next;
-    if (!sim->spin) return;
-    dem_spin spin = sim->spin[i];
-    spin.omega += dt * spin.inverse_inertia * sim->push[i].torque;
-    spin.angle += dt * spin.omega;
-    sim->next_spin[i] = spin;
+    if (!sim->omega) return;
+    sim->next_omega[i] = sim->omega[i] + dt * sim->inverse_inertia[i] * sim->push[i].torque;
+    sim->next_angle[i] = sim->angle[i] + dt * sim->next_omega[i];
 }
 
 /* Does that bring it to where the neighbour list may lack a pair of its? True for NaN. */
@@ -104,9 +101,9 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grain[i].v += gain;
     sim->grain[i].x -= t * gain;
-    if (sim->spin) {
-        sim->spin[i].omega += to->omega - from->omega;
-        sim->spin[i].angle -= t * (to->omega - from->omega);
+    if (sim->omega) {
+        sim->omega[i] += to->omega - from->omega;
+        sim->angle[i] -= t * (to->omega - from->omega);
     }
     foresee(sim, i);
     if (deflected(sim, i)) return;
@@ -312,13 +309,14 @@ rp_status dem_impacts_apply(dem_sim *sim)
 unsigned dem_impacts_integrate(dem_sim *sim)
 {
     dem_record *const grain = sim->grain;
-    dem_spin *const spin = sim->spin;
+    double *const omega = sim->omega, *const angle = sim->angle;
     unsigned left = 0;
     for (size_t h = 0; h < sim->n_hit && sim->n_hit <= DEM_HITS; h++)
         left |= goes_beyond(sim, sim->hit[h]) * DEM_LIST_OUT;
     for (size_t i = 0; i < sim->n && sim->n_hit > DEM_HITS; i++) left |= goes_beyond(sim, i) * DEM_LIST_OUT;
     sim->grain = sim->next, sim->next = grain;
-    sim->spin = sim->next_spin, sim->next_spin = spin;
+    sim->omega = sim->next_omega, sim->next_omega = omega;
+    sim->angle = sim->next_angle, sim->next_angle = angle;
     for (size_t i = 0; i < sim->n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
         left |= dem_beyond(sim, sim->grain[i].x) * DEM_GRAIN_OUT;
     if (sim->push)

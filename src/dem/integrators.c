@@ -19,9 +19,8 @@ static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
     const double dt = sim->def.dt;
     for (; i < to; i++) {
-        dem_spin *p = &sim->spin[i];
-        p->omega += dt * p->inverse_inertia * sim->push[i].torque;
-        p->angle += dt * p->omega;
+        sim->omega[i] += dt * sim->inverse_inertia[i] * sim->push[i].torque;
+        sim->angle[i] += dt * sim->omega[i];
         sim->push[i].torque = 0.0;
     }
 }
@@ -66,15 +65,17 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
     const dem_vec gravity = sim->gravity;
     dem_record *restrict grain = sim->grain;
     dem_gear *restrict gear = sim->gear;
+    dem_vec *restrict force = dem_force(sim, 0);
+    const size_t stride = sim->push ? sizeof *sim->push / sizeof *force : 1;
     const size_t advanced = sim->advance ? sim->advance(sim, from, to, left, speed2) : from;
     for (size_t i = advanced; i < to; i++) {
         if (gear) {
             predict(&grain[i], &gear[i], dt);
         } else {
-            grain[i].v += dt * (*dem_force(sim, i) * sim->inverse_mass[i] + gravity);
+            grain[i].v += dt * (force[stride * i] * sim->inverse_mass[i] + gravity);
             grain[i].x += dt * grain[i].v;
         }
-        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
+        force[stride * i] = (dem_vec){0.0, 0.0};
         const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
         const double moved2 = dem_dot(moved, moved);
         if (speed2)
@@ -84,7 +85,7 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
         *left |= ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
     for (size_t i = from; i < to && turned; i++) *left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
-    if (sim->spin) integrate_spins(sim, advanced, to);
+    if (sim->omega) integrate_spins(sim, advanced, to);
 }
 
 /* Look whether grains of a group have left their margins, and how far they may go until one can. A way d
@@ -146,8 +147,8 @@ void dem_integrate_start(dem_sim *sim, size_t from)
             sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * acceleration(sim, i)};
         else
             sim->grain[i].v -= 0.5 * dt * acceleration(sim, i);
-    for (size_t i = from; i < sim->n && sim->spin; i++)
-        sim->spin[i].omega -= 0.5 * dt * sim->spin[i].inverse_inertia * sim->push[i].torque;
+    for (size_t i = from; i < sim->n && sim->omega; i++)
+        sim->omega[i] -= 0.5 * dt * sim->inverse_inertia[i] * sim->push[i].torque;
     hold_fixed(sim);
 }
 

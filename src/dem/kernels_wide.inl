@@ -131,7 +131,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
 {
     const slider shear = shear_of(&law), rolls = rolls_of(&law);
     dem_vec *restrict force = sim->force;
-    const dem_spin *restrict spin = sim->spin;
+    const double *restrict omega = sim->omega;
     dem_push *restrict push = sim->push;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     uint64_t *restrict touching = sim->touching;
@@ -164,8 +164,8 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
             wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
             if (rotation) {
                 r_i = wide_load(sim->radius_i + k), r_j = wide_load(sim->radius_j + k);
-                omega_i = wide_gather(&spin->omega, i, sizeof *spin / sizeof(double));
-                omega_j = wide_gather(&spin->omega, j, sizeof *spin / sizeof(double));
+                omega_i = wide_gather(omega, i, 1);
+                omega_j = wide_gather(omega, j, 1);
                 v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
             }
             if (law.shear) {
@@ -252,8 +252,7 @@ INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uin
 {
     const dem_wall_slot *slot = sim->wall_slot;
     const double *grain = (const double *)sim->grain;
-    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grain / sizeof *grain,
-              of_spin = sizeof *sim->spin / sizeof *grain;
+    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grain / sizeof *grain;
     const dem_vec point = sim->wall[w].point, n = sim->wall[w].direction;
     const unsigned all = (1u << WIDTH) - 1;
     const wide zero = {0}, radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
@@ -270,9 +269,9 @@ INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uin
                .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
                .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
     if (!law->friction) return b;
-    const wide arm = radius - overlap, omega = sim->spin ? wide_gather(&sim->spin->omega, i, of_spin) : zero;
+    const wide arm = radius - overlap, omega = sim->omega ? wide_gather(sim->omega, i, 1) : zero;
     wide v_s = vx * ny - vy * nx, f_s;
-    if (sim->spin) v_s += arm * omega;
+    if (sim->omega) v_s += arm * omega;
     f_s = law->shear ? law_shear(shear_of(law), mass, v_s, f_n, h, &b.spring)
                      : law_slip_roll(law, mass, v_s, f_n);
     b.fx += ny * f_s;
@@ -302,7 +301,7 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
         }
         slot->spring = spring[p];
         slot->roll = roll[p];
-        if (sim->spin) sim->push[i[p]].torque += slip[p];
+        if (sim->omega) sim->push[i[p]].torque += slip[p];
         if (sim->rolling) sim->push[i[p]].torque += couple[p];
         *dem_force(sim, i[p]) += f[p];
         *wall -= f[p];
@@ -329,16 +328,15 @@ void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
     sim->wall_force[w] = wall;
 }
 
-/* As integrate_spins in integrators.c, for WIDTH/2 grains; of `rest`, (torque, spare), and of the spins'
- * second halves only the torques and the inverse inertias count. */
-INLINE void advance_spins(const dem_spin *spin, dem_spin *next, wide rest, double dt)
+/* As integrate_spins in integrators.c, for WIDTH grains; `rest` are their (torque, spare). */
+INLINE void advance_spins(const dem_sim *sim, size_t i, const wide rest[2], double *next_angle,
+                          double *next_omega)
 {
-    const wide zero = {0};
-    const lanes first = wide_less(zero, wide_repeat((dem_vec){1.0, 0.0}));
-    wide turn, inverse;
-    wide_load_records((const dem_record *)spin, &turn, &inverse);
-    const wide omega = turn + dt * inverse * wide_swap(rest), angle = turn + dt * wide_swap(omega);
-    wide_store_records((dem_record *)next, wide_choose(first, angle, omega), inverse);
+    const wide torque = wide_firsts(rest[0], rest[1]);
+    const double dt = sim->def.dt;
+    const wide omega = wide_load(sim->omega + i) + dt * wide_load(sim->inverse_inertia + i) * torque;
+    wide_store(next_omega + i, omega);
+    wide_store(next_angle + i, wide_load(sim->angle + i) + dt * omega);
 }
 
 /* The forces on WIDTH/2 grains; those and the torques, left in *rest, are then 0. */
@@ -377,25 +375,28 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
     wide fast = zero;
     unsigned far = 0, out = 0;
     size_t i = from;
-    for (; i + GRAINS <= to; i += GRAINS) {
-        wide x, v, rest = zero;
-        const wide force = take_forces(sim, i, &rest);
-        wide_load_records(sim->grain + i, &x, &v);
-        v = v + dt * (force * wide_load_twice(sim->inverse_mass + i) + gravity);
-        x = x + dt * v;
-        wide_store_records(sim->grain + i, x, v);
-        if (sim->spin) advance_spins(sim->spin + i, sim->spin + i, rest, dt);
-        wide moved = v, most_moved = finite;
-        if (look) {
-            moved = x - wide_load((const double *)(sim->ref + i));
-            most_moved = wide_load_twice(sim->margin2 + i);
+    for (; i + WIDTH <= to; i += WIDTH) {
+        wide rest[2] = {zero, zero};
+        for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
+            wide x, v;
+            const wide force = take_forces(sim, at, &rest[h]);
+            wide_load_records(sim->grain + at, &x, &v);
+            v = v + dt * (force * wide_load_twice(sim->inverse_mass + at) + gravity);
+            x = x + dt * v;
+            wide_store_records(sim->grain + at, x, v);
+            wide moved = v, most_moved = finite;
+            if (look) {
+                moved = x - wide_load((const double *)(sim->ref + at));
+                most_moved = wide_load_twice(sim->margin2 + at);
+            }
+            moved *= moved;
+            moved += wide_swap(moved);
+            if (!look) fast = wide_max(moved, fast);
+            /* written so that NaN counts as moved */
+            far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
+            out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
         }
-        moved *= moved;
-        moved += wide_swap(moved);
-        if (!look) fast = wide_max(moved, fast);
-        /* written so that NaN counts as moved */
-        far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
-        out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
+        if (sim->omega) advance_spins(sim, i, rest, sim->angle, sim->omega);
     }
     if (!look) *speed2 = far ? INFINITY : largest(fast);
     *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
@@ -463,24 +464,27 @@ size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
     const double dt = sim->def.dt;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity);
     size_t i = 0;
-    for (; i + GRAINS <= sim->n; i += GRAINS) {
-        const wide inverse_mass = wide_load_twice(sim->inverse_mass + i);
-        wide x, v, force = zero, rest = zero;
-        if (sim->push)
-            wide_load_records((const dem_record *)(sim->push + i), &force, &rest);
-        else
-            force = wide_load((const double *)(sim->force + i));
-        wide_load_records(sim->grain + i, &x, &v);
-        v = wide_choose(wide_less(zero, inverse_mass), v + dt * (force * inverse_mass + gravity), v);
-        x = x + dt * v;
-        wide_store_records(sim->next + i, x, v);
-        if (sim->spin) advance_spins(sim->spin + i, sim->next_spin + i, rest, dt);
-        wide moved = x - wide_load((const double *)(sim->ref + i));
-        moved *= moved;
-        /* written so that NaN counts as moved */
-        const unsigned far =
-            wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + i))) ^ ALL;
-        if (far) *beyond = i + (31 - (size_t)__builtin_clz(far)) / 2;
+    for (; i + WIDTH <= sim->n; i += WIDTH) {
+        wide rest[2] = {zero, zero};
+        for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
+            const wide inverse_mass = wide_load_twice(sim->inverse_mass + at);
+            wide x, v, force;
+            if (sim->push)
+                wide_load_records((const dem_record *)(sim->push + at), &force, &rest[h]);
+            else
+                force = wide_load((const double *)(sim->force + at));
+            wide_load_records(sim->grain + at, &x, &v);
+            v = wide_choose(wide_less(zero, inverse_mass), v + dt * (force * inverse_mass + gravity), v);
+            x = x + dt * v;
+            wide_store_records(sim->next + at, x, v);
+            wide moved = x - wide_load((const double *)(sim->ref + at));
+            moved *= moved;
+            /* written so that NaN counts as moved */
+            const unsigned far =
+                wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + at))) ^ ALL;
+            if (far) *beyond = at + (31 - (size_t)__builtin_clz(far)) / 2;
+        }
+        if (sim->omega) advance_spins(sim, i, rest, sim->next_angle, sim->next_omega);
     }
     return i;
 }

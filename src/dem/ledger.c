@@ -130,12 +130,12 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
                   .v_n = dem_dot(v, e->n),
                   .v_s = dem_dot(v, e->s),
                   .spring = sim->spring[k]};
-    if (sim->spin) {
+    if (sim->omega) {
         e->arm_a = sim->radius[i] - 0.5 * overlap;
         e->arm_b = sim->radius[j] - 0.5 * overlap;
         e->r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
-        r.v_s += e->arm_a * sim->spin[i].omega + e->arm_b * sim->spin[j].omega;
-        r.v_roll = e->r_eff * (sim->spin[i].omega - sim->spin[j].omega);
+        r.v_s += e->arm_a * sim->omega[i] + e->arm_b * sim->omega[j];
+        r.v_roll = e->r_eff * (sim->omega[i] - sim->omega[j]);
     }
     if (sim->rolling) r.roll = swap ? -sim->roll[k] : sim->roll[k];
     e->sheared = r.v_s * h;
@@ -169,11 +169,11 @@ static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
                   .v_s = dem_dot(v, e->s),
                   .spring = slot.spring,
                   .roll = slot.roll};
-    if (sim->spin) {
+    if (sim->omega) {
         e->arm_a = sim->radius[i] - overlap;
         e->r_eff = sim->radius[i];
-        r.v_s += e->arm_a * sim->spin[i].omega;
-        r.v_roll = e->r_eff * (sim->spin[i].omega + sim->box_swing[1]);
+        r.v_s += e->arm_a * sim->omega[i];
+        r.v_roll = e->r_eff * (sim->omega[i] + sim->box_swing[1]);
     }
     e->sheared = r.v_s * h;
     if (sim->gear) e->sheared += dem_dot(sim->gear[i].slide, e->s);
@@ -231,8 +231,8 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 static ledger_grain read_grain(const dem_sim *sim, size_t i)
 {
     ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = *dem_force(sim, i)};
-    if (sim->spin) {
-        g.angle = sim->spin[i].angle;
+    if (sim->omega) {
+        g.angle = sim->angle[i];
         g.torque = sim->push[i].torque;
     }
     if (sim->inverse_mass[i] == 0.0) return g;

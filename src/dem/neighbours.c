@@ -20,7 +20,7 @@ struct dem_scratch {
     dem_gear *gear;
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
-    dem_spin *spin;
+    double *angle, *omega, *inverse_inertia;
     dem_push *push;
     /* springs of touching pairs, a chain for the lower new index of the two grains */
     uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
@@ -95,9 +95,9 @@ static rp_status pair_room(dem_sim *sim, size_t more)
         lengthen(&sim->pair_mass, sizeof *sim->pair_mass, held, room) &&
         lengthen(&sim->spring, sizeof *sim->spring, held, room) &&
         (!sim->def.hard.on || lengthen(&sim->apart, sizeof *sim->apart, held, room)) &&
-        (!sim->spin || (lengthen(&sim->radius_i, sizeof *sim->radius_i, held, room) &&
-                        lengthen(&sim->radius_j, sizeof *sim->radius_j, held, room) &&
-                        lengthen(&sim->roll_radius, sizeof *sim->roll_radius, held, room))) &&
+        (!sim->omega || (lengthen(&sim->radius_i, sizeof *sim->radius_i, held, room) &&
+                         lengthen(&sim->radius_j, sizeof *sim->radius_j, held, room) &&
+                         lengthen(&sim->roll_radius, sizeof *sim->roll_radius, held, room))) &&
         (!sim->rolling || lengthen(&sim->roll, sizeof *sim->roll, held, room)))
         return RP_OK;
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
@@ -109,7 +109,7 @@ static void pad_pairs(dem_sim *sim)
     for (size_t k = sim->n_pairs; k < (sim->n_pairs + 7) / 8 * 8; k++) {
         sim->pair_i[k] = sim->pair_j[k] = 0;
         sim->pair_radii[k] = sim->pair_mass[k] = sim->spring[k] = 0.0;
-        if (sim->spin) sim->radius_i[k] = sim->radius_j[k] = sim->roll_radius[k] = 0.0;
+        if (sim->omega) sim->radius_i[k] = sim->radius_j[k] = sim->roll_radius[k] = 0.0;
     }
 }
 
@@ -149,7 +149,7 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
     memcpy(sim->pair_radii, like->pair_radii, sim->n_pairs * sizeof *sim->pair_radii);
     memcpy(sim->pair_mass, like->pair_mass, sim->n_pairs * sizeof *sim->pair_mass);
     memcpy(sim->spring, like->spring, sim->n_pairs * sizeof *sim->spring);
-    if (sim->spin) {
+    if (sim->omega) {
         memcpy(sim->radius_i, like->radius_i, sim->n_pairs * sizeof *sim->radius_i);
         memcpy(sim->radius_j, like->radius_j, sim->n_pairs * sizeof *sim->radius_j);
         memcpy(sim->roll_radius, like->roll_radius, sim->n_pairs * sizeof *sim->roll_radius);
@@ -186,14 +186,16 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     w->inverse_mass = dem_array(n, sizeof *w->inverse_mass);
     w->id = dem_array(n, sizeof *w->id);
     if (sim->def.rotation) {
-        w->spin = dem_array(n, sizeof *w->spin);
+        w->angle = dem_array(n, sizeof *w->angle);
+        w->omega = dem_array(n, sizeof *w->omega);
+        w->inverse_inertia = dem_array(n, sizeof *w->inverse_inertia);
         w->push = dem_array(n, sizeof *w->push);
     }
     w->held_first = malloc(n * sizeof *w->held_first);
     w->wall_held = malloc(n * sizeof *w->wall_held);
     if (!w->cell_start || !w->cell || !w->moved_to || !w->grain || !w->radius || !w->mass ||
         !w->inverse_mass || !w->id || !w->held_first || !w->wall_held || (sim->gear && !w->gear) ||
-        (sim->def.rotation ? !w->spin || !w->push : !w->force))
+        (sim->def.rotation ? !w->angle || !w->omega || !w->inverse_inertia || !w->push : !w->force))
         return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
     memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
     return like ? copy_lists(sim, like) : RP_OK;
@@ -206,8 +208,8 @@ void dem_neighbours_free(dem_sim *sim)
     free(w->cell_start), free(w->cell), free(w->moved_to), free(w->grain), free(w->force), free(w->radius);
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
         free(w->held_partner);
-    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->spin),
-        free(w->push);
+    free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->angle),
+        free(w->omega), free(w->inverse_inertia), free(w->push);
     free(w->gear), free(w);
     sim->scratch = NULL;
 }
@@ -281,10 +283,14 @@ static void sort_grains(dem_sim *sim, double size)
         w->mass[to] = sim->mass[i];
         w->inverse_mass[to] = sim->inverse_mass[i];
         w->id[to] = sim->id[i];
-        if (sim->spin)
-            w->spin[to] = sim->spin[i], w->push[to] = sim->push[i];
-        else
+        if (!sim->omega) {
             w->force[to] = sim->force[i];
+            continue;
+        }
+        w->angle[to] = sim->angle[i];
+        w->omega[to] = sim->omega[i];
+        w->inverse_inertia[to] = sim->inverse_inertia[i];
+        w->push[to] = sim->push[i];
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
@@ -302,7 +308,9 @@ static void sort_grains(dem_sim *sim, double size)
     SWAP(double, mass);
     SWAP(double, inverse_mass);
     SWAP(uint32_t, id);
-    SWAP(dem_spin, spin);
+    SWAP(double, angle);
+    SWAP(double, omega);
+    SWAP(double, inverse_inertia);
     SWAP(dem_push, push);
 #undef SWAP
     sim->n_fixed = 0;
@@ -395,7 +403,7 @@ static void complete_pairs(dem_sim *sim, size_t k)
                             : sim->inverse_mass[j] == 0.0 ? m_i
                                                           : m_i * m_j / (m_i + m_j);
         sim->spring[k] = 0.0;
-        if (sim->spin) {
+        if (sim->omega) {
             const double r_i = sim->radius[i], r_j = sim->radius[j];
             sim->radius_i[k] = r_i, sim->radius_j[k] = r_j, sim->roll_radius[k] = r_i * r_j / radii;
         }
@@ -507,10 +515,14 @@ static void move_last(dem_sim *sim, size_t to)
     sim->inverse_mass[to] = sim->inverse_mass[last];
     sim->margin2[to] = sim->margin2[last];
     sim->id[to] = sim->id[last];
-    if (sim->spin)
-        sim->spin[to] = sim->spin[last], sim->push[to] = sim->push[last];
-    else
+    if (!sim->omega) {
         sim->force[to] = sim->force[last];
+        return;
+    }
+    sim->angle[to] = sim->angle[last];
+    sim->omega[to] = sim->omega[last];
+    sim->inverse_inertia[to] = sim->inverse_inertia[last];
+    sim->push[to] = sim->push[last];
 }
 
 /* A pair of a grain that left becomes one of grain 0 with itself, that never touches. */
@@ -576,7 +588,7 @@ static void remove_pair(dem_sim *sim, size_t k)
     sim->pair_radii[k] = sim->pair_radii[last];
     sim->pair_mass[k] = sim->pair_mass[last];
     sim->spring[k] = sim->spring[last];
-    if (sim->spin) {
+    if (sim->omega) {
         sim->radius_i[k] = sim->radius_i[last];
         sim->radius_j[k] = sim->radius_j[last];
         sim->roll_radius[k] = sim->roll_radius[last];

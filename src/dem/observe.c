@@ -26,8 +26,7 @@ static dem_vec velocity(const dem_sim *sim, size_t i)
 
 static double omega(const dem_sim *sim, size_t i)
 {
-    const dem_spin *p = &sim->spin[i];
-    return p->omega + 0.5 * sim->def.dt * p->inverse_inertia * sim->push[i].torque;
+    return sim->omega[i] + 0.5 * sim->def.dt * sim->inverse_inertia[i] * sim->push[i].torque;
 }
 
 double dem_kinetic_energy(const dem_sim *sim, size_t i)
@@ -38,7 +37,7 @@ double dem_kinetic_energy(const dem_sim *sim, size_t i)
 
 double dem_rotational_energy(const dem_sim *sim, size_t i, double frame)
 {
-    if (!sim->spin || is_fixed(sim, i)) return 0.0;
+    if (!sim->omega || is_fixed(sim, i)) return 0.0;
     const double spin = omega(sim, i) - frame;
     return 0.5 * dem_inertia(sim->def.shape, sim->mass[i], sim->radius[i]) * spin * spin;
 }
@@ -81,7 +80,6 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
         dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * acceleration(sim, i);
-        const dem_spin spin = sim->spin ? sim->spin[i] : (dem_spin){0};
         *states++ = (dem_state){.id = (uint32_t)id,
                                 .x = x[0],
                                 .y = x[1],
@@ -91,8 +89,8 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
                                 .vy = v[1],
                                 .fx = f[0],
                                 .fy = f[1],
-                                .angle = spin.angle,
-                                .omega = sim->spin ? omega(sim, i) : 0.0,
+                                .angle = sim->angle ? sim->angle[i] : 0.0,
+                                .omega = sim->omega ? omega(sim, i) : 0.0,
                                 .torque = sim->push ? sim->push[i].torque : 0.0,
                                 .contacts = contacts[i],
                                 .fixed = is_fixed(sim, i)};
@@ -113,9 +111,9 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
     double overlap = fmax(sim->pair_radii[k] - r, 0.0);
     dem_vec n = d * (1.0 / r);
     double v_s = dem_dot(v, dem_clockwise(n));
-    if (sim->spin)
-        v_s += (sim->radius[i] - 0.5 * overlap) * sim->spin[i].omega +
-               (sim->radius[j] - 0.5 * overlap) * sim->spin[j].omega;
+    if (sim->omega)
+        v_s += (sim->radius[i] - 0.5 * overlap) * sim->omega[i] +
+               (sim->radius[j] - 0.5 * overlap) * sim->omega[j];
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
                                 overlap, dem_dot(v, n));
     if (sim->def.tangential != DEM_NONE)
@@ -123,8 +121,8 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
                                  sim->pair_mass[k], v_s, f_n, 0.0, &spring);
     if (sim->rolling) {
         const double r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
-        couple = r_eff * dem_law_rolling(c, sim->pair_mass[k],
-                                         r_eff * (sim->spin[i].omega - sim->spin[j].omega), f_n, 0.0, &roll);
+        couple = r_eff * dem_law_rolling(c, sim->pair_mass[k], r_eff * (sim->omega[i] - sim->omega[j]), f_n,
+                                         0.0, &roll);
     }
     return (dem_contact){sim->id[i], sim->id[j], -1,  a[0],   a[1],   b[0], b[1],
                          overlap,    f_n,        f_s, spring, couple, roll};
@@ -146,7 +144,7 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
                                 dem_dot(v, normal));
     double v_s = dem_dot(v, dem_clockwise(normal));
-    if (sim->spin) v_s += (sim->radius[i] - overlap) * sim->spin[i].omega;
+    if (sim->omega) v_s += (sim->radius[i] - overlap) * sim->omega[i];
     if (sim->def.tangential != DEM_NONE)
         f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c, sim->wall_mu[w],
                                  sim->mass[i], v_s, f_n, 0.0, &spring);
@@ -156,8 +154,8 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
     }
     if (sim->rolling)
         couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
-                                                  sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
-                                                  f_n, 0.0, &roll);
+                                                  sim->radius[i] * (sim->omega[i] + sim->box_swing[1]), f_n,
+                                                  0.0, &roll);
     *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
                              overlap,    f_n, f_s,    spring, couple, roll,  well};
     return true;

@@ -534,18 +534,25 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     const bool gear = sim->def.integrator == DEM_GEAR5;
     if (gear) sim->gear = dem_array(room, sizeof *sim->gear);
     if (sim->def.rotation) {
-        sim->spin = dem_array(room, sizeof *sim->spin);
+        sim->angle = dem_array(room, sizeof *sim->angle);
+        sim->omega = dem_array(room, sizeof *sim->omega);
+        sim->inverse_inertia = dem_array(room, sizeof *sim->inverse_inertia);
         sim->push = dem_array(room, sizeof *sim->push);
     } else {
         sim->force = dem_array(room, sizeof *sim->force);
     }
     if (sim->def.hard.on) sim->next = dem_array(room, sizeof *sim->next);
-    if (sim->next && sim->def.rotation) sim->next_spin = dem_array(room, sizeof *sim->next_spin);
+    const bool turns = sim->next && sim->def.rotation;
+    if (turns) {
+        sim->next_angle = dem_array(room, sizeof *sim->next_angle);
+        sim->next_omega = dem_array(room, sizeof *sim->next_omega);
+    }
     if ((gear && !sim->gear) || (sim->def.hard.on && !sim->next) ||
-        (sim->next && sim->def.rotation && !sim->next_spin) ||
-        (sim->def.rotation ? !sim->spin || !sim->push : !sim->force) || !sim->grain || !sim->ref ||
-        !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 || !sim->reach || !sim->slack ||
-        !sim->id || !sim->fixed)
+        (turns && (!sim->next_angle || !sim->next_omega)) ||
+        (sim->def.rotation ? !sim->angle || !sim->omega || !sim->inverse_inertia || !sim->push
+                           : !sim->force) ||
+        !sim->grain || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 ||
+        !sim->reach || !sim->slack || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
     return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
 }
@@ -675,12 +682,11 @@ static void put_grain(dem_sim *sim, size_t i, const dem_grain *p)
     sim->mass[i] = p->m;
     sim->inverse_mass[i] = p->fixed ? 0.0 : 1.0 / p->m;
     *dem_force(sim, i) = (dem_vec){0.0, 0.0};
-    if (!sim->spin) return;
+    if (!sim->omega) return;
     sim->push[i].torque = 0.0;
-    sim->spin[i] =
-        (dem_spin){.angle = p->angle,
-                   .omega = p->omega,
-                   .inverse_inertia = p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r)};
+    sim->angle[i] = p->angle;
+    sim->omega[i] = p->omega;
+    sim->inverse_inertia[i] = p->fixed ? 0.0 : 1.0 / dem_inertia(sim->def.shape, p->m, p->r);
 }
 
 static void note_radius(dem_sim *sim, double r)
@@ -752,8 +758,9 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->spin = NULL, c->push = NULL;
-    c->next = NULL, c->next_spin = NULL;
+    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->push = NULL;
+    c->angle = c->omega = c->inverse_inertia = NULL;
+    c->next = NULL, c->next_angle = c->next_omega = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
     c->pair_radii = c->pair_mass = c->spring = c->roll = NULL;
     c->radius_i = c->radius_j = c->roll_radius = NULL, c->apart = NULL, c->done = NULL, c->chunk_room = 0;
@@ -774,7 +781,11 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     memcpy(c->reach, sim->reach, c->n * sizeof *c->reach);
     memcpy(c->inverse_mass, sim->inverse_mass, c->n * sizeof *c->inverse_mass);
     memcpy(c->id, sim->id, c->n * sizeof *c->id);
-    if (c->spin) memcpy(c->spin, sim->spin, c->n * sizeof *c->spin);
+    if (c->omega) {
+        memcpy(c->angle, sim->angle, c->n * sizeof *c->angle);
+        memcpy(c->omega, sim->omega, c->n * sizeof *c->omega);
+        memcpy(c->inverse_inertia, sim->inverse_inertia, c->n * sizeof *c->inverse_inertia);
+    }
     if (c->push) memcpy(c->push, sim->push, c->n * sizeof *c->push);
     memcpy(c->fixed, sim->fixed, c->n_fixed * sizeof *c->fixed);
     if (c->gear) memcpy(c->gear, sim->gear, c->n * sizeof *c->gear);
@@ -857,12 +868,13 @@ void dem_free(dem_sim *sim)
     dem_implicit_free(sim);
     dem_ledger_free(sim);
     free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed);
-    free(sim->next), free(sim->next_spin);
+    free(sim->next), free(sim->next_angle), free(sim->next_omega);
     free(sim->grain), free(sim->force), free(sim->ref), free(sim->radius), free(sim->mass);
     free(sim->inverse_mass), free(sim->id), free(sim->pair_i), free(sim->pair_j), free(sim->touching);
     free(sim->pair_radii), free(sim->pair_mass), free(sim->spring), free(sim->wall_slot);
     free(sim->radius_i), free(sim->radius_j), free(sim->roll_radius), free(sim->apart), free(sim->done);
-    free(sim->spin), free(sim->push), free(sim->roll), free(sim);
+    free(sim->angle), free(sim->omega), free(sim->inverse_inertia), free(sim->push), free(sim->roll),
+        free(sim);
 }
 
 static inline void lap(double *phase, double *clock)

@@ -17,11 +17,6 @@ typedef struct {
     dem_vec x, v;
 } dem_record;
 
-/* What rotates, where anything does. The spin is of half a step before, as the velocity is. */
-typedef struct {
-    double angle, omega, spare, inverse_inertia;
-} dem_spin;
-
 /* Force and torque on a grain that rotates, in one 32-byte piece. */
 typedef struct {
     dem_vec force;
@@ -135,7 +130,8 @@ struct dem_sim {
     double *slack; /* of each DEM_GROUP grains: while they go less than this, all are within their margins */
     double round_off; /* of a place, at most */
     uint32_t *id;
-    dem_spin *spin; /* NULL without rotation */
+    /* what rotates, NULL where nothing does; spins are of half a step before, as velocities are */
+    double *angle, *omega, *inverse_inertia;
     dem_push *push; /* in place of `force`, with torques; NULL without rotation */
     size_t n_fixed;
     uint32_t *fixed; /* their places */
@@ -163,7 +159,7 @@ struct dem_sim {
     /* and what the coming step makes of the grains; NULL without. `hit` are those that have collided in it,
      * up to DEM_HITS, beyond which it may have been any */
     dem_record *next;
-    dem_spin *next_spin;
+    double *next_angle, *next_omega;
     uint32_t hit[DEM_HITS];
     size_t n_hit;
 
@@ -294,8 +290,8 @@ dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
 
-/* Let every grain have room for its way to sim->next: where few may not, their part of the list anew, else all of it.
- * Errors: RP_BROKEN, RP_NO_MEMORY. */
+/* Let every grain have room for its way to sim->next: where few may not, their part of the list anew, else
+ * all of it. Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_neighbours_renew(dem_sim *sim);
 
 /* Take out the grains that left, with their pairs and wall slots, and keep the list as it is. */

@@ -83,16 +83,16 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
         dem_vec s = dem_clockwise(n);
         if (sim->gear && sim->def.tangential == DEM_SPRING) slot->spring += dem_dot(sim->gear[i].slide, s);
         double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
-        if (sim->spin) v_s += arm * sim->spin[i].omega;
+        if (sim->omega) v_s += arm * sim->omega[i];
         double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
                                         sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
         f += s * f_s;
-        if (sim->spin) sim->push[i].torque += arm * f_s;
+        if (sim->omega) sim->push[i].torque += arm * f_s;
         if (sim->rolling)
             sim->push[i].torque +=
                 sim->radius[i] * dem_law_rolling(c, sim->mass[i],
-                                                 sim->radius[i] * (sim->spin[i].omega + sim->box_swing[1]),
-                                                 f_n, h, &slot->roll);
+                                                 sim->radius[i] * (sim->omega[i] + sim->box_swing[1]), f_n, h,
+                                                 &slot->roll);
     }
     if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
     *dem_force(sim, i) += f;
