@@ -55,9 +55,10 @@ enum {
 
 typedef struct {
     double d[2], length, rest;
-    double hard, along[2]; /* stiffness in the factorised matrix, but for the turning term; its direction */
-    bool horizontal,       /* within 15 degrees */
-        expected;          /* to carry a force, before any is known */
+    double hard,
+        along[2];    /* stiffness in the factorised matrix, but for the turning term; its direction then */
+    bool horizontal, /* within 15 degrees */
+        expected;    /* to carry a force, before any is known */
 } bond;
 
 typedef struct {
@@ -431,13 +432,12 @@ static bool update(dem_pile *pile, rp_status *status)
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
             bond *b = &pile->bonds[k];
-            double along[2], r;
+            double n_now[2], r;
             const double next =
-                next_stiffness(b, bond_push(pile, k, pile->w, along, &r) > 0, settled, pile->soften);
+                next_stiffness(b, bond_push(pile, k, pile->w, n_now, &r) > 0, settled, pile->soften);
             if (add ? !(next > b->hard) : !(next < b->hard)) continue;
             if (n == pile->n_changes) return false;
             const double part = sqrt(fabs(next - b->hard));
-            if (add) memcpy(b->along, along, sizeof along);
             pile->changed[n] = pile->pairs[k];
             pile->direction[n][0] = part * b->along[0];
             pile->direction[n++][1] = part * b->along[1];
