@@ -30,10 +30,10 @@ enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
  * the energy near it, found by going downhill: from the linearised state; or, where def.leave is not 0, from
  * the primary state along a mixture, drawn with that number, of the directions in which it is not stable. The
  * primary branch is followed from the linearised problem by raising eps, which is in proportion to the
- * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, and
- * result.jumps is 1. A step of the load may also come to a state of another branch unnoticed: of 12 000 random
- * piles of up to 55 disks, eps from 1e-7 to 3e-2, 6 in 1000 did so in one step that did not in 32, of equal
- * disks 1 in 1000. */
+ * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, to a
+ * minimum, and result.jumps is 1. A step of the load may also come to a state of another branch unnoticed: of
+ * 12 000 random piles of up to 55 disks, eps from 1e-7 to 3e-2, 6 in 1000 did so in one step that did not in
+ * 32, of equal disks 1 in 1000. */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
 enum { DEM_PILE_MAX = 20000000 }; /* disks */
@@ -77,19 +77,18 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
  * from level at the start. */
 typedef struct dem_pile_result {
     dem_pile_fault fault;
-    double load;     /* part of eps, and so of the weight, up to which it was followed */
-    size_t jumps;    /* 1: the primary branch ended before all of eps */
-    double residual; /* largest net force on a disk, m g */
-    double energy,
-        released;          /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
-    size_t negative_modes; /* of the stiffness: 0 is a stable state */
-    double smallest_pivot; /* of its factorisation, K_s: near 0, the pile can move freely */
-    size_t pivot_disk;     /* disk of that pivot */
-    size_t contacts;       /* between disks */
-    size_t horizontal;     /* of those */
-    size_t wells, broken;  /* wells at the start; now broken, or set anew at least once */
-    size_t first_broken;   /* disk whose well broke first; n if none */
-    size_t steps, factored; /* Newton steps; factorisations */
+    double load;             /* part of eps, and so of the weight, up to which it was followed */
+    size_t jumps;            /* 1: the primary branch ended before all of eps */
+    double residual;         /* largest net force on a disk, m g */
+    double energy, released; /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
+    size_t negative_modes;   /* of the stiffness: 0 is a stable state */
+    double smallest_pivot;   /* of its factorisation, K_s: near 0, the pile can move freely */
+    size_t pivot_disk;       /* disk of that pivot */
+    size_t contacts;         /* between disks */
+    size_t horizontal;       /* of those */
+    size_t wells, broken;    /* wells at the start; now broken, or set anew at least once */
+    size_t first_broken;     /* disk whose well broke first; n if none */
+    size_t steps, factored;  /* Newton steps; factorisations */
 } dem_pile_result;
 
 typedef struct dem_pile dem_pile;
