@@ -77,18 +77,19 @@ const char *dem_pile_fault_text(dem_pile_fault fault);
  * from level at the start. */
 typedef struct dem_pile_result {
     dem_pile_fault fault;
-    double load;             /* part of eps, and so of the weight, up to which it was followed */
-    size_t jumps;            /* 1: the primary branch ended before all of eps */
-    double residual;         /* largest net force on a disk, m g */
-    double energy, released; /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
-    size_t negative_modes;   /* of the stiffness: 0 is a stable state */
-    double smallest_pivot;   /* of its factorisation, K_s: near 0, the pile can move freely */
-    size_t pivot_disk;       /* disk of that pivot */
-    size_t contacts;         /* between disks */
-    size_t horizontal;       /* of those */
-    size_t wells, broken;    /* wells at the start; now broken, or set anew at least once */
-    size_t first_broken;     /* disk whose well broke first; n if none */
-    size_t steps, factored;  /* Newton steps; factorisations */
+    double load;     /* part of eps, and so of the weight, up to which it was followed */
+    size_t jumps;    /* 1: the primary branch ended before all of eps */
+    double residual; /* largest net force on a disk, m g */
+    double energy,
+        released;          /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
+    size_t negative_modes; /* of the stiffness: 0 is a stable state */
+    double smallest_pivot; /* of its factorisation, K_s: near 0, the pile can move freely */
+    size_t pivot_disk;     /* disk of that pivot */
+    size_t contacts;       /* between disks */
+    size_t horizontal;     /* of those */
+    size_t wells, broken;  /* wells at the start; now broken, or set anew at least once */
+    size_t first_broken;   /* disk whose well broke first; n if none */
+    size_t steps, factored; /* Newton steps; factorisations */
 } dem_pile_result;
 
 typedef struct dem_pile dem_pile;
