@@ -33,6 +33,7 @@ static const double HOLD = 1e-9;         /* K_s: of disks that nothing holds, wh
 static const double SAME_PIVOTS = 1e-6;  /* of the smallest pivot: a change that turns no sign */
 static const double SOFTEN_MIN = 1e-6;   /* least softening of a singular stiffness, or of open contacts */
 static const double SOFTEN_FIRST = 1e-4; /* the first that is tried of a negative or singular stiffness */
+static const double SOFTEN_TURN = 0.3;   /* the same in strides, of the largest turning term */
 static const double HELD =
     1e-3; /* of the smallest pivot: what keeps open contacts does not hide a free disk */
 static const double KICK = 0.1; /* of the largest force: how far a saddle is left for a minimum */
@@ -41,7 +42,7 @@ static const double KICK = 0.1; /* of the largest force: how far a saddle is lef
 enum { FOLLOW, DESCEND, STRIDE };
 enum {
     STEPS_FOLLOW = 15,
-    STEPS_STRIDE = 15,
+    STEPS_STRIDE = 40,
     TRIALS = 40,
     STEPS_DESCEND = 2000,
     WELL_ROUNDS = 100,
@@ -54,7 +55,8 @@ enum {
 
 typedef struct {
     double d[2], length, rest;
-    double hard;     /* stiffness in the factorised matrix, but for the turning term */
+    double hard,
+        along[2];    /* stiffness in the factorised matrix, but for the turning term; its direction then */
     bool horizontal, /* within 15 degrees */
         expected;    /* to carry a force, before any is known */
 } bond;
@@ -300,19 +302,24 @@ static double gradient(dem_pile *pile, const double *w, double *g)
 /* Stiffness at w; at the very start no contact carries anything yet, and those count that are expected to,
  * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
  * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
- * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. */
-static void assemble(dem_pile *pile, bool start, double soften, double shift)
+ * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. With
+ * `factor` it is to be factorised. */
+static void assemble(dem_pile *pile, bool start, double soften, double shift, bool factor)
 {
     const double *w = pile->w;
     dem_stiffness_clear(pile->matrix, shift);
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double n[2], r, f = bond_push(pile, k, w, n, &r);
         bond *b = &pile->bonds[k];
-        b->hard = f > 0 || (start && b->expected) ? 1 : soften;
-        if (!(b->hard > 0)) continue;
+        const double hard = f > 0 || (start && b->expected) ? 1 : soften;
+        if (factor) {
+            b->hard = hard;
+            memcpy(b->along, n, sizeof n);
+        }
+        if (!(hard > 0)) continue;
         const double turn = (1 - soften) * pile->eps * fmax(f, 0) / r;
-        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], b->hard * n[0] * n[0] - turn * n[1] * n[1],
-                               n[0] * n[1] * (b->hard + turn), b->hard * n[1] * n[1] - turn * n[0] * n[0]);
+        dem_stiffness_add_bond(pile->matrix, k, pile->pairs[k], hard * n[0] * n[0] - turn * n[1] * n[1],
+                               n[0] * n[1] * (hard + turn), hard * n[1] * n[1] - turn * n[0] * n[0]);
     }
     for (size_t i = 0; i < pile->n; i++)
         if (ground_push(pile, i, w) > 0) dem_stiffness_add_site(pile->matrix, i, 0, 0, 1);
@@ -354,15 +361,32 @@ static bool same_contacts(const dem_pile *pile)
     return true;
 }
 
+/* Push of the contact that bears most. */
+static double largest_push(const dem_pile *pile)
+{
+    double most = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r;
+        most = fmax(most, bond_push(pile, k, pile->w, n, &r));
+    }
+    return most;
+}
+
+static double softening_of_turns(const dem_pile *pile)
+{
+    return fmin(fmax(SOFTEN_TURN * pile->eps * largest_push(pile), SOFTEN_MIN), 1);
+}
+
 /* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
  * is sought; disks that even then are free get a weak hold. How far is remembered, and less is tried where
  * the residual is falling. */
-static rp_status factorise(dem_pile *pile, bool start, bool positive, bool falling)
+static rp_status factorise(dem_pile *pile, bool start, int mode, bool falling)
 {
+    const bool positive = mode != FOLLOW;
     double soften = falling ? pile->soften / 10 : pile->soften, hold = 0;
     if (soften < SOFTEN_MIN) soften = 0;
     for (;;) {
-        assemble(pile, start, soften, hold);
+        assemble(pile, start, soften, hold, true);
         rp_status status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
         pile->result.factored++;
         if (status) return status;
@@ -372,7 +396,7 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive, bool falli
             return RP_NO_RESULT;
         }
         if (soften == 1) hold = HOLD;
-        soften = soften > 0 ? fmin(10 * soften, 1) : SOFTEN_FIRST;
+        soften = soften > 0 ? fmin(10 * soften, 1) : mode == STRIDE ? softening_of_turns(pile) : SOFTEN_FIRST;
     }
     pile->soften = soften;
     pile->moved = 0;
@@ -380,36 +404,43 @@ static rp_status factorise(dem_pile *pile, bool start, bool positive, bool falli
     return RP_OK;
 }
 
-/* Stiffness of a bond that pushes, or not, once it is brought to that. One that opens keeps SOFTEN_MIN of it
- * until the contacts have settled, lest disks come free that are about to meet others. */
-static double next_stiffness(const bond *b, bool pushes, bool settled)
+/* Stiffness of a bond that pushes, or not, once it is brought to that. One that opens keeps the softening, or
+ * SOFTEN_MIN until the contacts have settled, lest disks come free that are about to meet others. */
+static double next_stiffness(const bond *b, bool pushes, bool settled, double soften)
 {
-    return pushes ? 1 : b->hard == 1 ? SOFTEN_MIN : settled ? 0 : b->hard;
+    return pushes ? 1 : b->hard == 1 ? fmax(soften, SOFTEN_MIN) : settled ? 0 : b->hard;
 }
 
-/* Bring the factorised stiffness of the linearised problem to the contacts at w by the few bonds that
- * changed. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
+/* Contacts that have closed or opened since the stiffness was factorised, or brought to them. */
+static size_t changed_contacts(const dem_pile *pile)
+{
+    size_t changed = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        double n[2], r;
+        changed += (bond_push(pile, k, pile->w, n, &r) > 0) != (pile->bonds[k].hard == 1);
+    }
+    return changed;
+}
+
+/* Bring the factorised stiffness to the contacts at w by the few bonds that changed, of a soft pile but for
+ * their turning. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
 static bool update(dem_pile *pile, rp_status *status)
 {
-    if (!pile->factored || pile->eps > 0 || pile->soften > 0) return false;
-    bool settled = true;
-    for (size_t k = 0; k < pile->n_bonds && settled; k++) {
-        double n[2], r;
-        settled = (bond_push(pile, k, pile->w, n, &r) > 0) == (pile->bonds[k].hard == 1);
-    }
+    const bool settled = !(pile->eps > 0) && changed_contacts(pile) == 0;
     size_t all = 0;
     for (int add = 1; add >= 0; add--) { /* first the new ones, so that it does not get singular on the way */
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
             bond *b = &pile->bonds[k];
-            double along[2], r;
-            const double next = next_stiffness(b, bond_push(pile, k, pile->w, along, &r) > 0, settled);
+            double n_now[2], r;
+            const double next =
+                next_stiffness(b, bond_push(pile, k, pile->w, n_now, &r) > 0, settled, pile->soften);
             if (add ? !(next > b->hard) : !(next < b->hard)) continue;
             if (n == pile->n_changes) return false;
             const double part = sqrt(fabs(next - b->hard));
             pile->changed[n] = pile->pairs[k];
-            pile->direction[n][0] = part * along[0];
-            pile->direction[n++][1] = part * along[1];
+            pile->direction[n][0] = part * b->along[0];
+            pile->direction[n++][1] = part * b->along[1];
             b->hard = next;
         }
         all += n;
@@ -505,6 +536,35 @@ static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double 
                : DEM_PILE_OK;
 }
 
+/* The step of a soft pile while few contacts change: by the factorised stiffness, brought to those at w, and
+ * conjugate gradients, less softened than it where the residual is falling. False if that does not do. */
+static bool step_by_old_factor(dem_pile *pile, bool falling, rp_status *status)
+{
+    const size_t changed = changed_contacts(pile);
+    if (changed == 0 || changed > pile->n_changes / 2 || !update(pile, status)) return false;
+    const double less = falling && pile->soften / 10 >= SOFTEN_MIN ? pile->soften / 10 : pile->soften;
+    bool found = false;
+    for (int again = 0; !found && !*status && again <= (less < pile->soften); again++) {
+        const double soften = again ? pile->soften : less;
+        assemble(pile, false, soften, 0, false);
+        *status = dem_stiffness_solve_near(pile->matrix, pile->g, pile->p, &found);
+        if (found) pile->soften = soften;
+    }
+    return found;
+}
+
+/* Solve the stiffness at w for p, with the right side g. */
+static rp_status find_step(dem_pile *pile, bool start, int mode, bool falling)
+{
+    rp_status status = RP_OK;
+    const bool linear = !(pile->eps > 0);
+    if (pile->factored && !linear && mode != FOLLOW && step_by_old_factor(pile, falling, &status))
+        return RP_OK;
+    if (!status && !(pile->factored && linear && !(pile->soften > 0) && update(pile, &status)) && !status)
+        status = factorise(pile, start, mode, falling);
+    return status ? status : dem_stiffness_solve(pile->matrix, pile->g, pile->p);
+}
+
 static rp_status newton(dem_pile *pile, bool start, int mode)
 {
     dem_pile_result *r = &pile->result;
@@ -514,13 +574,10 @@ static rp_status newton(dem_pile *pile, bool start, int mode)
         if (r->fault) return RP_NO_RESULT;
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
-        rp_status status = RP_OK;
-        if (!serves && !update(pile, &status) && !status)
-            status = factorise(pile, start, mode != FOLLOW, r->residual < last);
+        rp_status status = serves ? dem_stiffness_solve(pile->matrix, pile->g, pile->p)
+                                  : find_step(pile, start, mode, r->residual < last);
         if (status) return status;
         last = r->residual;
-        status = dem_stiffness_solve(pile->matrix, pile->g, pile->p);
-        if (status) return status;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
         r->residual = advance(pile, mode == FOLLOW || (mode == STRIDE && step < STEPS_STRIDE));
         r->steps++;
@@ -723,7 +780,7 @@ static rp_status count_modes(dem_pile *pile)
                        kept_open(pile) <= (pile->eps > 0 ? 0 : HELD * pile->pivots.smallest);
     rp_status status = RP_OK;
     if (!exact) {
-        assemble(pile, false, 0, 0);
+        assemble(pile, false, 0, 0, true);
         pile->factored = false;
         pile->result.factored++;
         status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
@@ -747,7 +804,7 @@ static rp_status kick(dem_pile *pile)
     if (status) return status;
     double shift = 1e-6;
     do {
-        assemble(pile, false, 0, shift);
+        assemble(pile, false, 0, shift, true);
         status = dem_stiffness_factorise(pile->matrix, &pile->pivots);
         pile->result.factored++;
         shift *= 2;
@@ -760,12 +817,7 @@ static rp_status kick(dem_pile *pile)
         status = dem_stiffness_solve(pile->matrix, pile->p, pile->p);
     }
     if (status) return status;
-    double push = 0;
-    for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r;
-        push = fmax(push, bond_push(pile, k, pile->w, n, &r));
-    }
-    const double scale = KICK * push / largest_stretch(pile, pile->p);
+    const double scale = KICK * largest_push(pile) / largest_stretch(pile, pile->p);
     for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] += scale * pile->p[i];
     pile->factored = false;
     return RP_OK;
@@ -858,7 +910,7 @@ rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
     rp_status status = def->set_load > 0 ? set_wells(pile, def->set_load) : RP_OK;
     if (!status) status = find_state(pile, def->eps, def->a);
     if (!status) status = count_modes(pile);
-    if (!status && def->branch == DEM_BRANCH_MINIMUM) status = go_to_minimum(pile);
+    if (!status && (def->branch == DEM_BRANCH_MINIMUM || pile->result.jumps)) status = go_to_minimum(pile);
     if (!status && def->eps > 0) status = check_meetings(pile);
     if (status == RP_NO_RESULT && pile->result.broken) pile->result.fault = DEM_PILE_SPREADS;
     count_contacts(pile);

@@ -30,10 +30,10 @@ enum { DEM_WELL_SPRING, DEM_WELL_FRICTION };
  * the energy near it, found by going downhill: from the linearised state; or, where def.leave is not 0, from
  * the primary state along a mixture, drawn with that number, of the directions in which it is not stable. The
  * primary branch is followed from the linearised problem by raising eps, which is in proportion to the
- * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, and
- * result.jumps is 1. A step of the load may also come to a state of another branch unnoticed: of 12 000 random
- * piles of up to 55 disks, eps from 1e-7 to 3e-2, 6 in 1000 did so in one step that did not in 32, of equal
- * disks 1 in 1000. */
+ * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, to a
+ * minimum, and result.jumps is 1. A step of the load may also come to a state of another branch unnoticed: of
+ * 12 000 random piles of up to 55 disks, eps from 1e-7 to 3e-2, 6 in 1000 did so in one step that did not in
+ * 32, of equal disks 1 in 1000. */
 enum { DEM_BRANCH_PRIMARY, DEM_BRANCH_MINIMUM };
 
 enum { DEM_PILE_MAX = 20000000 }; /* disks */

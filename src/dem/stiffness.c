@@ -19,10 +19,14 @@ struct dem_stiffness {
     cholmod_sparse *A;
     cholmod_factor *S, *L;        /* the analysis of large piles, by supernodes; the factor */
     cholmod_dense *b, *x, *y, *e; /* right side, solution, CHOLMOD's workspace */
+    cholmod_dense *p, *q;         /* conjugate gradients: direction, matrix times it */
 };
 
 /* Disks from which on nested dissection and supernodes pay. */
 enum { LARGE = 20000 };
+
+static const double NEAR = 0.1; /* of the right side: what conjugate gradients leave */
+enum { ITERATIONS = 8 };        /* of theirs, which together cost less than a factorisation */
 
 static rp_status no_memory(size_t n)
 {
@@ -69,7 +73,9 @@ static bool analyse(dem_stiffness *m, size_t n_bonds, const dem_pair *bonds, int
     m->A =
         cholmod_allocate_sparse(2 * m->n, 2 * m->n, 3 * m->n + 4 * n_bonds, true, true, -1, CHOLMOD_REAL, c);
     m->b = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
-    if (!m->A || !m->b || !order_disks(m, n_bonds, bonds, order)) return false;
+    m->p = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
+    m->q = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
+    if (!m->A || !m->b || !m->p || !m->q || !order_disks(m, n_bonds, bonds, order)) return false;
     set_pattern(m, bonds);
     /* from the last disk on, as nothing may be overwritten before it is read */
     for (size_t a = m->n; a-- > 0;) {
@@ -117,6 +123,8 @@ void dem_stiffness_free(dem_stiffness *m)
     cholmod_free_dense(&m->x, &m->common);
     cholmod_free_dense(&m->y, &m->common);
     cholmod_free_dense(&m->e, &m->common);
+    cholmod_free_dense(&m->p, &m->common);
+    cholmod_free_dense(&m->q, &m->common);
     cholmod_finish(&m->common);
     free(m->first);
     free(m->place);
@@ -232,5 +240,39 @@ rp_status dem_stiffness_solve(dem_stiffness *m, const double *b, double *x)
     if (!cholmod_solve2(CHOLMOD_A, m->L, m->b, NULL, &m->x, NULL, &m->y, &m->e, &m->common))
         return no_memory(m->n);
     memcpy(x, m->x->x, 2 * m->n * sizeof *x);
+    return RP_OK;
+}
+
+static double product(const double *a, const double *b, size_t n)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+rp_status dem_stiffness_solve_near(dem_stiffness *m, const double *b, double *x, bool *found)
+{
+    const size_t n = 2 * m->n;
+    double *r = m->b->x, *p = m->p->x, *q = m->q->x, one[] = {1, 0}, zero[] = {0, 0}, last = INFINITY;
+    const double enough = NEAR * NEAR * product(b, b, n);
+    memcpy(r, b, n * sizeof *b);
+    memset(x, 0, n * sizeof *x);
+    memset(p, 0, n * sizeof *p);
+    *found = false;
+    for (int k = 0; k < ITERATIONS && !*found; k++) {
+        if (!cholmod_solve2(CHOLMOD_A, m->L, m->b, NULL, &m->x, NULL, &m->y, &m->e, &m->common))
+            return no_memory(m->n);
+        const double *z = m->x->x, now = product(r, z, n);
+        for (size_t i = 0; i < n; i++) p[i] = z[i] + now / last * p[i];
+        last = now;
+        if (!cholmod_sdmult(m->A, false, one, zero, m->p, m->q, &m->common)) return no_memory(m->n);
+        const double curvature = product(p, q, n);
+        if (!(curvature > 0)) return RP_OK;
+        for (size_t i = 0; i < n; i++) {
+            x[i] += now / curvature * p[i];
+            r[i] -= now / curvature * q[i];
+        }
+        *found = product(r, r, n) <= enough;
+    }
     return RP_OK;
 }

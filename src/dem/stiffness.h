@@ -47,4 +47,9 @@ rp_status dem_stiffness_update(dem_stiffness *m, bool add, size_t n_bonds, const
 /* Solve for 2n unknowns x0 y0 x1 y1 ... with the last factorisation; `b` may be `x`. Errors: RP_NO_MEMORY. */
 rp_status dem_stiffness_solve(dem_stiffness *m, const double *b, double *x);
 
+/* The same for the matrix that was added up since, near the factorised one, which must be positive: to a tenth
+ * of b, by conjugate gradients with that factorisation. *found: false if few iterations do not do, or if they
+ * find that the matrix is not positive. Errors: RP_NO_MEMORY. */
+rp_status dem_stiffness_solve_near(dem_stiffness *m, const double *b, double *x, bool *found);
+
 #endif
