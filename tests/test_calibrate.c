@@ -118,7 +118,7 @@ static void test_lack_of_fit(void)
     start(1, 1);
     for (int g = 0; g < 8; g++) {
         x[g] = 0.1 * g;
-        y[g] = 10.0 + 40.0 * x[g] + (g % 2 ? 1.5 : -1.5);
+        y[g] = 10.0 + 40.0 * x[g] + (g % 2 ? 1.0 : -1.0);
         add_four(x[g], 0.0, y[g], 1.0);
     }
     CHECK_OK(ang_calibration_fit(&piles, &c));

@@ -33,7 +33,7 @@ typedef struct {
     double lo[ANG_MAX_PARAMS], hi[ANG_MAX_PARAMS]; /* range of the piles' parameters */
     double scale;
     double coefficients[ANG_MAX_TERMS], covariance[ANG_MAX_TERMS * ANG_MAX_TERMS];
-    double chi2, p_value, aicc;
+    double chi2, p_value, aic;
     /* for lack of fit: factor of the covariance, chi2/dof but at least 1; and a variance of the response
      * about the form, the excess of that factor over 1 in units of the points' own variance
      * n_points/sum(weights) */
@@ -92,11 +92,12 @@ const char *ang_calibrated_meaning(ang_calibrated_status status);
 const char *ang_shape_word(ang_shape shape);
 
 /* Fit the responses: least squares with the weights n/SD^2 of the points, SD from ang_calibration_sd. The
- * form with the least AICc, chi2 + 2k + 2k(k+1)/(n-k-1) with k coefficients and n points, is taken: powers up
- * to the fourth, exponential, tanh (the second parameter: powers up to the second). With one parameter a form
- * that rises or falls throughout goes before any other whose AICc is not better by more than 6. Free with
- * ang_calibration_free, also after an error. Errors: RP_BAD_INPUT (fewer than 4 points with piles, a point
- * with one pile or without spread, parameters that do not fill a rectangle), RP_NO_MEMORY, RP_BROKEN. */
+ * form with the least AIC, chi2 + 2k with k coefficients, is taken (the points' errors are known, of their
+ * piles, so that few points ask for no more): powers up to the fourth, exponential, tanh (the second
+ * parameter: powers up to the second). With one parameter a form that rises or falls throughout goes before
+ * any other whose AIC is not better by more than 6. Free with ang_calibration_free, also after an error.
+ * Errors: RP_BAD_INPUT (fewer than 4 points with piles, a point with one pile or without spread, parameters
+ * that do not fill a rectangle), RP_NO_MEMORY, RP_BROKEN. */
 rp_status ang_calibration_fit(const ang_ensemble *piles, ang_calibration *c);
 void ang_calibration_free(ang_calibration *c);
 

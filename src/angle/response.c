@@ -9,7 +9,7 @@
 
 #include "angle/calibrate_private.h"
 
-/* How much better, in AICc, a form must be that does not rise or fall throughout. */
+/* How much better, in AIC, a form must be that does not rise or fall throughout. */
 static const double monotone_credit = 6.0;
 
 const char *ang_shape_word(ang_shape shape)
@@ -380,8 +380,8 @@ static void take_errors(problem *s)
     r->n_terms = s->n;
     r->n_points = s->c->n_points;
     r->dof = r->n_points - r->n_terms;
-    double k = (double)r->n_terms, n = (double)r->n_points, dof = (double)r->dof;
-    r->aicc = r->chi2 + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0);
+    double n = (double)r->n_points, dof = (double)r->dof;
+    r->aic = r->chi2 + 2.0 * (double)r->n_terms;
     r->p_value = gsl_cdf_chisq_Q(r->chi2, dof);
     r->inflation = fmax(1.0, r->chi2 / dof);
     double sum = 0.0;
@@ -432,13 +432,13 @@ static bool is_monotone(const ang_response_fit *r)
 /* Keep `r` where it is better than what is there. */
 static void consider(const ang_response_fit *r, ang_response_fit *best, ang_response_fit *best_monotone)
 {
-    if (r->aicc < best->aicc) *best = *r;
-    if (r->monotone && r->aicc < best_monotone->aicc) *best_monotone = *r;
+    if (r->aic < best->aic) *best = *r;
+    if (r->monotone && r->aic < best_monotone->aic) *best_monotone = *r;
 }
 
 static rp_status choose_form(ang_calibration *c, size_t angle)
 {
-    ang_response_fit blank = {.n_params = c->n_params, .aicc = HUGE_VAL};
+    ang_response_fit blank = {.n_params = c->n_params, .aic = HUGE_VAL};
     memcpy(blank.lo, c->lo, sizeof blank.lo);
     memcpy(blank.hi, c->hi, sizeof blank.hi);
     ang_response_fit best = blank, best_monotone = blank;
@@ -449,14 +449,15 @@ static rp_status choose_form(ang_calibration *c, size_t angle)
                 r.shape = (ang_shape)shape;
                 r.degree[0] = i;
                 r.degree[1] = j;
-                if (n_linear(&r) + (shape != ANG_POWERS) + 2 > c->n_points) continue; /* AICc is infinite */
+                if (n_linear(&r) + (shape != ANG_POWERS) + 2 > c->n_points)
+                    continue; /* a point at least beyond those that any form meets */
                 rp_status status = ang_response_solve(&r, c, angle, c->mean[angle]);
                 if (status == RP_NO_RESULT) continue;
                 if (status) return status;
                 r.monotone = is_monotone(&r);
                 consider(&r, &best, &best_monotone);
             }
-    c->response[angle] = best_monotone.aicc <= best.aicc + monotone_credit ? best_monotone : best;
+    c->response[angle] = best_monotone.aic <= best.aic + monotone_credit ? best_monotone : best;
     return RP_OK;
 }
 

@@ -51,7 +51,7 @@ static const cli_command command = {
     "first\n"
     "time, stored in -o); their mean angles, weighted with their errors, are fitted by powers or a "
     "saturating form\n"
-    "of least AICc; the fit is inverted. lower, upper: 95 % interval, from the errors of measurement and "
+    "of least AIC; the fit is inverted. lower, upper: 95 % interval, from the errors of measurement and "
     "response\n"
     "and the response's lack of fit. se: delta method. boot_*: the same by bootstrap over piles, as a "
     "check.\n"
