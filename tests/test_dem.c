@@ -321,7 +321,7 @@ static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 
 /* Where grains go on behind the pair loop against where all wait for all forces: filling, a wall that opens,
  * cells that wrap around, grains that leave a list that goes on, fixed grains in between. */
-static void avalanche_in_chunks(void)
+static void avalanche_in_chunks(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
     const long part = check_fast() ? 700 : 2500;
@@ -332,6 +332,8 @@ static void avalanche_in_chunks(void)
     def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
     def.x_max = 8.0;
     def.y_min = -0.5;
+    def.rotation = rotation;
+    def.material.mu_roll = rotation ? 0.1 : 0.0;
     def.kernel = DEM_REFERENCE;
     dem_sim *reference[PARTS + 1] = {start_in_chunks(&def, 0)};
     for (int k = 0; k < PARTS; k++) {
@@ -383,7 +385,8 @@ static void faults_in_chunks(bool wall)
 
 static void chunks(void)
 {
-    avalanche_in_chunks();
+    avalanche_in_chunks(false);
+    avalanche_in_chunks(true);
     faults_in_chunks(false);
     faults_in_chunks(true);
 }

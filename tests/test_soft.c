@@ -553,6 +553,52 @@ static void arc_over_a_disk(void)
     }
 }
 
+/* Where places are known to no better than 1e-8, a pair that just touches collides as it does at the origin.
+ */
+static void far_from_the_origin(void)
+{
+    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        for (int k = 0; k < 20; k++) {
+            const double x = k * 5e6;
+            dem_grain grains[2] = {{.x = x, .y = 3.0, .r = R, .m = 1.0, .vx = 20.0 + k},
+                                   {.x = x + 0.75, .y = 3.0, .r = 0.25, .m = 0.25, .vx = -10.0}};
+            dem_definition def = on_ground(grains, 2);
+            def.gravity[1] = 0.0;
+            def.n_walls = def.ground.wall = 0;
+            def.kernel = kernel;
+            def.hard = (dem_hard){true, 1.0, 0.0};
+            dem_sim *sim = grains_start(&def);
+            CHECK_OK(dem_run(sim, 1));
+            CU_ASSERT(collisions(sim) == 1);
+            dem_free(sim);
+        }
+    }
+}
+
+/* Not even the sign of a zero changes. */
+static void fixed_stay_to_the_bit(void)
+{
+    enum { N = 12 };
+    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        dem_grain grains[N];
+        for (int i = 0; i < N; i++)
+            grains[i] = (dem_grain){.x = -2.0 * i, .y = -0.0, .r = R, .m = 1.0, .fixed = i < N - 1};
+        dem_definition def = on_ground(grains, N);
+        def.n_walls = def.ground.wall = 0;
+        def.kernel = kernel;
+        def.hard = (dem_hard){true, 1.0, 0.0};
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 3));
+        dem_state states[N];
+        CHECK_OK(dem_states(sim, states));
+        for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
+        CU_ASSERT(states[N - 1].y < 0.0);
+        dem_free(sim);
+    }
+}
+
 /* (27), (29) and (32) at forces and masses other than 1. */
 static void law_of_slip(void)
 {
@@ -847,6 +893,8 @@ void suite_soft(void)
                                        {"a hit while sliding", hits_while_it_slides},
                                        {"rounds of collisions", rounds_end},
                                        {"an arc over a disk", arc_over_a_disk},
+                                       {"collisions far from the origin", far_from_the_origin},
+                                       {"fixed disks stay to the bit", fixed_stay_to_the_bit},
                                        {"law of slip", law_of_slip},
                                        {"touching is no contact", touching_is_no_contact},
                                        {"rest while it turns", rests_while_it_turns},

@@ -201,7 +201,8 @@ static bool may_touch(const dem_sim *sim, size_t k)
 {
     const dem_record *a = &sim->next[sim->pair_i[k]], *b = &sim->next[sim->pair_j[k]];
     const dem_vec end = a->x - b->x, way = sim->def.dt * (a->v - b->v), start = end - way;
-    const double reach2 = sim->pair_radii[k] * sim->pair_radii[k], slop = 1e-9 * reach2,
+    const double reach2 = sim->pair_radii[k] * sim->pair_radii[k],
+                 slop = 1e-9 * reach2 + 4.0 * sim->pair_radii[k] * sim->round_off,
                  gap = dem_dot(start, start) - reach2, along = dem_dot(start, way);
     if (gap < -slop || along > slop) return false; /* nearer is a soft contact */
     return dem_dot(end, end) <= reach2 + slop ||

@@ -474,8 +474,9 @@ size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
             else
                 force = wide_load((const double *)(sim->force + at));
             wide_load_records(sim->grain + at, &x, &v);
-            v = wide_choose(wide_less(zero, inverse_mass), v + dt * (force * inverse_mass + gravity), v);
-            x = x + dt * v;
+            const lanes moves = wide_less(zero, inverse_mass);
+            v = wide_choose(moves, v + dt * (force * inverse_mass + gravity), v);
+            x = wide_choose(moves, x + dt * v, x);
             wide_store_records(sim->next + at, x, v);
             wide moved = x - wide_load((const double *)(sim->ref + at));
             moved *= moved;
@@ -496,7 +497,7 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     wide_difference(sim->next, i, j, &x, &y, &vx, &vy);
     const double dt = sim->def.dt;
     const wide way_x = dt * vx, way_y = dt * vy, start_x = x - way_x, start_y = y - way_y;
-    const wide reach2 = reach * reach, slop = 1e-9 * reach2,
+    const wide reach2 = reach * reach, slop = 1e-9 * reach2 + 4.0 * reach * sim->round_off,
                gap = start_x * start_x + start_y * start_y - reach2,
                along = start_x * way_x + start_y * way_y, way2 = way_x * way_x + way_y * way_y;
     const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),

@@ -320,6 +320,12 @@ static void sort_grains(dem_sim *sim, double size)
     }
 }
 
+/* Of a place, its distance from the origin squared, at most. */
+static double round_off(const dem_sim *sim, double far2)
+{
+    return 1e-15 * (sqrt(far2) + sim->skin);
+}
+
 /* A wall that turns may come nearer to the farthest grain by half the skin; the grain has its margin beside
  * that. (A margin can be above that half, and a grain go along the wall to where it turns faster, but then it
  * does not go towards the wall so far.) */
@@ -329,7 +335,7 @@ static void measure_room(dem_sim *sim)
     for (size_t i = 0; i < sim->n; i++) far2 = fmax(far2, dem_dot(sim->grain[i].x, sim->grain[i].x));
     sim->box_room = 0.5 * sim->skin / (sqrt(far2) + sim->skin);
     sim->box_swept = 0.0;
-    sim->round_off = 1e-15 * (sqrt(far2) + sim->skin);
+    sim->round_off = round_off(sim, far2);
 }
 
 /* Keep the springs of touching pairs. */
@@ -651,7 +657,11 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     rp_status status = RP_OK;
     for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m], &fastest);
     if (status) return status;
-    for (size_t m = 0; m < n; m++) mark_grain(sim, moved[m]);
+    for (size_t m = 0; m < n; m++) {
+        const dem_vec x = sim->grain[moved[m]].x;
+        mark_grain(sim, moved[m]);
+        sim->round_off = fmax(sim->round_off, round_off(sim, dem_dot(x, x)));
+    }
     memset(w->cell, 0, sim->n * sizeof *w->cell);
     for (size_t m = 0; m < n && !status; m++) status = renew_pairs(sim, moved[m], w->cell, (uint32_t)m + 1);
     sim->apart_holds = false;

@@ -884,14 +884,12 @@ static inline void lap(double *phase, double *clock)
     *clock = now;
 }
 
-/* May grains go on before the forces on all the others are there? With rotation, forces are there at the end.
- */
+/* May grains go on before the forces on all the others are there? */
 static bool runs_ahead(const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
     return sim->n_chunks > 0 && def->integrator == DEM_VERLET && def->kernel != DEM_REFERENCE &&
-           !def->rotation && !def->hard.on && !sim->book && def->turn_per_step == 0.0 &&
-           def->box_turn_per_step == 0.0;
+           !def->hard.on && !sim->book && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
 }
 
 /* The forces, and the next step of the grains behind them while these are in the cache; gives what
