@@ -458,6 +458,8 @@ static void renewed_lists_hold_springs(void)
         check_same_contacts(sim, renewed);
         CHECK_OK(dem_neighbours_rebuild(renewed));
         check_same_contacts(sim, renewed);
+        const size_t touching = dem_count_touching(renewed);
+        for (size_t p = 0; p < touching; p++) CU_ASSERT(dem_touches(renewed, p)); /* they come first */
         renewed->grain[0].x[1] = NAN;
         CHECK_FAILS(dem_neighbours_renew(renewed), RP_BROKEN, "not finite");
         dem_free(renewed);

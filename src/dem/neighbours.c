@@ -21,6 +21,8 @@ struct dem_scratch {
     double *radius, *mass, *inverse_mass;
     uint32_t *id;
     double *angle, *omega, *inverse_inertia;
+    uint32_t *apart; /* pairs on their way to the end of the list */
+    size_t apart_room;
     dem_push *push;
     /* springs of touching pairs, a chain for the lower new index of the two grains */
     uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
@@ -209,7 +211,7 @@ void dem_neighbours_free(dem_sim *sim)
     free(w->mass), free(w->inverse_mass), free(w->id), free(w->held_first), free(w->held_next),
         free(w->held_partner);
     free(w->held_spring), free(w->held_roll), free(w->wall_held), free(w->wall_slot), free(w->angle),
-        free(w->omega), free(w->inverse_inertia), free(w->push);
+        free(w->omega), free(w->inverse_inertia), free(w->apart), free(w->push);
     free(w->gear), free(w);
     sim->scratch = NULL;
 }
@@ -428,9 +430,37 @@ static void find_touching(dem_sim *sim)
 
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
  * above; cells that follow one another are taken as one. */
+/* The pairs that touch first, both parts in their order: most stay so, and a block of the pair loop is then
+ * full of them or left at once. */
+static rp_status part_pairs(dem_sim *sim)
+{
+    struct dem_scratch *w = sim->scratch;
+    if (sim->n_pairs > w->apart_room &&
+        !dem_grow(&w->apart, 2 * sizeof *w->apart, w->apart_room = 2 * sim->n_pairs))
+        return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+    size_t touching = 0, apart = 0;
+    for (size_t k = 0; k < sim->n_pairs; k++) {
+        const uint32_t i = sim->pair_i[k], j = sim->pair_j[k];
+        const dem_vec d = sim->grain[i].x - sim->grain[j].x;
+        const double radii = sim->radius[i] + sim->radius[j];
+        if (dem_dot(d, d) < radii * radii) {
+            sim->pair_i[touching] = i;
+            sim->pair_j[touching++] = j;
+        } else {
+            w->apart[2 * apart] = i;
+            w->apart[2 * apart++ + 1] = j;
+        }
+    }
+    for (size_t k = 0; k < apart; k++) {
+        sim->pair_i[touching + k] = w->apart[2 * k];
+        sim->pair_j[touching + k] = w->apart[2 * k + 1];
+    }
+    return RP_OK;
+}
+
 static rp_status find_pairs(dem_sim *sim)
 {
-    const struct dem_scratch *w = sim->scratch;
+    struct dem_scratch *w = sim->scratch;
     const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
     dem_near *const add = sim->near ? sim->near : add_near;
     sim->n_pairs = 0;
@@ -453,6 +483,8 @@ static rp_status find_pairs(dem_sim *sim)
                 for (size_t a = 1; a < n; a++) add(sim, i, from[a], to[a]);
             }
         }
+    rp_status status = sim->def.hard.on ? part_pairs(sim) : RP_OK;
+    if (status) return status;
     complete_pairs(sim, 0);
     find_touching(sim);
     DEM_EACH_TOUCHING (sim, k) restore_springs(sim, k, sim->pair_i[k], sim->pair_j[k]);

@@ -589,12 +589,11 @@ static rp_status check_start_overlaps(const dem_sim *sim)
                          sim->def.dt, limit);
 }
 
-/* Springs of the contact between the grains at places i and j, if it is listed so; pairs are in the order of
- * i.
- */
+/* Springs of the contact between the grains at places i and j, if it is listed so; pairs, with hard
+ * collisions those that touch, are in the order of i. */
 static bool set_pair_springs(dem_sim *sim, size_t i, size_t j, double shear, double roll)
 {
-    size_t lo = 0, hi = sim->n_pairs;
+    size_t lo = 0, hi = sim->def.hard.on ? dem_count_touching(sim) : sim->n_pairs;
     while (lo < hi) {
         const size_t middle = (lo + hi) / 2;
         if (sim->pair_i[middle] < i)
