@@ -34,6 +34,21 @@ struct dem_scratch {
     size_t wall_room;
 };
 
+/* What a grain takes along to another place, in arrays of the simulation and of the work space alike, NULL
+ * where a scene has none. */
+#define CARRIED_LIST(X)                                                                                      \
+    X(dem_record, grain)                                                                                     \
+    X(dem_vec, force)                                                                                        \
+    X(dem_gear, gear)                                                                                        \
+    X(double, radius)                                                                                        \
+    X(double, mass)                                                                                          \
+    X(double, inverse_mass)                                                                                  \
+    X(uint32_t, id)                                                                                          \
+    X(double, angle)                                                                                         \
+    X(double, omega)                                                                                         \
+    X(double, inverse_inertia)                                                                               \
+    X(dem_push, push)
+
 static const uint32_t NOWHERE = UINT32_MAX;
 
 /* How far a grain may go before the list is rebuilt: half the skin, or where the skin was left open, more
@@ -279,42 +294,22 @@ static void sort_grains(dem_sim *sim, double size)
         }
         /* cell_start moves up as its cell fills, and is moved back below */
         size_t to = w->moved_to[i] = w->cell_start[w->cell[i]]++;
-        w->grain[to] = sim->grain[i];
-        if (sim->gear) w->gear[to] = sim->gear[i];
-        w->radius[to] = sim->radius[i];
-        w->mass[to] = sim->mass[i];
-        w->inverse_mass[to] = sim->inverse_mass[i];
-        w->id[to] = sim->id[i];
-        if (!sim->omega) {
-            w->force[to] = sim->force[i];
-            continue;
-        }
-        w->angle[to] = sim->angle[i];
-        w->omega[to] = sim->omega[i];
-        w->inverse_inertia[to] = sim->inverse_inertia[i];
-        w->push[to] = sim->push[i];
+#define X(type, field)                                                                                       \
+    if (sim->field) w->field[to] = sim->field[i];
+        CARRIED_LIST(X)
+#undef X
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
     sim->n = w->cell_start[cells];
-#define SWAP(type, field)                                                                                    \
+#define X(type, field)                                                                                       \
     do {                                                                                                     \
         type *swap_ = sim->field;                                                                            \
         sim->field = w->field;                                                                               \
         w->field = swap_;                                                                                    \
-    } while (0)
-    SWAP(dem_record, grain);
-    SWAP(dem_vec, force);
-    SWAP(dem_gear, gear);
-    SWAP(double, radius);
-    SWAP(double, mass);
-    SWAP(double, inverse_mass);
-    SWAP(uint32_t, id);
-    SWAP(double, angle);
-    SWAP(double, omega);
-    SWAP(double, inverse_inertia);
-    SWAP(dem_push, push);
-#undef SWAP
+    } while (0);
+    CARRIED_LIST(X)
+#undef X
     sim->n_fixed = 0;
     for (size_t i = 0; i < sim->n; i++) {
         mark_grain(sim, i);
@@ -544,23 +539,13 @@ static rp_status find_wall_slots(dem_sim *sim)
 static void move_last(dem_sim *sim, size_t to)
 {
     const size_t last = --sim->n;
-    sim->grain[to] = sim->grain[last];
+#define X(type, field)                                                                                       \
+    if (sim->field) sim->field[to] = sim->field[last];
+    CARRIED_LIST(X)
+#undef X
     sim->ref[to] = sim->ref[last];
     sim->reach[to] = sim->reach[last];
-    if (sim->gear) sim->gear[to] = sim->gear[last];
-    sim->radius[to] = sim->radius[last];
-    sim->mass[to] = sim->mass[last];
-    sim->inverse_mass[to] = sim->inverse_mass[last];
     sim->margin2[to] = sim->margin2[last];
-    sim->id[to] = sim->id[last];
-    if (!sim->omega) {
-        sim->force[to] = sim->force[last];
-        return;
-    }
-    sim->angle[to] = sim->angle[last];
-    sim->omega[to] = sim->omega[last];
-    sim->inverse_inertia[to] = sim->inverse_inertia[last];
-    sim->push[to] = sim->push[last];
 }
 
 /* A pair of a grain that left becomes one of grain 0 with itself, that never touches. */
