@@ -1,4 +1,5 @@
 /* Dropped piles: contacts that a simulation starts with, protocol `drop`, and the dip. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -354,6 +355,33 @@ static void kernels_collide_alike(void)
     }
 }
 
+/* What a disk alone on the ground loses for ever ends above the numbers that a processor is slow with, and
+ * the caller's arithmetic has them still. */
+static void tiny_numbers_are_zero(void)
+{
+    for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
+        if (!dem_kernel_runs(kernel)) continue;
+        dem_definition def = disks(true);
+        const dem_grain grain = disk(0.0, 0.4995, 1e-300);
+        def.kernel = kernel;
+        def.grains = &grain;
+        def.n_grains = 1;
+        dem_sim *sim = grains_start(&def);
+        bool tiny = false;
+        for (int look = 0; look < 400; look++) {
+            CHECK_OK(dem_run(sim, 10));
+            const dem_wall_slot *slot = &sim->wall_slot[0];
+            const double last[] = {sim->grain[0].v[0], sim->grain[0].v[1], sim->omega[0], slot->spring,
+                                   slot->roll};
+            for (int a = 0; a < 5; a++) tiny |= fpclassify(last[a]) == FP_SUBNORMAL;
+        }
+        CU_ASSERT(!tiny && fabs(sim->omega[0]) < 1e-305);
+        dem_free(sim);
+        volatile double least = DBL_MIN;
+        CU_ASSERT(least / 2.0 > 0.0);
+    }
+}
+
 /* Each disk has the contacts that its distances from all the others and the ground say. */
 static void check_contacts(const dem_sim *sim)
 {
@@ -449,9 +477,8 @@ static void renewed_lists_hold_springs(void)
             renewed->next[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
             renewed->margin2[i] = 1e300;
         }
-        renewed->apart_holds = true;
         CHECK_OK(dem_neighbours_renew(renewed));
-        CU_ASSERT(renewed->rebuilds == rebuilds && !renewed->apart_holds);
+        CU_ASSERT(renewed->rebuilds == rebuilds);
         for (size_t i = 0; i < renewed->n; i++)
             CU_ASSERT((renewed->margin2[i] < 1e300) == isinf(renewed->next[i].v[0]));
         check_list(renewed);
@@ -478,6 +505,7 @@ void suite_drop(void)
                                        {"rest takes its steps", rest_takes_its_steps},
                                        {"away is no part", away_is_no_part},
                                        {"kernels collide alike", kernels_collide_alike},
+                                       {"tiny numbers are zero", tiny_numbers_are_zero},
                                        {"lists are complete", lists_are_complete},
                                        {"renewed lists hold springs", renewed_lists_hold_springs},
                                        {NULL, NULL}};

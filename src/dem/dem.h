@@ -178,7 +178,7 @@ void dem_free(dem_sim *sim);
  * changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
-/* Advance by `steps`. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind; of
+/* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind; of
  * the implicit integrator too a step that is not solved, or in which a grain moves by more than skin/2),
  * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains or the implicit integrator). After an error
  * the simulation can only be read and freed. */

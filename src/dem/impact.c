@@ -209,10 +209,11 @@ static bool may_touch(const dem_sim *sim, size_t k)
            (dem_dot(end, way) >= 0.0 && (gap - slop) * dem_dot(way, way) <= along * along);
 }
 
-/* The first pair from k to `end` that may come to touch, or `end`. */
-static size_t next_closing(const dem_sim *sim, size_t k, size_t end)
+/* The first pair from k to `end` that may come to touch, or `end`; one that touched as the step began may be
+ * passed over with `apart`. */
+static size_t next_closing(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
-    if (sim->closing) return sim->closing(sim, k, end);
+    if (sim->closing) return sim->closing(sim, k, end, apart);
     while (k < end && !may_touch(sim, k)) k++;
     return k;
 }
@@ -220,7 +221,7 @@ static size_t next_closing(const dem_sim *sim, size_t k, size_t end)
 /* The same of grains one of which has collided in this step. */
 static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->n_hit > DEM_HITS) return next_closing(sim, k, end); /* others do once more what they did */
+    if (sim->n_hit > DEM_HITS) return next_closing(sim, k, end, false); /* others do once more what they did */
     if (sim->deflected) return sim->deflected(sim, k, end);
     while (k < end &&
            !((deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k])) && may_touch(sim, k)))
@@ -236,29 +237,17 @@ static void collide_listed(dem_sim *sim, size_t k)
     if (dem_dot(d, d) >= reach * reach) collide_pair(sim, i, j, reach);
 }
 
-/* Until something collides, only pairs that the pair loop found apart may come to touch; then those of grains
- * that have collided besides. */
-static void collide_apart(dem_sim *sim)
-{
-    sim->keep_closing(sim);
-    sim->apart_holds = false;
-    for (size_t k = 0, t = 0;; k++) {
-        while (t < sim->n_apart && sim->apart[t] < k) t++;
-        const size_t next = t < sim->n_apart ? sim->apart[t] : sim->n_pairs;
-        k = sim->n_hit ? next_deflected(sim, k, next) : next;
-        if (k >= sim->n_pairs) return;
-        collide_listed(sim, k);
-    }
-}
-
+/* Until something collides, only pairs that are apart may come to touch; then those of grains that have
+ * collided besides. */
 static void collide_all(dem_sim *sim)
 {
     const size_t n = sim->n_pairs;
-    if (sim->apart_holds)
-        collide_apart(sim);
-    else
-        for (size_t k = next_closing(sim, 0, n); k < n; k = next_closing(sim, k + 1, n))
-            collide_listed(sim, k);
+    for (size_t k = 0, apart = next_closing(sim, 0, n, true);; k++) {
+        if (apart < k) apart = next_closing(sim, k, n, true);
+        k = sim->n_hit ? next_deflected(sim, k, apart) : apart;
+        if (k >= n) break;
+        collide_listed(sim, k);
+    }
     collide_walls(sim, false);
 }
 

@@ -89,7 +89,6 @@ static void choose_wide(dem_sim *sim)
     sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
     sim->foresee = avx512 ? dem_foresee_avx512 : dem_foresee_avx2;
     sim->closing = avx512 ? dem_closing_avx512 : dem_closing_avx2;
-    sim->keep_closing = avx512 ? dem_keep_closing_avx512 : dem_keep_closing_avx2;
     sim->deflected = avx512 ? dem_deflected_avx512 : dem_deflected_avx2;
     if (def->integrator == DEM_VERLET) {
         sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;

@@ -10,7 +10,6 @@
 #define WIDE_NEAR      dem_near_avx512
 #define WIDE_FORESEE   dem_foresee_avx512
 #define WIDE_CLOSING   dem_closing_avx512
-#define WIDE_APART     dem_keep_closing_avx512
 #define WIDE_DEFLECTED dem_deflected_avx512
 #include "dem/kernels_wide.inl"
 #endif

@@ -69,8 +69,8 @@ INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *
     wide cap = c.mu * wide_max(f_n, (wide){0});
     wide pull = c.k * ds;
     if (c.inside) pull += dashpot;
-    lanes slides = wide_less(cap, wide_abs(pull));
-    wide held = wide_choose(slides, wide_copysign(cap, pull), pull), of_spring = held, force = -held;
+    lanes slides;
+    wide held = wide_limit(pull, cap, &slides), of_spring = held, force = -held;
     if (c.inside)
         of_spring -= dashpot;
     else
@@ -84,7 +84,8 @@ INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *
 INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
 {
     wide slip = law->c.gamma_s * m_eff * v_s, cap = law->mu * wide_max(f_n, (wide){0});
-    return wide_choose(wide_less(cap, wide_abs(slip)), -wide_copysign(cap, v_s), -slip);
+    lanes slides;
+    return -wide_limit(slip, cap, &slides);
 }
 
 /* Rolling resistance: the couple on grain i. */
@@ -135,9 +136,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
     dem_push *restrict push = sim->push;
     double *restrict spring = sim->spring, *restrict roll = sim->roll;
     uint64_t *restrict touching = sim->touching;
-    uint32_t *restrict apart = sim->apart;
     const wide zero = {0}, limit = zero + sim->r_min;
-    size_t n_apart = 0;
     unsigned alarm = 0;
     uint64_t word = 0;
     geometry next = {0};
@@ -149,7 +148,6 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
         if (k + WIDTH < to)
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
         dem_note(touching, k, wide_bits(touch), &word);
-        if (apart) n_apart = wide_append(apart, n_apart, ~wide_bits(touch) & ((1u << WIDTH) - 1), k);
         if (!wide_bits(touch)) {
             if (law.shear) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
@@ -204,11 +202,6 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
         }
     }
     sim->alarm |= alarm != 0;
-    if (!apart) return;
-    while (n_apart > 0 && apart[n_apart - 1] >= sim->n_pairs) n_apart--; /* they fill the last block */
-    for (size_t p = 0; p < WIDTH && n_apart > 0; p++) apart[n_apart + p] = apart[n_apart - 1];
-    sim->n_apart = n_apart;
-    sim->apart_holds = true;
 }
 
 /* A law with truncated springs of these kinds, told in a way that the compiler can leave the others out. */
@@ -462,6 +455,7 @@ size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
+    const bool some_fixed = sim->n_fixed > 0;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity);
     size_t i = 0;
     for (; i + WIDTH <= sim->n; i += WIDTH) {
@@ -474,9 +468,10 @@ size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
             else
                 force = wide_load((const double *)(sim->force + at));
             wide_load_records(sim->grain + at, &x, &v);
+            const wide v_next = v + dt * (force * inverse_mass + gravity), x_next = x + dt * v_next;
             const lanes moves = wide_less(zero, inverse_mass);
-            v = wide_choose(moves, v + dt * (force * inverse_mass + gravity), v);
-            x = wide_choose(moves, x + dt * v, x);
+            v = some_fixed ? wide_choose(moves, v_next, v) : v_next;
+            x = some_fixed ? wide_choose(moves, x_next, x) : x_next;
             wide_store_records(sim->next + at, x, v);
             wide moved = x - wide_load((const double *)(sim->ref + at));
             moved *= moved;
@@ -507,32 +502,23 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end)
+size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
-    unsigned from = ~0u << k % WIDTH;
-    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
-        const unsigned near =
-            may_touch(sim, sim->pair_i + k, sim->pair_j + k, wide_load(sim->pair_radii + k)) & from;
-        if (!near) continue;
-        k += (size_t)__builtin_ctz(near);
-        break;
+    const uint64_t all = (1u << WIDTH) - 1;
+    uint64_t left = ~0ull << k % 64;
+    for (k -= k % 64; k < end; k += 64, left = ~0ull) {
+        if (apart) left &= ~sim->touching[k / 64];
+        if (end - k < 64) left &= ~(~0ull << (end - k));
+        while (left) {
+            const size_t shift = (size_t)__builtin_ctzll(left) / WIDTH * WIDTH, at = k + shift;
+            const uint64_t near =
+                may_touch(sim, sim->pair_i + at, sim->pair_j + at, wide_load(sim->pair_radii + at)) &
+                left >> shift & all;
+            if (near) return at + (size_t)__builtin_ctzll(near);
+            left &= ~(all << shift);
+        }
     }
-    return k < end ? k : end;
-}
-
-/* Of sim->apart keep the pairs that may come to touch. The list is filled up to a whole block with its last
- * pair, which may then be kept more than once. */
-void WIDE_APART(dem_sim *sim)
-{
-    size_t n = 0;
-    for (size_t t = 0; t < sim->n_apart; t += WIDTH) {
-        uint32_t *const k = sim->apart + t;
-        uint32_t i[WIDTH], j[WIDTH];
-        for (int p = 0; p < WIDTH; p++) i[p] = sim->pair_i[k[p]], j[p] = sim->pair_j[k[p]];
-        unsigned near = may_touch(sim, i, j, wide_gather(sim->pair_radii, k, 1));
-        for (; near; near &= near - 1) sim->apart[n++] = k[__builtin_ctz(near)];
-    }
-    sim->n_apart = n;
+    return end;
 }
 
 /* As next_deflected in impact.c, of DEM_HITS grains at most. */

@@ -111,7 +111,6 @@ static rp_status pair_room(dem_sim *sim, size_t more)
         lengthen(&sim->pair_radii, sizeof *sim->pair_radii, held, room) &&
         lengthen(&sim->pair_mass, sizeof *sim->pair_mass, held, room) &&
         lengthen(&sim->spring, sizeof *sim->spring, held, room) &&
-        (!sim->def.hard.on || lengthen(&sim->apart, sizeof *sim->apart, held, room)) &&
         (!sim->omega || (lengthen(&sim->radius_i, sizeof *sim->radius_i, held, room) &&
                          lengthen(&sim->radius_j, sizeof *sim->radius_j, held, room) &&
                          lengthen(&sim->roll_radius, sizeof *sim->roll_radius, held, room))) &&
@@ -172,7 +171,6 @@ static rp_status copy_lists(dem_sim *sim, const dem_sim *like)
         memcpy(sim->roll_radius, like->roll_radius, sim->n_pairs * sizeof *sim->roll_radius);
     }
     if (sim->rolling) memcpy(sim->roll, like->roll, sim->n_pairs * sizeof *sim->roll);
-    sim->apart_holds = false;
     pad_pairs(sim);
     if (sim->n_wall_slots)
         memcpy(sim->wall_slot, like->wall_slot, sim->n_wall_slots * sizeof *sim->wall_slot);
@@ -592,7 +590,6 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     for (size_t i = 0; i < sim->n && !status; i++) status = check_grain(sim, i, &fastest);
     if (status) return status;
     sim->rebuilds++;
-    sim->apart_holds = false;
     sort_grains(sim, 2.0 * (sim->r_max + margin(sim, fastest)));
     measure_room(sim);
     status = hold_springs(sim);
@@ -681,7 +678,6 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     }
     memset(w->cell, 0, sim->n * sizeof *w->cell);
     for (size_t m = 0; m < n && !status; m++) status = renew_pairs(sim, moved[m], w->cell, (uint32_t)m + 1);
-    sim->apart_holds = false;
     pad_pairs(sim);
     find_touching(sim);
     for (uint32_t i = 0; i < sim->n; i++) w->moved_to[i] = i;

@@ -65,11 +65,9 @@ typedef size_t dem_stray(const struct dem_sim *sim, size_t from, size_t to, unsi
 typedef void dem_near(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
 /* Hard collisions: like foresee_all in impact.c, for as many grains from the first on as it can, returns how
- * many; like next_closing there; of sim->apart keep the pairs that may come to touch; like next_deflected
- * there. */
+ * many; like next_closing and next_deflected there. */
 typedef size_t dem_foresee(struct dem_sim *sim, size_t *beyond);
-typedef size_t dem_closing(const struct dem_sim *sim, size_t k, size_t end);
-typedef void dem_keep_closing(struct dem_sim *sim);
+typedef size_t dem_closing(const struct dem_sim *sim, size_t k, size_t end, bool apart);
 typedef size_t dem_deflected(const struct dem_sim *sim, size_t k, size_t end);
 
 /* Where processors have the instructions; the pair loop without Gear's springs; kernels_wide.inl. */
@@ -80,7 +78,6 @@ dem_stray dem_stray_avx512, dem_stray_avx2;
 dem_near dem_near_avx512, dem_near_avx2;
 dem_foresee dem_foresee_avx512, dem_foresee_avx2;
 dem_closing dem_closing_avx512, dem_closing_avx2;
-dem_keep_closing dem_keep_closing_avx512, dem_keep_closing_avx2;
 dem_deflected dem_deflected_avx512, dem_deflected_avx2;
 
 struct dem_sim {
@@ -95,7 +92,6 @@ struct dem_sim {
     dem_near *near;                 /* NULL for that of neighbours.c */
     dem_foresee *foresee;           /* NULL for none */
     dem_closing *closing;           /* NULL for that of impact.c */
-    dem_keep_closing *keep_closing; /* NULL for none */
     dem_deflected *deflected;       /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
@@ -151,12 +147,7 @@ struct dem_sim {
     size_t chunk, n_chunks, chunk_room;
     uint32_t *done;
 
-    /* hard collisions: the pairs that do not touch, in their order. It holds where a kernel that makes it has
-     * run since the pairs or places changed. */
-    uint32_t *apart; /* NULL without */
-    size_t n_apart;
-    bool apart_holds;
-    /* and what the coming step makes of the grains; NULL without. `hit` are those that have collided in it,
+    /* hard collisions: what the coming step makes of the grains; NULL without. `hit` are those that have collided in it,
      * up to DEM_HITS, beyond which it may have been any */
     dem_record *next;
     double *next_angle, *next_omega;

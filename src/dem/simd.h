@@ -34,11 +34,6 @@ static inline wide wide_max(wide a, wide b)
     return _mm512_max_pd(a, b);
 }
 
-static inline wide wide_abs(wide a)
-{
-    return _mm512_abs_pd(a);
-}
-
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
@@ -59,11 +54,13 @@ static inline wide wide_choose(lanes l, wide yes, wide no)
     return _mm512_mask_blend_pd(l, no, yes);
 }
 
-static inline wide wide_copysign(wide a, wide sign)
+/* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
+ * `most`. */
+static inline wide wide_limit(wide a, wide most, lanes *less)
 {
-    const __m512i mask = _mm512_set1_epi64(INT64_MIN);
-    return _mm512_castsi512_pd(
-        _mm512_ternarylogic_epi64(mask, _mm512_castpd_si512(sign), _mm512_castpd_si512(a), 0xca));
+    const wide limited = _mm512_range_pd(a, most, 2);
+    *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
+    return limited;
 }
 
 /* Append `first` + the place of each bit that is set; writes WIDTH numbers whatever their count. */
@@ -194,11 +191,6 @@ static inline wide wide_max(wide a, wide b)
     return _mm256_max_pd(a, b);
 }
 
-static inline wide wide_abs(wide a)
-{
-    return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
-}
-
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm256_cmp_pd(a, b, _CMP_LT_OQ);
@@ -219,10 +211,11 @@ static inline wide wide_choose(lanes l, wide yes, wide no)
     return _mm256_blendv_pd(no, yes, l);
 }
 
-static inline wide wide_copysign(wide a, wide sign)
+static inline wide wide_limit(wide a, wide most, lanes *less)
 {
     const wide mask = _mm256_set1_pd(-0.0);
-    return _mm256_or_pd(_mm256_and_pd(mask, sign), _mm256_andnot_pd(mask, a));
+    *less = wide_less(most, _mm256_andnot_pd(mask, a));
+    return wide_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
 static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
