@@ -665,27 +665,18 @@ static rp_status settle(dem_pile *pile, int mode)
     return RP_NO_RESULT;
 }
 
-/* A branch is left at once where wells have broken. What the pile then does its way downhill from the last
- * equilibrium tells. If it comes to rest, that is not on this branch, and all is put back. */
-static rp_status go_on_downhill(dem_pile *pile)
+/* A branch is left at once where wells have broken. What the pile then does, its way downhill from the last
+ * equilibrium tells, under all of the load: it comes apart, or to rest, though not on this branch. */
+static rp_status go_on_downhill(dem_pile *pile, double to)
 {
-    well *wells = malloc((pile->n_wells + 1) * sizeof *wells);
-    if (!wells) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
-    const dem_pile_result given_up = pile->result;
-    memcpy(wells, pile->wells, pile->n_wells * sizeof *wells);
-    double *last = pile->kept;
-    pile->kept = pile->w;
-    pile->w = last;
+    memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
+    pile->eps = to;
     pile->factored = false;
     rp_status status = settle(pile, STRIDE);
-    if (!status) {
-        memcpy(pile->wells, wells, pile->n_wells * sizeof *wells);
-        memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
-        pile->result = given_up;
-        status = RP_NO_RESULT;
-    }
-    free(wells);
-    return status;
+    if (status) return status;
+    pile->why = "the branch was lost as wells broke, but downhill there is rest; ";
+    pile->result.fault = DEM_PILE_NOT_CONVERGED;
+    return RP_NO_RESULT;
 }
 
 /* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
@@ -711,7 +702,7 @@ static rp_status raise_eps(dem_pile *pile, double to)
         const bool ended = step < most / SMALLEST_STEP;
         if (status != RP_NO_RESULT || (mode == STRIDE && ended)) return status;
         if (pile->result.broken)
-            return mode == FOLLOW && pile->result.fault == DEM_PILE_NOT_CONVERGED ? go_on_downhill(pile)
+            return mode == FOLLOW && pile->result.fault == DEM_PILE_NOT_CONVERGED ? go_on_downhill(pile, to)
                                                                                   : status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
         if (ended) {
@@ -953,13 +944,6 @@ static dem_pair most_apart(const dem_pile *pile)
     return pile->pairs[most];
 }
 
-/* After wells broke; while they hold, only what can't be a state of a pile counts as slid apart. */
-static bool slid_apart(const dem_pile *pile)
-{
-    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SLID_LINEAR * ((double)pile->n + pile->a);
-    return !(largest_stretch(pile, pile->w) < limit);
-}
-
 static void name_wells(const dem_pile *pile, char *text, size_t size)
 {
     const dem_pile_result *r = &pile->result;
@@ -1010,6 +994,13 @@ static rp_status explain(const dem_pile *pile)
                  worst_disk(pile) + 1);
     return rp_fail(RP_NO_RESULT, "%s: %s%sfollowed up to %g of the load%s, after %zu steps",
                    dem_pile_fault_text(r->fault), wells, cause, r->load, residual, r->steps);
+}
+
+/* Whether neighbours slid apart, wells having broken. */
+static bool slid_apart(const dem_pile *pile)
+{
+    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SLID_LINEAR * ((double)pile->n + pile->a);
+    return !(largest_stretch(pile, pile->w) < limit);
 }
 
 /* What is known of the state in which a solve was given up. */
