@@ -231,9 +231,10 @@ static void check_wells(const heap *h, double mu, double a, bool at_rest)
         const dem_pile_well *w = &wells[i];
         CU_ASSERT(w->N == h->N[i] && w->H == h->H[i] && w->x == h->u[2 * w->disk]);
         if (w->state == DEM_PILE_WELL_HOLDS) {
+            CU_ASSERT(w->x_0 == 0);
             if (!at_rest) continue;
-            CHECK_NEAR(w->H, mu * w->N * (w->x - w->x_0) / a, 1e-9);
-            CU_ASSERT(w->x_0 == 0 && fabs(w->x) <= a);
+            CHECK_NEAR(w->H, mu * w->N * w->x / a, 1e-9);
+            CU_ASSERT(fabs(w->x) <= a);
         } else {
             CU_ASSERT(w->state == DEM_PILE_WELL_BROKEN && w->H == 0 && fabs(w->x_0) > a);
             broken++;
@@ -252,6 +253,12 @@ static void test_state_of_wells(void)
     CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 24);
     CU_ASSERT(h.result.negative_modes == DEM_PILE_UNCOUNTED && isnan(h.result.smallest_pivot));
     check_wells(&h, 0.2, 1, false);
+    /* the same while the wells' places are sought under part of the load */
+    dem_pile_definition part = friction(1e-4, 0.1, 1);
+    part.set_load = 0.5;
+    CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "spreads");
+    CU_ASSERT(h.result.load < 0.5 && h.result.eps < 0.6e-4);
+    check_wells(&h, 0.1, 2, false);
     free_heap(&h);
 }
 
@@ -289,6 +296,14 @@ static void test_causes(void)
     h = make_disks(45, 60, 0);
     CHECK_FAILS(solve(&h, soft(0.1)), RP_NO_RESULT, "collapses: neighbours ");
     CU_ASSERT(h.result.fault == DEM_PILE_COLLAPSES && h.result.eps < 0.1 && h.result.broken == 0);
+    dem_pile_definition part = soft(4e-3);
+    part.set_load = 0.8;
+    CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "collapses");
+    CU_ASSERT(h.result.load > 0 && h.result.load * 4e-3 < h.result.eps);
+    free_heap(&h);
+    /* all of the load shows that it spreads; under an eighth, with the ground nearer, it would not */
+    h = make_disks(12, 30, 0);
+    CHECK_FAILS(solve(&h, friction(0.01, 0.1, 30)), RP_NO_RESULT, "spreads: 12 of 12 wells broken");
     free_heap(&h);
     /* a heap that spread into a layer: disks are free there, others have met; that it spread comes first */
     h = make_disks(5, 60, 0);

@@ -799,7 +799,8 @@ static rp_status set_wells(dem_pile *pile, double part)
 {
     rp_status status = find_state(pile, part * pile->def.eps, pile->def.a / part);
     if (status) pile->result.load *= part;
-    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
+    for (size_t i = 0; !status && i < pile->n_wells; i++)
+        pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
     return status;
 }
 
