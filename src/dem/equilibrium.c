@@ -1065,7 +1065,7 @@ void dem_pile_wells(const dem_pile *pile, dem_pile_well *wells)
                                    .x = pile->w[2 * h->disk],
                                    .x_0 = h->x_0,
                                    .N = h->N,
-                                   .H = h->H,
+                                   .H = h->broken ? 0 : h->H,
                                    .state = h->broken ? DEM_PILE_WELL_BROKEN
                                             : h->lost ? DEM_PILE_WELL_ANEW
                                                       : DEM_PILE_WELL_HOLDS};
