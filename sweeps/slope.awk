@@ -14,7 +14,7 @@ END {
     slope = (sxy - sx * sy / m) / (sxx - sx * sx / m)
     se = sqrt((syy - sy * sy / m - slope * (sxy - sx * sy / m)) / (m - 2) / (sxx - sx * sx / m))
     at = index(header, "# units:")
-    printf "%s# slope: %.4f\n# slope_se: %.1g\n# slope_from: %g\n# slope_to: %g\n%s", \
+    printf "%s# slope: %.4f\n# slope_se: %.4f\n# slope_from: %g\n# slope_to: %g\n%s", \
         substr(header, 1, at - 1), slope, se, lo, hi, substr(header, at)
     for (i = 1; i <= rows; i++) print row[i]
 }

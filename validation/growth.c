@@ -243,7 +243,7 @@ static void table_of_goals(void)
                               (double[]){r.alpha_deg, (double)r.n, eps, well, piles[i].goal, r.seconds,
                                          r.memory, (double)r.result.factored,
                                          (double)r.result.negative_modes},
-                              r.seconds <= piles[i].goal ? "met" : "not met");
+                              r.seconds <= piles[i].goal ? "met" : "missed");
         }
     check_table_close(out, "growth_goals");
 }
