@@ -167,9 +167,11 @@ $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
-# Dropped piles: the dip of the mean pressure on their bases, and that pressure.
+# Dropped piles: the dip of the mean pressure on their bases, over a triangle and without one, and that pressure.
 $(T)/%_dip.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle dip $< >$@
+$(T)/%_dip_raw.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< --against zero >$@
 # The same for some of the piles: those of one friction of the base; triangles of the hardest disks, by disorder.
 rows_where = awk -F'\t' '/^\#/ { for (i = 1; i <= NF; i++) { name = $$i; sub(/^\# /, "", name); of[name] = i } print; next } $(1)'
 $(T)/li_disorder_mu_%_dip.tsv: $(T)/li_disorder_mu_runs.tsv
@@ -278,11 +280,13 @@ STUDY_lh_rotation := 10
 STUDY_li20_point := 200
 STUDY_li20_broad := 100
 STUDY_li20_sizes := 100
+STUDY_li20_hard := 100
 STUDY_li20_rest := 100
 STUDY_li20_choices := 40
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 STUDY_li_disorder_mu := 200
+STUDY_li_slopes_disorder := 16
 # In boxes of W = H = 3 cm, at rest at 1e-5 m g d and 0.1 m g, two piles of one fill differ by some 5 degrees: 95 %
 # intervals of +-0.12 and +-0.18 degrees take so many, to tell 0.3 from none.
 STUDY_val_dt := 7000
