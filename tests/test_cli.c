@@ -1194,6 +1194,18 @@ static void test_broken_run(void)
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
     FAILS(70, "overlap at step ", "run crush.cfg");
+    /* a step that the implicit integrator can't solve in one go is no result */
+    static const char *const solvers[] = {"direct", "sor"};
+    for (int k = 0; k < 2; k++) {
+        write_text("hard.cfg",
+                   "integrator = \"implicit\"; dt = 2e-4; steps = 2000;\n"
+                   "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
+                   "implicit = { solver = \"%s\"; tolerance = 1.0e-12; max_iterations = 1; };\n"
+                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+                   "particles = ( { x = 0.0; y = 0.15; r = 0.1; m = 0.004; } );\n",
+                   solvers[k]);
+        FAILS(1, "not_solved at step ", "run hard.cfg");
+    }
     leave();
 }
 

@@ -203,7 +203,9 @@ static void test_friction_wells(void)
     CHECK_FAILS(solve(&h, friction(1e-4, 0.19, 3.7)), RP_NO_RESULT, "spreads");
     dem_pile_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
     again.set_again = true;
-    CHECK_FAILS(solve(&h, again), RP_NO_RESULT, "spreads");
+    CHECK_FAILS(solve(&h, again), RP_NO_RESULT,
+                "creeps: 2 of 2 wells set anew, first that of disk 1: disks 1, 3; ");
+    CU_ASSERT(h.result.fault == DEM_PILE_CREEPS);
     free_heap(&h);
     /* the slope of 30 degrees stands on mu = 0.3, not on 0.2; that of 60 on 0.6, not on 0.5 */
     static const struct {
@@ -216,6 +218,99 @@ static void test_friction_wells(void)
         CU_ASSERT((slope.result.fault == DEM_PILE_SPREADS) == (cases[c].status != RP_OK));
         free_heap(&slope);
     }
+}
+
+/* Wells: H = mu N (x - x_0)/a of those that hold, none of broken ones, whose disks left them. */
+static void check_wells(const heap *h, double mu, double a, bool at_rest)
+{
+    dem_pile_well wells[64];
+    size_t broken = 0;
+    CU_ASSERT_FATAL(h->k <= 64);
+    dem_pile_wells(h->pile, wells);
+    for (size_t i = 0; i < h->k; i++) {
+        const dem_pile_well *w = &wells[i];
+        CU_ASSERT(w->N == h->N[i] && w->H == h->H[i] && w->x == h->u[2 * w->disk]);
+        if (w->state == DEM_PILE_WELL_HOLDS) {
+            CU_ASSERT(w->x_0 == 0);
+            if (!at_rest) continue;
+            CHECK_NEAR(w->H, mu * w->N * w->x / a, 1e-9);
+            CU_ASSERT(fabs(w->x) <= a);
+        } else {
+            CU_ASSERT(w->state == DEM_PILE_WELL_BROKEN && w->H == 0 && fabs(w->x_0) > a);
+            broken++;
+        }
+    }
+    CU_ASSERT(broken == h->result.broken);
+}
+
+static void test_state_of_wells(void)
+{
+    heap h = make_disks(45, 30, 0);
+    CHECK_OK(solve(&h, friction(1e-4, 0.3, 1)));
+    CU_ASSERT(h.result.eps == 1e-4);
+    check_wells(&h, 0.3, 1, true);
+    CHECK_FAILS(solve(&h, friction(1e-4, 0.2, 1)), RP_NO_RESULT, " and 16 more; neighbours ");
+    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 24);
+    CU_ASSERT(h.result.negative_modes == DEM_PILE_UNCOUNTED && isnan(h.result.smallest_pivot));
+    check_wells(&h, 0.2, 1, false);
+    /* the same while the wells' places are sought under part of the load */
+    dem_pile_definition part = friction(1e-4, 0.1, 1);
+    part.set_load = 0.5;
+    CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "spreads");
+    CU_ASSERT(h.result.load < 0.5 && h.result.eps < 0.6e-4);
+    check_wells(&h, 0.1, 2, false);
+    free_heap(&h);
+}
+
+/* ---- why there is no equilibrium ---- */
+
+/* A slope of 16 disks in its base, and a column far off, of two disks. */
+static heap slope_and_column(void)
+{
+    heap h = make_disks(16, 30, 0);
+    h.disks = realloc(h.disks, (h.n + 2) * sizeof *h.disks);
+    h.u = realloc(h.u, 2 * (h.n + 2) * sizeof *h.u);
+    h.N = realloc(h.N, (h.k + 1) * sizeof *h.N);
+    h.H = realloc(h.H, (h.k + 1) * sizeof *h.H);
+    CU_ASSERT_FATAL(h.disks && h.u && h.N && h.H);
+    for (int i = 0; i < 2; i++) h.disks[h.n++] = (dem_pile_disk){100, 0.5 + i, 0.5, 1};
+    h.k++;
+    return h;
+}
+
+static void test_causes(void)
+{
+    heap h = slope_and_column();
+    /* in the limit nothing holds the column's upper disk, whether or not wells broke beside it */
+    for (int again = 0; again < 2; again++) {
+        dem_pile_definition def = friction(0, again ? 0.18 : 1, 1);
+        def.set_again = again;
+        CHECK_FAILS(solve(&h, def), RP_NO_RESULT, "followed up to 1 of the load, after");
+        CU_ASSERT(strstr(rp_message(), "no pivot for disk ") != NULL);
+        CU_ASSERT(h.result.fault == DEM_PILE_SINGULAR && (h.result.broken > 0) == again);
+        CU_ASSERT(h.result.pivot_disk == h.n - 1 && h.result.smallest_pivot < 1e-11);
+        CU_ASSERT(h.result.negative_modes == DEM_PILE_UNCOUNTED && h.result.residual < 1e-9);
+    }
+    free_heap(&h);
+    /* springs never break: the pile is too soft for its weight */
+    h = make_disks(45, 60, 0);
+    CHECK_FAILS(solve(&h, soft(0.1)), RP_NO_RESULT, "collapses: neighbours ");
+    CU_ASSERT(h.result.fault == DEM_PILE_COLLAPSES && h.result.eps < 0.1 && h.result.broken == 0);
+    dem_pile_definition part = soft(4e-3);
+    part.set_load = 0.8;
+    CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "collapses");
+    CU_ASSERT(h.result.load > 0 && h.result.load * 4e-3 < h.result.eps);
+    free_heap(&h);
+    /* all of the load shows that it spreads; under an eighth, with the ground nearer, it would not */
+    h = make_disks(12, 30, 0);
+    CHECK_FAILS(solve(&h, friction(0.01, 0.1, 30)), RP_NO_RESULT, "spreads: 12 of 12 wells broken");
+    free_heap(&h);
+    /* a heap that spread into a layer: disks are free there, others have met; that it spread comes first */
+    h = make_disks(5, 60, 0);
+    CHECK_FAILS(solve(&h, friction(0.01, 0.1, 100)), RP_NO_RESULT,
+                "against one another; no neighbours, but disk 3 on 6, ");
+    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 4);
+    free_heap(&h);
 }
 
 /* ---- against diagonals alone ---- */
@@ -656,7 +751,7 @@ static void check_weak_base(void)
         dem_pile_result result;
         CHECK_OK(dem_pile_create(&def, &pile));
         if (k % 2) {
-            CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
+            CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "collapses");
         } else {
             CHECK_OK(dem_pile_solve(pile, &result));
             double lo = 0.1 / eps, hi = 0.25 / eps, u[6];
@@ -710,6 +805,13 @@ static void test_errors(void)
         CHECK_FAILS(dem_pile_create(&cases[c].def, &pile), RP_BAD_INPUT, cases[c].text);
         CU_ASSERT_PTR_NULL(pile);
     }
+    /* ten in the air */
+    dem_pile_disk high[11] = {{0, 0.5, 0.5, 1}};
+    for (int i = 1; i < 11; i++) high[i] = (dem_pile_disk){3 * i, 3, 0.5, 1};
+    def.disks = high;
+    def.n = 11;
+    CHECK_FAILS(dem_pile_create(&def, &pile), RP_BAD_INPUT,
+                "can't carry it; nor disks 3, 4, 5, 6, 7, 8, 9, 10 and 1 more");
     /* two side by side on nothing but each other's corner: supported one by one, not together */
     dem_pile_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
     def.disks = tower;
@@ -721,7 +823,9 @@ static void test_errors(void)
     dem_pile_free(pile);
     def.branch = DEM_BRANCH_MINIMUM;
     CHECK_OK(dem_pile_create(&def, &pile));
-    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads");
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT,
+                "collapses: neighbours 2 and 3 moved by 0.6 sigma");
+    CU_ASSERT(result.negative_modes == DEM_PILE_UNCOUNTED && isnan(result.smallest_pivot));
     dem_pile_free(pile);
     def.branch = DEM_BRANCH_PRIMARY;
     check_weak_base();
@@ -736,7 +840,10 @@ static void test_errors(void)
     meet.n = 6;
     meet.k_x = 0.024;
     CHECK_OK(dem_pile_create(&meet, &pile));
-    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "spreads: equilibrium up to 1 of the load");
+    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT,
+                "meets: no neighbours, but disk 2 on 4; followed up");
+    CU_ASSERT(result.fault == DEM_PILE_MEETS && result.load == 1);
+    CU_ASSERT(result.negative_modes == DEM_PILE_UNCOUNTED && isnan(result.smallest_pivot));
     dem_pile_free(pile);
     /* a drop of 0.2 to the ground, beside nobody: nothing holds it in x */
     dem_pile_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
@@ -1011,6 +1118,65 @@ static void check_ensemble(void)
     rp_table_free(&t);
 }
 
+static void read_err(char *text, size_t size)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/err", folder);
+    FILE *file = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    text[fread(text, 1, size - 1, file)] = '\0';
+    fclose(file);
+}
+
+/* A pile that spreads: which wells, in the folder and in the message, and no number that was not counted. */
+static void check_failed(void)
+{
+    char err[1024];
+    size_t broken = 0, told = 0;
+    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --summary -o failed") == 1);
+    read_err(err, sizeof err);
+    CU_ASSERT(sscanf(err, "repose pile: spreads: %zu of 45 wells broken", &told) == 1);
+    rp_table t = table_of("out");
+    CU_ASSERT(t.n_rows == 1 && isnan(cell(&t, 0, "negative_modes")) && isnan(cell(&t, 0, "smallest_pivot")));
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "negative_modes"), "nan");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "smallest_pivot"), "nan");
+    CU_ASSERT(cell(&t, 0, "broken") == (double)told);
+    rp_table_free(&t);
+    t = table_of("failed/wells.tsv");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "status"), "spreads");
+    CU_ASSERT(rp_table_find_note(&t, "state") != NULL);
+    CU_ASSERT(t.n_rows == 45 && cell(&t, 0, "disk") == 1);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        const char *state = t.cells[i * t.n_columns + (size_t)rp_table_column(&t, "state")];
+        broken += strcmp(state, "broken") == 0;
+        CU_ASSERT(strcmp(state, "broken") == 0 ? cell(&t, i, "H") == 0 : strcmp(state, "holds") == 0);
+        CHECK_NEAR(cell(&t, i, "x") - cell(&t, i, "x_0"), 1e-4 * cell(&t, i, "x-x_0"), 1e-12);
+    }
+    CU_ASSERT(broken == told && told == 24);
+    rp_table_free(&t);
+    t = table_of("failed/disks.tsv");
+    CU_ASSERT(t.n_rows == 360);
+    rp_table_free(&t);
+}
+
+/* The state that was asked for need not be stable: a result, and a note. */
+static void check_note(void)
+{
+    char err[1024];
+    write_file("column", "# x\ty\n0\t0.5\n0\t1.5\n");
+    CU_ASSERT(run("--disks column") == 0);
+    read_err(err, sizeof err);
+    CU_ASSERT_STRING_EQUAL(err,
+                           "repose pile: unstable: 1 negative mode; --branch minimum seeks a stable state\n");
+    CU_ASSERT(run("--base 24 --eps 1e-3 --disorder 1e-5 --piles 2") == 0);
+    read_err(err, sizeof err);
+    CU_ASSERT(strstr(err, "unstable: 2 of 2 piles") != NULL);
+    CU_ASSERT(run("--disks three") == 0);
+    read_err(err, sizeof err);
+    CU_ASSERT(*err == '\0');
+    CU_ASSERT(run("--disks column --branch minimum") == 1);
+}
+
 static void test_program(void)
 {
     static const struct {
@@ -1048,6 +1214,8 @@ static void test_program(void)
     check_outputs();
     check_outlines();
     check_ensemble();
+    check_failed();
+    check_note();
     write_file("hanging", "# x\ty\n0\t0.5\n3\t4\n");
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
         CU_ASSERT(run(cases[c].words) == cases[c].status);
@@ -1061,6 +1229,8 @@ void suite_equilibrium(void)
     static const check_case cases[] = {{"three disks by hand", test_three_disks},
                                        {"the softest disk", test_softest_disk},
                                        {"wells of friction", test_friction_wells},
+                                       {"state of wells", test_state_of_wells},
+                                       {"causes of no equilibrium", test_causes},
                                        {"linearised piles against diagonals alone", test_linearised},
                                        {"soft wells", test_soft_wells},
                                        {"45 layers: primary state", test_primary},

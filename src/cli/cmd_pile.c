@@ -63,7 +63,8 @@ static const rp_param schema[] = {
      "one row for the pile, not one a base disk; with the processor time and peak memory of the program"},
     {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
      "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
-    {"o", "", RP_TEXT, offsetof(options, directory), "", "", "folder for contacts.tsv and disks.tsv"},
+    {"o", "", RP_TEXT, offsetof(options, directory), "", "",
+     "folder for wells.tsv, contacts.tsv and disks.tsv, also without an equilibrium"},
     {0},
 };
 
@@ -81,7 +82,19 @@ static const cli_command command = {
         "diagonal contacts alone would carry, the exact limit of hard disks in which no contact within a "
         "row\n"
         "closes, and the columns in chi g B of `repose continuum`. The header tells whether the state is\n"
-        "stable: negative_modes counts the directions in which it is not.",
+        "stable: negative_modes counts the directions in which it is not. The primary state need not be: it "
+        "is\n"
+        "a result all the same, exit status 0, and a note on standard error tells.\n"
+        "\n"
+        "Without an equilibrium: exit status 1, a message that names disks and wells, in the tables of -o "
+        "the\n"
+        "state in which the solve was given up, and one of these statuses.\n"
+        "  spreads        wells broke, and neighbours slid apart\n"
+        "  collapses      they did so though no well broke: toppled, or disks or springs too soft\n"
+        "  creeps         with --set-again: wells are set anew without end\n"
+        "  meets          disks overlap that were no neighbours\n"
+        "  not_converged  the solver gave up\n"
+        "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     .example = "repose pile --alpha-deg 30 --base 45",
     .options = schema,
 };
@@ -161,14 +174,23 @@ static void write_header(FILE *out, const options *o, const sweep_heap *h, const
     rp_table_note(out, "B", "%.17g sigma", h->B);
     rp_table_note(out, "status", "%s", dem_pile_fault_text(r->fault));
     rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    if (r->fault)
+        rp_table_note(out, "state", "no equilibrium: where the solve was given up, at eps = %g", r->eps);
     rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
     if (!isnan(r->released))
         rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
     rp_table_note(out, "residual", "%.3g m g", r->residual);
-    rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
-    rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
+    if (r->fault)
+        rp_table_note(out, "negative_modes", "nan");
+    else
+        rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
+    if (isnan(r->smallest_pivot))
+        rp_table_note(out, "smallest_pivot", "nan");
+    else
+        rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
     rp_table_note(out, "contacts", "%zu, %zu of them horizontal", r->contacts, r->horizontal);
-    rp_table_note(out, "wells", "%zu, %zu of them broken", r->wells, r->broken);
+    rp_table_note(out, "wells", "%zu, %zu of them %s", r->wells, r->broken,
+                  o->set_again ? "set anew" : "broken");
     rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
 }
 
@@ -213,8 +235,8 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
     rp_table_columns(stdout, 19, columns);
     rp_table_row_word(stdout, 18,
                       (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, e->N_rms, e->N_max,
-                                 e->H_ratio, (double)r->negative_modes, r->smallest_pivot, r->residual,
-                                 (double)r->contacts, (double)r->horizontal, (double)r->broken,
+                                 e->H_ratio, r->fault ? NAN : (double)r->negative_modes, r->smallest_pivot,
+                                 r->residual, (double)r->contacts, (double)r->horizontal, (double)r->broken,
                                  (double)r->jumps, (double)o->leave, r->energy, r->released, rp_cpu_clock(),
                                  rp_peak_memory()},
                       dem_pile_fault_text(r->fault));
@@ -256,7 +278,7 @@ static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pi
     FILE *out;
     double *u = malloc(2 * h->n * sizeof *u);
     if (!u) return no_memory();
-    const double eps = o->linear ? 0 : o->eps;
+    const double eps = r->eps;
     dem_pile_displacements(pile, u);
     snprintf(path, sizeof path, "%s/disks.tsv", o->directory);
     rp_status status = rp_file_open(path, &out);
@@ -274,7 +296,41 @@ static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pi
     return status;
 }
 
-/* The tables of a pile, and as much of them as is known when there is no equilibrium. */
+static rp_status write_wells(const options *o, const sweep_heap *h, const dem_pile *pile,
+                             const dem_pile_result *r)
+{
+    static const char *const columns[][2] = {{"disk", ""},           {"x", "sigma"}, {"x_0", "sigma"},
+                                             {"x-x_0", "eps sigma"}, {"N", "m g"},   {"H", "m g"},
+                                             {"state", ""}};
+    static const char *const states[] = {[DEM_PILE_WELL_HOLDS] = "holds",
+                                         [DEM_PILE_WELL_BROKEN] = "broken",
+                                         [DEM_PILE_WELL_ANEW] = "set_anew"};
+    char path[4096];
+    FILE *out;
+    dem_pile_well *wells = malloc((r->wells + 1) * sizeof *wells);
+    if (!wells) return no_memory();
+    dem_pile_wells(pile, wells);
+    snprintf(path, sizeof path, "%s/wells.tsv", o->directory);
+    rp_status status = rp_file_open(path, &out);
+    if (!status) {
+        write_header(out, o, h, r);
+        rp_table_note(out, "x_0", "where a well rests; of a broken one where it gave way");
+        rp_table_columns(out, 7, columns);
+        for (const dem_pile_well *w = wells; w < wells + r->wells; w++) {
+            const double x = h->disks[w->disk].x;
+            rp_table_row_word(out, 6,
+                              (double[]){(double)w->disk + 1, x + r->eps * w->x, x + r->eps * w->x_0,
+                                         w->x - w->x_0, w->N, w->H},
+                              states[w->state]);
+        }
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(wells);
+    return status;
+}
+
+/* The tables of a pile. Without an equilibrium N and H are no result: those of the state where the solve was
+ * given up are in the folder's tables alone. */
 static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *pile, const dem_pile_result *r)
 {
     const size_t k = r->wells;
@@ -288,7 +344,7 @@ static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *p
         double most = 0;
         for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
         write_header(stdout, o, h, r);
-        rp_table_note(stdout, "sinks", "%.3g sigma at most", o->linear ? 0 : o->eps * most);
+        rp_table_note(stdout, "sinks", "%.3g sigma at most", r->eps * most);
         rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", e.N_rms,
                       e.N_max);
         rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", e.H_ratio);
@@ -299,8 +355,9 @@ static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *p
     }
     free(disk);
     free(N);
-    if (!status && *o->directory && !r->fault) {
+    if (!status && *o->directory) {
         status = rp_make_directory(o->directory);
+        if (!status) status = write_wells(o, h, pile, r);
         if (!status) status = write_contacts(o, h, pile, r);
         if (!status) status = write_disks(o, h, pile, r);
     }
@@ -420,6 +477,14 @@ static void draw(size_t n, const dem_pile_result *r, void *context)
     fflush(stderr);
 }
 
+/* No failure: the primary state is what was asked for. */
+static void tell_unstable(size_t modes)
+{
+    if (modes)
+        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+                modes, modes == 1 ? "" : "s");
+}
+
 static rp_status solve(const options *o, sweep_heap *h)
 {
     dem_pile *pile = NULL;
@@ -435,6 +500,7 @@ static rp_status solve(const options *o, sweep_heap *h)
     if (!status || status == RP_NO_RESULT) {
         char why[1024];
         snprintf(why, sizeof why, "%s", rp_message());
+        if (!status) tell_unstable(result.negative_modes);
         rp_status written = write_tables(o, h, pile, &result);
         status = status ? rp_fail(status, "%s", why) : written;
     }
@@ -446,7 +512,7 @@ static rp_status solve(const options *o, sweep_heap *h)
 
 /* N and H of pile number `run` at its base disks i, to N[i * piles + column], and the same of H. */
 static rp_status solve_one(const options *o, sweep_heap *h, unsigned long run, size_t column, double *N,
-                           double *H)
+                           double *H, size_t *unstable)
 {
     dem_pile *pile = NULL;
     dem_pile_result result;
@@ -460,13 +526,14 @@ static rp_status solve_one(const options *o, sweep_heap *h, unsigned long run, s
         N[i * (size_t)o->piles + column] = base[i];
         H[i * (size_t)o->piles + column] = base[h->k + i];
     }
+    *unstable += !status && result.negative_modes;
     dem_pile_free(pile);
     free(base);
     return status;
 }
 
-static rp_status write_means(const options *o, const sweep_heap *h, size_t solved, const double *N,
-                             const double *H)
+static rp_status write_means(const options *o, const sweep_heap *h, size_t solved, size_t unstable,
+                             const double *N, const double *H)
 {
     static const char *const columns[][2] = {
         {"i", ""},
@@ -486,7 +553,7 @@ static rp_status write_means(const options *o, const sweep_heap *h, size_t solve
     cli_table(stdout, schema, o);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
     rp_table_note(stdout, "B", "%.17g sigma", h->B);
-    rp_table_note(stdout, "solved", "%zu of %zu piles", solved, piles);
+    rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
     rp_table_columns(stdout, 12, columns);
     rp_status status = RP_OK;
     for (size_t i = 0; !status && i < h->k; i++) {
@@ -507,17 +574,20 @@ static rp_status solve_ensemble(const options *o, sweep_heap *h)
 {
     const size_t room = h->k * (size_t)o->piles;
     double *N = malloc(2 * room * sizeof *N);
-    size_t solved = 0;
+    size_t solved = 0, unstable = 0;
     rp_status status = N ? RP_OK : no_memory();
     for (long run = 0; !status && run < o->piles; run++) {
-        status = solve_one(o, h, (unsigned long)run, solved, N, N + room);
+        status = solve_one(o, h, (unsigned long)run, solved, N, N + room, &unstable);
         if (!status) solved++;
         if (status != RP_NO_RESULT) continue;
         fprintf(stderr, "pile %ld: %s\n", run, rp_message());
         status = RP_OK;
     }
     if (!status && !solved) status = rp_fail(RP_NO_RESULT, "none of %ld piles has an equilibrium", o->piles);
-    if (!status) status = write_means(o, h, solved, N, N + room);
+    if (!status) status = write_means(o, h, solved, unstable, N, N + room);
+    if (unstable)
+        fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
+                unstable, solved);
     free(N);
     return status;
 }

@@ -163,8 +163,10 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
         if (to_next < part) part = to_next;
         if (part > most) part = most;
         status = dem_run(sim, part);
-        /* a grain that got away is physics without a result, not a program gone wrong */
-        if (status == RP_BROKEN && dem_sim_fault(sim) == DEM_FAULT_LEAKED) status = RP_NO_RESULT;
+        /* a grain that got away, or a step too hard to solve, is no result, not a program gone wrong */
+        const dem_fault fault = dem_sim_fault(sim);
+        if (status == RP_BROKEN && (fault == DEM_FAULT_LEAKED || fault == DEM_FAULT_NOT_SOLVED))
+            status = RP_NO_RESULT;
         show_progress(sim, scene->steps);
         if (!status && stop_signal)
             status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",

@@ -99,8 +99,9 @@ static void push(double lean[2], double nx, double ny)
 }
 
 size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
-                             double reach, double *lean)
+                             double reach, double *lean, size_t room, size_t *which)
 {
+    size_t found = 0;
     for (size_t i = 0; i < n; i++) {
         const double hold = disks[i].y < reach * disks[i].r ? INFINITY : -INFINITY;
         lean[2 * i] = lean[2 * i + 1] = hold;
@@ -111,8 +112,8 @@ size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pai
         push(&lean[2 * bonds[k].b], q->x - p->x, q->y - p->y);
     }
     for (size_t i = 0; i < n; i++)
-        if (!(lean[2 * i] + lean[2 * i + 1] > 1e-9)) return i;
-    return n;
+        if (!(lean[2 * i] + lean[2 * i + 1] > 1e-9) && ++found <= room) which[found - 1] = i;
+    return found;
 }
 
 /* ---- The pile of half the size ---- */

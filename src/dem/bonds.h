@@ -10,10 +10,10 @@
 rp_status dem_bonds_find(size_t n, const dem_pile_disk *disks, double reach, dem_pair **bonds,
                          size_t *n_bonds);
 
-/* Index of a disk that the ground and its bonds, pushing, can't hold against its weight; n if there is none.
- * `lean` is room for 2 n numbers. */
+/* How many disks the ground and their bonds, pushing, can't hold against their weight, one by one; `which`
+ * gets the first, at most `room`. `lean` is room for 2 n numbers. */
 size_t dem_bonds_unsupported(size_t n, const dem_pile_disk *disks, const dem_pair *bonds, size_t n_bonds,
-                             double reach, double *lean);
+                             double reach, double *lean, size_t room, size_t *which);
 
 /* The pile of half the size that has the same shape: of a pile on a triangular lattice, every second disk of
  * every second row, in a new array of *n_half. parents[i] are the two of them between which disk i lies, both

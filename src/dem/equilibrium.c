@@ -23,6 +23,7 @@ static const double LEVEL = 0.2588;       /* sin(15 degrees): bonds below it are
 static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step moves neighbours apart */
 static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
 static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
+static const double SLID_LINEAR = 1e3; /* the same once wells broke: over the whole weight on one K_s, or a */
 static const double KEEP_FACTOR = 0.02;  /* residual falls by this a step: the old factorisation still does */
 static const double CURVED = 0.5;        /* slope left or turned round after a step, of that before it */
 static const double LONGER = 8;          /* the next trial of a step that was too short */
@@ -49,6 +50,7 @@ enum {
     SMALLEST_STEP = 10,
     KICKS = 20,
     HALVED = 1000, /* disks: more, and a smaller pile is solved first */
+    NAMED = 8,     /* disks at most that a message names */
     INVERSE_STEPS = 30,
     MIXING_STEPS = 1 /* leaves many modes in */
 };
@@ -84,6 +86,9 @@ struct dem_pile {
     bool factored;
     double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
     dem_pivots pivots;
+    const char *why; /* there is no result though Newton's method converged; "" */
+    size_t n_met;    /* pairs that overlap and were no neighbours; the first of them */
+    dem_pair met[NAMED];
     dem_pile_result result;
 };
 
@@ -100,6 +105,15 @@ const char *dem_pile_fault_text(dem_pile_fault fault)
 #undef X
     };
     return texts[fault];
+}
+
+/* "disks 1, 2, 3 and 5 more": n of them, of which `disks` holds the first that are named. */
+static void name_disks(char *text, size_t size, size_t n, const size_t disks[])
+{
+    size_t used = (size_t)snprintf(text, size, "disk%s", n == 1 ? "" : "s");
+    for (size_t i = 0; i < n && i < NAMED && used < size; i++)
+        used += (size_t)snprintf(text + used, size - used, "%s %zu", i ? "," : "", disks[i] + 1);
+    if (n > NAMED && used < size) snprintf(text + used, size - used, " and %zu more", n - NAMED);
 }
 
 /* ---- Making a pile ---- */
@@ -186,12 +200,18 @@ static rp_status find_network(dem_pile *pile)
 {
     rp_status status = dem_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds);
     if (status) return status;
-    const size_t hanging =
-        dem_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH, pile->trial);
-    if (hanging < pile->n)
-        return rp_fail(RP_BAD_INPUT,
-                       "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it",
-                       hanging + 1, pile->disks[hanging].x, pile->disks[hanging].y);
+    size_t hang[NAMED + 1];
+    const size_t hanging = dem_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH,
+                                                 pile->trial, NAMED + 1, hang);
+    if (hanging) {
+        char more[240];
+        name_disks(more, sizeof more, hanging - 1, hang + 1);
+        return rp_fail(
+            RP_BAD_INPUT,
+            "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it%s%s",
+            hang[0] + 1, pile->disks[hang[0]].x, pile->disks[hang[0]].y, hanging > 1 ? "; nor " : "",
+            hanging > 1 ? more : "");
+    }
     pile->bonds = calloc(pile->n_bonds + 1, sizeof *pile->bonds);
     pile->n_changes = (size_t)(UPDATE_MAX * sqrt((double)pile->n));
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
@@ -529,7 +549,7 @@ static double advance(dem_pile *pile, bool whole)
 static dem_pile_fault hopeless(const dem_pile *pile, int mode, int step, double first)
 {
     static const int most[] = {[FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND, [STRIDE] = STEPS_DESCEND};
-    if (spread(pile)) return DEM_PILE_SPREADS;
+    if (spread(pile)) return pile->result.broken ? DEM_PILE_SPREADS : DEM_PILE_COLLAPSES;
     if (step == most[mode] || !(pile->result.residual < INFINITY)) return DEM_PILE_NOT_CONVERGED;
     return mode == FOLLOW && pile->pivots.negative && pile->result.residual > APART * first
                ? DEM_PILE_NOT_CONVERGED
@@ -568,6 +588,7 @@ static rp_status find_step(dem_pile *pile, bool start, int mode, bool falling)
 static rp_status newton(dem_pile *pile, bool start, int mode)
 {
     dem_pile_result *r = &pile->result;
+    pile->why = "";
     double last = INFINITY, first = r->residual = gradient(pile, pile->w, pile->g);
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
         r->fault = hopeless(pile, mode, step, first);
@@ -626,6 +647,7 @@ static rp_status converge(dem_pile *pile, bool start, int mode)
         rp_status status = newton(pile, start, mode);
         if (status || !follow_wells(pile)) return status;
     }
+    pile->why = "the wells' stiffness does not settle; ";
     pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;
 }
@@ -638,7 +660,22 @@ static rp_status settle(dem_pile *pile, int mode)
         if (status || !break_wells(pile)) return status;
         follow_wells(pile);
     }
-    pile->result.fault = DEM_PILE_SPREADS; /* wells set anew for ever */
+    pile->why = "wells are left as often as they are set anew; ";
+    pile->result.fault = DEM_PILE_CREEPS;
+    return RP_NO_RESULT;
+}
+
+/* A branch is left at once where wells have broken. What the pile then does, its way downhill from the last
+ * equilibrium tells, under all of the load: it comes apart, or to rest, though not on this branch. */
+static rp_status go_on_downhill(dem_pile *pile, double to)
+{
+    memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
+    pile->eps = to;
+    pile->factored = false;
+    rp_status status = settle(pile, STRIDE);
+    if (status) return status;
+    pile->why = "the branch was lost as wells broke, but downhill there is rest; ";
+    pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;
 }
 
@@ -663,7 +700,10 @@ static rp_status raise_eps(dem_pile *pile, double to)
         }
         step /= 2;
         const bool ended = step < most / SMALLEST_STEP;
-        if (status != RP_NO_RESULT || (mode == STRIDE && ended) || pile->result.broken) return status;
+        if (status != RP_NO_RESULT || (mode == STRIDE && ended)) return status;
+        if (pile->result.broken)
+            return mode == FOLLOW && pile->result.fault == DEM_PILE_NOT_CONVERGED ? go_on_downhill(pile, to)
+                                                                                  : status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
         if (ended) {
             mode = STRIDE;
@@ -758,7 +798,9 @@ static rp_status find_state(dem_pile *pile, double eps, double a)
 static rp_status set_wells(dem_pile *pile, double part)
 {
     rp_status status = find_state(pile, part * pile->def.eps, pile->def.a / part);
-    for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
+    if (status) pile->result.load *= part;
+    for (size_t i = 0; !status && i < pile->n_wells; i++)
+        pile->wells[i].x_0 = part * pile->w[2 * pile->wells[i].disk];
     return status;
 }
 
@@ -834,15 +876,16 @@ static rp_status go_to_minimum(dem_pile *pile)
     }
     if (pile->def.leave && !pile->result.jumps) pile->result.released = primary - energy(pile);
     if (!pile->result.negative_modes) return RP_OK;
+    pile->why = "no stable state downhill; ";
     pile->result.fault = DEM_PILE_NOT_CONVERGED;
     return RP_NO_RESULT;
 }
 
-/* Pairs that overlap where the disks now are: more than the contacts if disks met that were no neighbours. */
+/* Pairs that overlap where the disks now are, and were no neighbours. */
 static rp_status check_meetings(dem_pile *pile)
 {
     const double eps = pile->def.eps;
-    size_t n_met = 0, met_bonds = 0;
+    size_t n_met = 0;
     dem_pile_disk *moved = malloc(pile->n * sizeof *moved);
     dem_pair *met = NULL;
     if (!moved) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
@@ -856,12 +899,14 @@ static rp_status check_meetings(dem_pile *pile)
         while (j < pile->n_bonds &&
                (pile->pairs[j].a < met[k].a || (pile->pairs[j].a == met[k].a && pile->pairs[j].b < met[k].b)))
             j++;
-        met_bonds += j < pile->n_bonds && pile->pairs[j].a == met[k].a && pile->pairs[j].b == met[k].b;
+        if (j < pile->n_bonds && pile->pairs[j].a == met[k].a && pile->pairs[j].b == met[k].b) continue;
+        if (pile->n_met < NAMED) pile->met[pile->n_met] = met[k];
+        pile->n_met++;
     }
     free(met);
     free(moved);
-    if (status || met_bonds == n_met) return status;
-    pile->result.fault = DEM_PILE_SPREADS;
+    if (status || !pile->n_met) return status;
+    pile->result.fault = DEM_PILE_MEETS;
     return RP_NO_RESULT;
 }
 
@@ -885,34 +930,111 @@ static size_t worst_disk(const dem_pile *pile)
     return worst / 2;
 }
 
+/* Neighbours moved most against one another; there is a pair. */
+static dem_pair most_apart(const dem_pile *pile)
+{
+    size_t most = 0;
+    double largest_yet = 0;
+    for (size_t k = 0; k < pile->n_bonds; k++) {
+        const double *wa = &pile->w[2 * pile->pairs[k].a], *wb = &pile->w[2 * pile->pairs[k].b];
+        const double moved = fmax(fabs(wb[0] - wa[0]), fabs(wb[1] - wa[1]));
+        if (!(moved > largest_yet)) continue;
+        largest_yet = moved;
+        most = k;
+    }
+    return pile->pairs[most];
+}
+
+static void name_wells(const dem_pile *pile, char *text, size_t size)
+{
+    const dem_pile_result *r = &pile->result;
+    size_t lost[NAMED], n = 0;
+    char names[160];
+    *text = '\0';
+    if (!r->broken) return;
+    for (size_t i = 0; i < pile->n_wells && n < NAMED; i++)
+        if (pile->wells[i].lost) lost[n++] = pile->wells[i].disk;
+    name_disks(names, sizeof names, r->broken, lost);
+    snprintf(text, size, "%zu of %zu wells %s, first that of disk %zu: %s; ", r->broken, r->wells,
+             pile->def.set_again ? "set anew" : "broken", r->first_broken + 1, names);
+}
+
+/* Which disks moved apart, met, or are free. */
+static void name_cause(const dem_pile *pile, char *text, size_t size)
+{
+    const dem_pile_fault fault = pile->result.fault;
+    size_t used = 0;
+    *text = '\0';
+    if (fault == DEM_PILE_SPREADS || fault == DEM_PILE_COLLAPSES) {
+        const dem_pair apart = most_apart(pile);
+        const double moved = largest_stretch(pile, pile->w);
+        used = (size_t)snprintf(text, size, "neighbours %u and %u moved by %.3g %s against one another; ",
+                                apart.a + 1, apart.b + 1, pile->eps > 0 ? pile->eps * moved : moved,
+                                pile->eps > 0 ? "sigma" : "eps sigma");
+    }
+    if (fault == DEM_PILE_NOT_CONVERGED || fault == DEM_PILE_CREEPS) snprintf(text, size, "%s", pile->why);
+    if (fault == DEM_PILE_SINGULAR) snprintf(text, size, "no pivot for disk %zu; ", pile->pivots.disk + 1);
+    for (size_t i = 0; i < pile->n_met && i < NAMED && used < size; i++)
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s%u on %u", i ? ", " : "no neighbours, but disk ",
+                             pile->met[i].a + 1, pile->met[i].b + 1);
+    if (pile->n_met > NAMED && used < size)
+        used += (size_t)snprintf(text + used, size - used, " and %zu more pairs", pile->n_met - NAMED);
+    if (pile->n_met && used < size) snprintf(text + used, size - used, "; ");
+}
+
 /* The message of a solve without a result: what is known. */
 static rp_status explain(const dem_pile *pile)
 {
     const dem_pile_result *r = &pile->result;
-    char wells[80] = "";
-    if (r->broken)
-        snprintf(wells, sizeof wells, "%zu of %zu wells broken, first that of disk %zu; ", r->broken,
-                 r->wells, r->first_broken + 1);
-    char pivot[80] = "";
-    if (r->fault == DEM_PILE_SINGULAR)
-        snprintf(pivot, sizeof pivot, "no pivot for disk %zu; ", pile->pivots.disk + 1);
-    return rp_fail(
-        RP_NO_RESULT,
-        "%s: %s%sequilibrium up to %g of the load, then a residual of %.3g m g, on disk %zu, after "
-        "%zu steps",
-        dem_pile_fault_text(r->fault), wells, pivot, r->load, r->residual, worst_disk(pile) + 1, r->steps);
+    char wells[320], cause[320], residual[80] = "";
+    name_wells(pile, wells, sizeof wells);
+    name_cause(pile, cause, sizeof cause);
+    if (!(r->residual <= tolerance(pile)))
+        snprintf(residual, sizeof residual, ", then a residual of %.3g m g, on disk %zu", r->residual,
+                 worst_disk(pile) + 1);
+    return rp_fail(RP_NO_RESULT, "%s: %s%sfollowed up to %g of the load%s, after %zu steps",
+                   dem_pile_fault_text(r->fault), wells, cause, r->load, residual, r->steps);
+}
+
+/* Whether neighbours slid apart, wells having broken. */
+static bool slid_apart(const dem_pile *pile)
+{
+    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SLID_LINEAR * ((double)pile->n + pile->a);
+    return !(largest_stretch(pile, pile->w) < limit);
+}
+
+/* What is known of the state in which a solve was given up. */
+static void give_up(dem_pile *pile)
+{
+    dem_pile_result *r = &pile->result;
+    r->residual = gradient(pile, pile->w, pile->g);
+    r->eps = pile->eps;
+    if (r->broken && slid_apart(pile)) r->fault = DEM_PILE_SPREADS;
+    const bool free_disk = r->fault == DEM_PILE_SINGULAR;
+    r->negative_modes = DEM_PILE_UNCOUNTED;
+    r->smallest_pivot = free_disk ? pile->pivots.smallest : NAN;
+    r->pivot_disk = free_disk ? pile->pivots.disk : pile->n;
 }
 
 rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result)
 {
     const dem_pile_definition *def = &pile->def;
     for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = 0;
+    pile->n_met = 0;
     rp_status status = def->set_load > 0 ? set_wells(pile, def->set_load) : RP_OK;
     if (!status) status = find_state(pile, def->eps, def->a);
     if (!status) status = count_modes(pile);
     if (!status && (def->branch == DEM_BRANCH_MINIMUM || pile->result.jumps)) status = go_to_minimum(pile);
-    if (!status && def->eps > 0) status = check_meetings(pile);
-    if (status == RP_NO_RESULT && pile->result.broken) pile->result.fault = DEM_PILE_SPREADS;
+    /* disks that meet make no equilibrium of one in which another disk is free */
+    const bool free_disk = status == RP_NO_RESULT && pile->result.fault == DEM_PILE_SINGULAR &&
+                           pile->result.residual <= tolerance(pile);
+    if (def->eps > 0 && (!status || free_disk)) {
+        rp_status met = check_meetings(pile);
+        if (met) status = met;
+    }
+    pile->result.eps = def->eps;
+    if (status == RP_NO_RESULT) give_up(pile);
     count_contacts(pile);
     pile->result.energy = energy(pile);
     *result = pile->result;
@@ -932,6 +1054,21 @@ void dem_pile_base(const dem_pile *pile, size_t *disk, double *N, double *H)
         if (disk) disk[i] = pile->wells[i].disk;
         N[i] = pile->wells[i].N;
         H[i] = pile->wells[i].H;
+    }
+}
+
+void dem_pile_wells(const dem_pile *pile, dem_pile_well *wells)
+{
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        const well *h = &pile->wells[i];
+        wells[i] = (dem_pile_well){.disk = h->disk,
+                                   .x = pile->w[2 * h->disk],
+                                   .x_0 = h->x_0,
+                                   .N = h->N,
+                                   .H = h->broken ? 0 : h->H,
+                                   .state = h->broken ? DEM_PILE_WELL_BROKEN
+                                            : h->lost ? DEM_PILE_WELL_ANEW
+                                                      : DEM_PILE_WELL_HOLDS};
     }
 }
 
@@ -959,7 +1096,7 @@ static void mark_extremes(const dem_pile *pile, dem_pile_contact *contacts, size
 
 rp_status dem_pile_contacts(const dem_pile *pile, dem_pile_contact **contacts, size_t *n)
 {
-    const double eps = pile->def.eps, *w = pile->w;
+    const double eps = pile->result.eps, *w = pile->w;
     dem_pile_contact *list = malloc((pile->n_bonds + 1) * sizeof *list);
     double *extremes = malloc(2 * pile->n * sizeof *extremes);
     if (!list || !extremes) {

@@ -60,10 +60,15 @@ typedef struct {
  * a = 1 should the wells be of friction.) */
 dem_pile_definition dem_pile_definition_default(void);
 
-/* Why there is no equilibrium. */
+/* Why there is no equilibrium: wells broke and neighbours slid apart; so they did with no well broken, for
+ * the pile toppled, or the disks or springs are too soft; wells are set anew without end; disks overlap that
+ * were no neighbours; Newton's method gave up; a disk can move freely. */
 #define DEM_PILE_LIST(X)                                                                                     \
     X(DEM_PILE_OK, "ok")                                                                                     \
     X(DEM_PILE_SPREADS, "spreads")                                                                           \
+    X(DEM_PILE_COLLAPSES, "collapses")                                                                       \
+    X(DEM_PILE_CREEPS, "creeps")                                                                             \
+    X(DEM_PILE_MEETS, "meets")                                                                               \
     X(DEM_PILE_NOT_CONVERGED, "not_converged")                                                               \
     X(DEM_PILE_SINGULAR, "singular")
 typedef enum {
@@ -73,22 +78,25 @@ typedef enum {
 } dem_pile_fault;
 const char *dem_pile_fault_text(dem_pile_fault fault);
 
-/* What is known of a pile, solved or not. Horizontal contacts are those between disks less than 15 degrees
- * from level at the start. */
+/* Negative modes where there is no equilibrium. */
+#define DEM_PILE_UNCOUNTED ((size_t)-1)
+
+/* What is known of a pile, solved or not: of the state where a solve was given up. Horizontal contacts are
+ * those between disks less than 15 degrees from level at the start. */
 typedef struct dem_pile_result {
     dem_pile_fault fault;
-    double load;     /* part of eps, and so of the weight, up to which it was followed */
-    size_t jumps;    /* 1: the primary branch ended before all of eps */
-    double residual; /* largest net force on a disk, m g */
-    double energy,
-        released;          /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
-    size_t negative_modes; /* of the stiffness: 0 is a stable state */
-    double smallest_pivot; /* of its factorisation, K_s: near 0, the pile can move freely */
-    size_t pivot_disk;     /* disk of that pivot */
-    size_t contacts;       /* between disks */
-    size_t horizontal;     /* of those */
-    size_t wells, broken;  /* wells at the start; now broken, or set anew at least once */
-    size_t first_broken;   /* disk whose well broke first; n if none */
+    double load;             /* part of eps, and so of the weight, up to which it was followed */
+    size_t jumps;            /* 1: the primary branch ended before all of eps */
+    double eps;              /* of the state: all of it, or the part at which the solve was given up */
+    double residual;         /* largest net force on a disk, m g */
+    double energy, released; /* m g eps sigma, 0 before any load; that of the primary state less it, or NAN */
+    size_t negative_modes;   /* of the stiffness: 0 is a stable state; DEM_PILE_UNCOUNTED with a fault */
+    double smallest_pivot;  /* of its factorisation, K_s: near 0, the pile can move freely; NAN: none known */
+    size_t pivot_disk;      /* disk of that pivot, n without */
+    size_t contacts;        /* between disks */
+    size_t horizontal;      /* of those */
+    size_t wells, broken;   /* wells at the start; now broken, or set anew at least once */
+    size_t first_broken;    /* disk whose well broke first; n if none */
     size_t steps, factored; /* Newton steps; factorisations */
 } dem_pile_result;
 
@@ -101,9 +109,8 @@ typedef struct dem_pile dem_pile;
 rp_status dem_pile_create(const dem_pile_definition *def, dem_pile **pile);
 void dem_pile_free(dem_pile *pile);
 
-/* Find the equilibrium. Errors: RP_NO_RESULT with result->fault and what is known, in the message too: the
- * base lets the pile spread, so that disks move off their neighbours or meet others; no convergence; a
- * stiffness that is singular. RP_NO_MEMORY. */
+/* Find the equilibrium. Errors: RP_NO_RESULT with result->fault and what is known, in the message too, which
+ * names the disks and wells; RP_NO_MEMORY. */
 rp_status dem_pile_solve(dem_pile *pile, dem_pile_result *result);
 
 /* Displacements in eps sigma: u[2 i], u[2 i + 1] of disk i. */
@@ -112,6 +119,18 @@ void dem_pile_displacements(const dem_pile *pile, double *u);
 /* The disks with a well, by x: disk[], N of the ground on each, H of each on the ground, positive to the
  * right, in m g. Arrays of result.wells; `disk` may be NULL. */
 void dem_pile_base(const dem_pile *pile, size_t *disk, double *N, double *H);
+
+/* `state`: never broken; broken for good; broken and set anew. */
+enum { DEM_PILE_WELL_HOLDS, DEM_PILE_WELL_BROKEN, DEM_PILE_WELL_ANEW };
+typedef struct {
+    size_t disk;
+    double x, x_0; /* displacements of the disk and of where the well rests or, broken, gave way; eps sigma */
+    double N, H;   /* as of dem_pile_base */
+    int state;
+} dem_pile_well;
+
+/* The same disks' wells: result.wells of them, also where there is no equilibrium. */
+void dem_pile_wells(const dem_pile *pile, dem_pile_well *wells);
 
 /* Contacts between disks. Strongest and weakest: of those of at least one of its two disks; equal ones all.
  */
