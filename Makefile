@@ -281,6 +281,7 @@ STUDY_li20_choices := 40
 STUDY_li_size_large := 1
 STUDY_li_disorder := 200
 STUDY_li_disorder_mu := 200
+STUDY_li_slopes_disorder := 16
 # In boxes of W = H = 3 cm, at rest at 1e-5 m g d and 0.1 m g, two piles of one fill differ by some 5 degrees: 95 %
 # intervals of +-0.12 and +-0.18 degrees take so many, to tell 0.3 from none.
 STUDY_val_dt := 7000
