@@ -398,7 +398,7 @@ $(T)/li_smooth_threshold.tsv: $(T)/li_smooth_runs.tsv sweeps/threshold.awk
 	@awk -v by=alpha_deg,well -f sweeps/threshold.awk $< >$@
 $(T)/pile_x0.tsv: $(CODE)
 	@mkdir -p $(T)
-	@for s in "--alpha-deg 30" "--outer-deg 30 --inner-deg 45 --x1 0.38" "--alpha-deg 60"; do for a in 1 100; do for load in 0 0.5 1; do \
+	@for s in "--alpha-deg 30" "--outer-deg 30 --inner-deg 45 --x1 0.38" "--alpha-deg 60"; do for a in 1 100 200; do for load in 0 0.5 1; do \
 	  $(REPOSE) pile $$s --well $$a --set-load $$load --summary || exit 1; done; done; done >$@.rows
 	$(one_table)
 # Validation: validation_SUITE.tsv and validation_SUITE_*.tsv come from one run of the suite of that name.
