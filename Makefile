@@ -167,9 +167,11 @@ $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle critical $< >$@
-# Dropped piles: the dip of the mean pressure on their bases, and that pressure.
+# Dropped piles: the dip of the mean pressure on their bases, over a triangle and without one, and that pressure.
 $(T)/%_dip.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle dip $< >$@
+$(T)/%_dip_raw.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) angle dip $< --against zero >$@
 # The same for some of the piles: those of one friction of the base; triangles of the hardest disks, by disorder.
 rows_where = awk -F'\t' '/^\#/ { for (i = 1; i <= NF; i++) { name = $$i; sub(/^\# /, "", name); of[name] = i } print; next } $(1)'
 $(T)/li_disorder_mu_%_dip.tsv: $(T)/li_disorder_mu_runs.tsv
@@ -234,9 +236,11 @@ $(T)/%_degree.tsv: $(T)/%_runs.tsv sweeps/cost.awk
 	@awk -f sweeps/cost.awk $< >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
-# Static piles of growing size: the limits of N and H. Piles of odd base end in other steps.
-$(T)/li_size_limit_%.tsv: $(T)/li_size_runs.tsv
-	@$(REPOSE) angle size $< --x base --y $* --by well --from 90 >$@
+# Static piles of growing size: the limits of N and H, by straight lines from a base on that is in the name.
+$(T)/li_size_all_runs.tsv: $(T)/li_size_runs.tsv $(T)/li_size_large_runs.tsv
+	@cat $^ >$@
+$(T)/li_size_limit_%.tsv: $(T)/li_size_all_runs.tsv
+	@from=$*; $(REPOSE) angle size $< --x base --y $${from#*_} --by well --from $${from%%_*} >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
@@ -276,6 +280,7 @@ STUDY_lh_rotation := 10
 STUDY_li20_point := 200
 STUDY_li20_broad := 100
 STUDY_li20_sizes := 100
+STUDY_li20_hard := 100
 STUDY_li20_rest := 100
 STUDY_li20_choices := 40
 STUDY_li_size_large := 1
@@ -363,11 +368,12 @@ define one_table
 @awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
 @rm $@.rows
 endef
-$(T)/pile_eps.tsv: $(CODE)
+$(T)/pile_eps.tsv: sweeps/slope.awk $(CODE)
 	@mkdir -p $(T)
 	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
 	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
-	$(one_table)
+	@awk -f sweeps/slope.awk $@.rows >$@
+	@rm $@.rows
 $(T)/pile_minima.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for k in $$(seq 16); do \
@@ -436,7 +442,7 @@ bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions
 REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
-REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
+REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large li_size_limit% mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 # Where the time goes: processor time of each sweep and validation suite whose table is there.
 $(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPORT_TABLES)))
 	@for s in $(basename $(notdir $(wildcard sweeps/*.cfg))); do \

@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 17: the pile of 32.6 degrees, the slope of Smid & Novosad's, whose curves are not in
-# the paper's text; shaded, what the text says of them: N in the middle 20 % to 30 % below its largest value.
+# the paper's text; the bar is what the text says of them: N at the centre 20 % (small piles) to 30 % (large) below its largest.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
@@ -16,11 +16,10 @@ do for [q in 'H N'] {
         set title '(a)'; set ylabel '{/:Italic H} / max |{/:Italic H}|'; set yrange [-1.5:1.5]
     } else {
         set title '(b)'; set ylabel '{/:Italic N} / max {/:Italic N}'; set yrange [0:1.3]; set key bottom center
-        set object 1 rectangle from 0.4, 0.7 to 0.6, 0.8 fc rgb '#e69f00' fs solid 0.5 noborder
     }
     plot t('continuum_32.6.tsv') using (column('x/B')):(column(col)/S_max) with lines lw 1.5 lc 1 title 'continuum', \
          t(soft) using (column('x/B')):(column(col)/S_max) with points pt 6 ps 0.6 lc 7 title note(soft, 'n_disks').' soft disks', \
          t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone', \
-         (q eq 'N' ? NaN : 1/0) with boxes fc rgb '#e69f00' fs solid 0.5 noborder title (q eq 'N' ? 'experiment, middle' : '')
+         '+' using (q eq 'N' ? 0.5 : NaN):(0.7):(0):(0.1) every ::0::0 with vectors heads size 0.012,90 lw 2 lc 2 title (q eq 'N' ? 'experiment, at the centre alone' : '')
 }
 unset multiplot

@@ -1,13 +1,13 @@
-# The equilateral pile of 45 layers: deviation of N from hard disks against eps = m g/(K_s sigma), symmetric state.
+# The equilateral pile of 45 layers: deviation of N from hard disks against eps = m g/(K_s sigma), symmetric state; slope by least
+# squares over the stable points.
 set xlabel 'ε'
 set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
 set format xy '10^{%T}'
 set key top left Left reverse
 from = real(pick('pile_eps.tsv', 'eps', '1e-6', 'N_error_rms'))
-slope = log(real(pick('pile_eps.tsv', 'eps', '1e-3', 'N_error_rms'))/real(pick('pile_eps.tsv', 'eps', '1e-8', 'N_error_rms')))/log(1e5)
 plot [5e-9:2e-3] from*x/1e-6 with lines lc rgb '#888888' dt 2 title 'proportional to ε', \
-     t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title sprintf('root mean square: slope %.3f from 10^{-8} to 10^{-3}', slope), \
+     t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square: slope '.note('pile_eps.tsv', 'slope').' where stable', \
      t('pile_eps.tsv') using (column('eps')):(column('N_error_max')) with points pt 8 ps 0.8 lc 3 title 'largest', \
      t('pile_eps.tsv') using (column('negative_modes') > 0 ? column('eps') : NaN):(column('N_error_rms')) \
        with points pt 6 ps 1.6 lc 7 title 'not stable'

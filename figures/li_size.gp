@@ -1,9 +1,12 @@
 # Piles of 30 degrees of growing size in the limit of hard disks: largest H over that of diagonal contacts alone, and the
-# deviation of N and H from the continuum, root mean square. `make studies`.
+# deviation of N and H from the continuum, root mean square. Lines: limit + c/base by least squares, from a base of 180 on,
+# of the wells that have come near it.
+# Bases of 23 and 45 are in brackets: they end in other steps than the others. `make studies`.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
 # t('li_size.tsv') t('li_size_large.tsv')
+# t('li_size_limit_180_H_ratio.tsv') t('li_size_limit_180_H_continuum_rms.tsv') t('li_size_limit_180_N_continuum_rms.tsv')
 set multiplot layout 1, 2
 set logscale x
 set xrange [60:1e6]
@@ -12,15 +15,30 @@ set xlabel 'disks'
 both = "< cat ".T."li_size.tsv ".T."li_size_large.tsv | awk '/^# well/ && !n++ { print substr($0, 3) } !/^#/'"
 wells = 'auto 1 100'
 names = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
+at(k, others) = strcol('well') eq word(wells, k) && others == (column('base') < 60) ? column('n_disks_mean') : NaN
+fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".T."li_size_limit_180_".what.".tsv"))
+array limit[6]; array c[6]
+whats = 'H_ratio H_continuum_rms N_continuum_rms'
+do for [q = 1:3] { do for [k = 1:2] {
+    limit[2*q + k - 2] = fit_of(word(whats, q), k, 'limit')
+    c[2*q + k - 2] = fit_of(word(whats, q), k, 'c')
+} }
+# base of a pile of so many disks: n = base (base + 3)/6
+base(n) = (sqrt(9 + 24*n) - 3)/2
+line(q, k, n) = limit[2*q + k - 2] + c[2*q + k - 2]/base(n)
 set ylabel 'max {/:Italic H} over that of diagonal contacts alone'
-set yrange [0.6:1.05]
+set yrange [0.68:0.96]
 set title '(a)'
 set key top right
-plot for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title word(names, k)
+plot for [k = 1:3] both using (at(k, 0)):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title word(names, k), \
+     for [k = 1:3] both using (at(k, 1)):(column('H_ratio_mean')):(sprintf('(   )')) with labels tc lt 2*k font ',9' notitle, \
+     for [k = 1:3] both using (at(k, 1)):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k notitle, \
+     for [k = 1:2] [5490:1e6] line(1, k, x) with lines lw 0.7 lc 2*k notitle
 set ylabel 'deviation from the continuum / its maximum'
 set yrange [0:0.15]
 set title '(b)'
 set key center right font ',9'
 plot for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('H_continuum_rms_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title '{/:Italic H}, '.word(names, k), \
-     for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('N_continuum_rms_mean')) with points pt 5 + 2*k ps 0.7 lc 2*k title '{/:Italic N}, '.word(names, k)
+     for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('N_continuum_rms_mean')) with points pt 5 + 2*k ps 0.7 lc 2*k title '{/:Italic N}, '.word(names, k), \
+     for [k = 1:2] for [q = 2:3] [5490:1e6] line(q, k, x) with lines lw 0.7 lc 2*k notitle
 unset multiplot

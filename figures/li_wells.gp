@@ -1,7 +1,7 @@
 # What decides the forces under static piles of 30 degrees, and under the tent of Fig. 19 of Liffman, Chan & Hughes 1992, with
 # 45 disks in the base: the half-width of the wells, gaps between the disks of a row (a = eps sigma), unequal disks (stable
 # states of the same draws; bars are standard errors over piles; H summed outwards over both halves, deviation of N from
-# diagonals alone). Dashed: diagonals alone. A negative D is a dip of N in the middle.
+# diagonals alone; eps = 1e-4 and 1e-6 set apart sideways). Dashed: diagonals alone. A negative D is a dip of N in the middle.
 width = 20.0
 height = 16.0
 load 'figures/style.gp'
@@ -32,22 +32,24 @@ do for [f in 'wells gaps'] {
 }
 file = 'li_disorder.tsv'
 of(k, e) = shape(k) && (e == 1) == (column('eps') > 1e-5)
-point(k, e) = e == 1 ? 4 + 2*k : 3 - k
+# closed marks, to the left of their place: eps = 1e-4; open ones, to the right of it: 1e-6
+point(k, e) = 4 + 2*k + (e == 1)
+place(k, e) = of(k, e) ? column('disorder')/column('eps')*(e == 1 ? 0.75 : 1/0.75) : NaN
 set xrange [5e-3:2e4]
 set xlabel 'disorder / ε'
 set key top left Left reverse font ',8'
 set yrange [0.5:4]
 set ylabel 'outward {/:Italic H} / diagonals alone'
-plot for [k = 1:2] for [e = 1:2] t(file) using (of(k, e) ? column('disorder')/column('eps') : NaN):(column('thrust_ratio_mean')):(column('thrust_ratio_se')) \
+plot for [k = 1:2] for [e = 1:2] t(file) using (place(k, e)):(column('thrust_ratio_mean')):(column('thrust_ratio_se')) \
      with yerrorbars pt point(k, e) ps 0.9 lw 0.7 lc 4*k - 1 title word(names, k).', ε = 10^{'.(e == 1 ? '-4' : '-6').'}'
 unset key
 set yrange [-0.32:0.32]
 set ylabel '{/:Italic D}'
-plot for [k = 1:2] for [e = 1:2] t(file) using (of(k, e) ? column('disorder')/column('eps') : NaN):(column('D_mean')):(column('D_se')) \
+plot for [k = 1:2] for [e = 1:2] t(file) using (place(k, e)):(column('D_mean')):(column('D_se')) \
      with yerrorbars pt point(k, e) ps 0.9 lw 0.7 lc 4*k - 1, \
      for [k = 1:2] t(file) using (of(k, 1) || of(k, 2) ? column('disorder')/column('eps') : NaN):(column('D_diagonals_mean')) smooth unique with lines dt 2 lc 4*k - 1
 set yrange [0:1]
 set ylabel 'rms deviation of {/:Italic N}'
-plot for [k = 1:2] for [e = 1:2] t(file) using (of(k, e) ? column('disorder')/column('eps') : NaN):(column('N_error_rms_mean')):(column('N_error_rms_se')) \
+plot for [k = 1:2] for [e = 1:2] t(file) using (place(k, e)):(column('N_error_rms_mean')):(column('N_error_rms_se')) \
      with yerrorbars pt point(k, e) ps 0.9 lw 0.7 lc 4*k - 1
 unset multiplot

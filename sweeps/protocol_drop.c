@@ -15,6 +15,10 @@
  * entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy has a
  * maximum.
  *
+ * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
+ * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
+ * outputs are kept.
+ *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
  * saves most of the time, but its weight and its blows make whole flanks slip: held, piles stand 2 or 3
  * degrees steeper. */
@@ -93,7 +97,7 @@ static const sweep_output outputs[] = {
     {"right_deg", "degree", "of the right side"},
     {"dip", "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean"},
     {"balance", "", "1 - load of the ground over weight"},
-    {"capped", "", "drops that did not come to rest within max_steps"},
+    {"capped", "", "drops that did not come to rest within max_steps; a pile with one is no result"},
     {"away", "", "disks that rolled away"},
     {"psi6", "", "mean |psi_6| of the disks with two or more neighbours"},
     {"contacts", "", "mean contacts a disk"},
@@ -116,6 +120,7 @@ typedef struct {
     gsl_rng *radii, *places;
     double *x, *y; /* before a drop, or before the relaxation */
     long *moved;   /* by each drop */
+    bool relaxed;
 } drop;
 
 /* Between two looks at the pile, in steps; time for which it must be at rest. */
@@ -339,7 +344,7 @@ static rp_status relax(drop *d)
     if (status) return status;
     d->result->values[OUT_RELAX_STEPS] = (double)steps;
     d->result->values[OUT_SETTLED] = (double)count_moved(d, d->n);
-    snprintf(d->result->status, sizeof d->result->status, "%s", quiet < ENOUGH ? "not_at_rest" : "ok");
+    d->relaxed = quiet >= ENOUGH;
     return RP_OK;
 }
 
@@ -358,7 +363,7 @@ static double slope(const drop *d, double sign, double top_x, double height)
         *t = fmax(*t, d->states[i].y + d->states[i].r);
     }
     for (int k = 0; k < COLUMNS; k++) {
-        if (top[k] < 0.1 * height) break;
+        if (top[k] <= 0.1 * height) break; /* also where there is no disk at all */
         if (top[k] > 0.9 * height) continue;
         const double x = k + 0.5;
         n += 1.0, sx += x, sy += top[k], sxx += x * x, sxy += x * top[k];
@@ -448,6 +453,28 @@ static void leave_out_away(drop *d)
 
 /* ---- A run ---- */
 
+/* Its status word, of what is measured, and why it is no result. A layer comes first: its disks may roll
+ * without end. */
+static void conclude(const drop *d)
+{
+    enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
+    const double *v = d->result->values;
+    char drops[120] = "", layer[120] = "";
+    const bool pile = v[OUT_HEIGHT] >= LEAST_HEIGHT && isfinite(v[OUT_LEFT]) && isfinite(v[OUT_RIGHT]);
+    if (v[OUT_CAPPED] > 0.0)
+        snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
+                 v[OUT_CAPPED], d->p->N, d->p->max_steps);
+    if (!pile)
+        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_HEIGHT],
+                 v[OUT_LEFT], v[OUT_RIGHT], *drops ? "; " : "");
+    snprintf(d->result->status, sizeof d->result->status, "%s",
+             !pile         ? "no_pile"
+             : *drops      ? "drops_not_at_rest"
+             : !d->relaxed ? "not_at_rest"
+                           : "ok");
+    snprintf(d->result->message, sizeof d->result->message, "%s%s", layer, drops);
+}
+
 static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run,
                       sweep_result *result)
 {
@@ -513,7 +540,6 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     drop d;
     rp_status status = make(&d, params, seed, run, result);
     d.tables = tables;
-    if (!status) status = measure_base(&d);
     if (!status) {
         measure_shape(&d);
         measure_order(&d);
@@ -524,6 +550,8 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
         if (!status) status = write_table(&d, "pile_contacts.tsv", NULL, dem_write_contacts);
         if (!status) status = write_drops(&d);
     }
+    if (!status) status = measure_base(&d);
+    if (!status) conclude(&d);
     return finish(&d, status);
 }
 

@@ -94,6 +94,25 @@ static void cut_counts(void)
     }
 }
 
+/* Under 30 degrees the largest H is base/(12 sqrt 3) m g, for bases of 6 m disks; others are off by steps: 45
+ * has 7 units, 1/(2 sqrt 3), for 7.5, and 1225 has 204 for 204.17. */
+static void cut_largest_H(void)
+{
+    static const struct {
+        long base;
+        double units;
+    } piles[] = {{6, 1}, {90, 15}, {180, 30}, {480, 80}, {1224, 204}, {45, 7}, {1225, 204}};
+    for (size_t t = 0; t < sizeof piles / sizeof *piles; t++) {
+        long up[1225];
+        an_force f[1225];
+        double most = 0;
+        CHECK_OK(an_lattice_cut(piles[t].base, RAD(30), RAD(30), up));
+        CHECK_OK(an_lattice_counts(piles[t].base, up, RAD(30), f));
+        for (long s = 0; s < piles[t].base; s++) most = fmax(most, fabs(f[s].H));
+        CHECK_NEAR(most * 2 * sqrt(3), piles[t].units, piles[t].units * ROUND);
+    }
+}
+
 /* A disk is in the pile if and only if it is inside both cutting lines, for theta above 30 degrees too. */
 static void cut_rule(void)
 {
@@ -629,6 +648,7 @@ void suite_analytic(void)
         {"triangle: printed values", triangle_printed_values},
         {"triangle: recursion, counts, closed form", triangle_three_ways},
         {"cut piles: numbers of disks", cut_counts},
+        {"cut piles: largest H", cut_largest_H},
         {"cut piles: the rule, disk by disk", cut_rule},
         {"cut piles: forces, mirror, weight", cut_forces},
         {"any stepped outline", any_outline},

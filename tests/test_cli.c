@@ -774,6 +774,33 @@ static void test_angle_dip(void)
     leave();
 }
 
+/* Piles with a drop that was cut short, and layers, are failed runs, left out of the mean dip. */
+static void test_cut_drops(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"drop\"; replicas = 3; seed = 20; fixed = { N = 40; };\n"
+                        "grid = ({ max_steps = [20000, 200, 200]; mu_roll = [0.1, 0.1, 0.0]; });\n");
+    FAILS(1, "drops_not_at_rest: ", "run --box s.cfg --row 3 -o cut");
+    FAILS(1, " of 40 drops", "run --box s.cfg --row 3 -o cut");
+    FAILS(1, "no_pile: 0.998 d high", "run --box s.cfg --row 6 -o layer");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep run d");
+    GOOD("sweep export d --reduce -o points.tsv");
+    rp_table t = read_table("points.tsv");
+    for (size_t k = 0; k < 3; k++) {
+        CHECK_NEAR(cell(&t, k, "n"), k == 0 ? 3.0 : 0.0, 0.0);
+        CHECK_NEAR(cell(&t, k, "n_failed"), k == 0 ? 0.0 : 3.0, 0.0);
+    }
+    rp_table_free(&t);
+    GOOD("sweep export d -o runs.tsv");
+    t = read_table("runs.tsv");
+    for (size_t k = 3; k < 9; k++) CU_ASSERT(cell(&t, k, "capped") > 0.0 && isfinite(cell(&t, k, "dip")));
+    rp_table_free(&t);
+    GOOD("angle dip runs.tsv");
+    CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
+    leave();
+}
+
 static void test_angle_trends(void)
 {
     enter();
@@ -867,6 +894,10 @@ static void test_report(void)
     GOOD("report in.md --tables . --missing later");
     CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
     FAILS(65, "none.tsv", "report in.md --tables .");
+    write_text("w.tsv", "# k\tv\tv_se\n5\t-0.3\t0.03\n6\t0.4\t0.04\n");
+    write_text("in.md", "{{difference w k=6 v @w k=5 v}}, {{difference w k=5 v @w k=6 v}}\n");
+    GOOD("report in.md --tables .");
+    CU_ASSERT_STRING_EQUAL(out, "0.700 ± 0.050, -0.700 ± 0.050\n");
     write_text("few.tsv", "# k\tv\tv_se\tp\n1\t2.5\tnan\tnan\n2\tnan\tnan\t0.5\n");
     write_text("in.md",
                "{{value few k=1 v}}, {{value few k=2 v}}; {{above few k=1 v 1}}, {{agree few k=1 v 2 0}}, "
@@ -1331,6 +1362,7 @@ void suite_cli(void)
                                        {"angle stress, critical", test_stress_tables},
                                        {"report", test_report},
                                        {"angle dip", test_angle_dip},
+                                       {"drops cut short", test_cut_drops},
                                        {"angle trend, size, fit --successive", test_angle_trends},
                                        {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},

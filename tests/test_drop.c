@@ -276,7 +276,46 @@ static void drops_do_not_pass_their_steps(void)
     sweep_result r = run(changes);
     CU_ASSERT(output(&r, "capped") > 5.0);
     CHECK_NEAR(output(&r, "steps"), 10.0 * 100.0, 0.0);
-    CU_ASSERT_STRING_EQUAL(r.status, "ok"); /* the relaxation at the end is */
+}
+
+/* One drop that was cut short spoils a pile, and the message says how many were; its outputs are kept. */
+static void cut_drops_are_no_result(void)
+{
+    static const struct {
+        const char *N, *max_steps;
+    } cases[] = {{"40", "200"}, {"20", "600"}};
+    for (int k = 0; k < 2; k++) {
+        sweep_result r = run((const char *const[]){"N", cases[k].N, "max_steps", cases[k].max_steps, NULL});
+        char expected[64];
+        snprintf(expected, sizeof expected, "%.0f of %s drops", output(&r, "capped"), cases[k].N);
+        CU_ASSERT(k == 0 ? output(&r, "capped") > 20.0 : output(&r, "capped") == 1.0);
+        CU_ASSERT_STRING_EQUAL(r.status, "drops_not_at_rest");
+        CU_ASSERT(strncmp(r.message, expected, strlen(expected)) == 0);
+        for (int i = 0; sweep_protocol_drop.outputs[i].name; i++) CU_ASSERT(isfinite(r.values[i]));
+    }
+}
+
+/* Disks that lie side by side are no pile, at rest or not, nor is one row more on them, though it has slopes;
+ * nor a tower, that has none, nor what is left when all disks rolled away. */
+static void layers_are_no_piles(void)
+{
+    static const struct {
+        const char *changes[7], *message;
+        double height;
+        bool slopes;
+    } cases[] = {{{"N", "4"}, "0.998 d high, slopes nan", 0.998, false},
+                 {{"N", "12"}, "1.85 d high, slopes 0.000", 1.85, true},
+                 {{"N", "6", "mu_roll", "10", "source_width", "0.3"}, "slopes nan", 2.82, false},
+                 {{"N", "40", "mu_roll", "0", "max_steps", "200"}, "39 of 40 drops", 0.998, false},
+                 {{"N", "2", "mu_roll", "0", "x_limit", "10"}, "no load", 0.0, false}};
+    for (int k = 0; k < 5; k++) {
+        sweep_result r = run(cases[k].changes);
+        CU_ASSERT_STRING_EQUAL(r.status, "no_pile");
+        CU_ASSERT(strstr(r.message, cases[k].message) != NULL);
+        CHECK_NEAR(output(&r, "height"), cases[k].height, 0.005);
+        CU_ASSERT((isfinite(output(&r, "left_deg")) && isfinite(output(&r, "right_deg"))) == cases[k].slopes);
+        CHECK_NEAR(output(&r, "disks") + output(&r, "away"), strtod(cases[k].changes[1], NULL), 0.0);
+    }
 }
 
 /* The stricter the rest, the more steps a drop takes. */
@@ -502,6 +541,8 @@ void suite_drop(void)
                                        {"dip of an ensemble", dip_of_an_ensemble},
                                        {"piles stand", piles_stand},
                                        {"drops do not pass their steps", drops_do_not_pass_their_steps},
+                                       {"cut drops are no result", cut_drops_are_no_result},
+                                       {"layers are no piles", layers_are_no_piles},
                                        {"rest takes its steps", rest_takes_its_steps},
                                        {"away is no part", away_is_no_part},
                                        {"kernels collide alike", kernels_collide_alike},

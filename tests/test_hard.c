@@ -264,6 +264,41 @@ static void misprint_spin(void)
     gsl_rng_free(r);
 }
 
+/* (2), (3) and (9) do not say what r_i is. From the contact point Q to the centre, each body keeps its moment
+ * about Q, and (9) is the velocity of the surfaces; from the centre to Q neither. */
+static void vector_to_contact(void)
+{
+    gsl_rng *r = rp_random_alloc(1992, 4, RP_PURPOSE_TEST);
+    int hits = 0, kept[2] = {0}, surface[2] = {0};
+    for (int k = 0; k < 2000; k++) {
+        const pair p = random_pair(r, 2);
+        dem_body after[2] = {p.one, p.two};
+        dem_impulse impulse;
+        if (!dem_impact(&after[0], &after[1], p.n, p.e, p.mu, &impulse)) continue;
+        hits++;
+        double v_n, v_t;
+        surfaces(&p.one, &p.two, p.n, &v_n, &v_t);
+        for (int away = 0; away < 2; away++) {
+            double c12 = 0.0;
+            bool same = true;
+            for (int i = 0; i < 2; i++) {
+                const dem_body *b = i ? &p.two : &p.one;
+                const double side = (i ? 1.0 : -1.0) * (away ? -1.0 : 1.0) * b->arm; /* r_i = side n */
+                const double dv = p.n[0] * (after[i].v[1] - b->v[1]) - p.n[1] * (after[i].v[0] - b->v[0]);
+                const double orbit = side * dv / b->inverse_mass,
+                             spin = (after[i].omega - b->omega) / b->inverse_inertia;
+                same = same && fabs(orbit + spin) <= 1e-9 * (fabs(orbit) + fabs(spin));
+                /* along t: (r x omega) t = -side omega */
+                c12 += (i ? -1.0 : 1.0) * (-p.n[1] * b->v[0] + p.n[0] * b->v[1] - side * b->omega);
+            }
+            kept[away] += same;
+            surface[away] += fabs(c12 - v_t) < 1e-9;
+        }
+    }
+    CU_ASSERT(hits > 800 && kept[0] == hits && surface[0] == hits && kept[1] == 0 && surface[1] == 0);
+    gsl_rng_free(r);
+}
+
 void suite_hard(void)
 {
     static const check_case cases[] = {{"random pairs: conservation, closed form of the loss", random_pairs},
@@ -271,6 +306,7 @@ void suite_hard(void)
                                        {"closed forms", closed_forms},
                                        {"signs of (7) and (19) as printed", misprint_signs},
                                        {"sign of (14) as printed", misprint_spin},
+                                       {"r from the contact point to the centre", vector_to_contact},
                                        {NULL, NULL}};
     check_register("hard collisions", cases);
 }

@@ -110,6 +110,37 @@ static void well_conserves(void)
         }
 }
 
+/* (30) where N changes: a disk that bobs in its well, never off the floor. The force has no potential then:
+ * energy, with the depth of the N there is, goes up and down by the sum of mu u^2/(2 a) dN, and is kept on a
+ * floor without a well. */
+static void well_follows_load(void)
+{
+    const double mu = 0.3, a = 0.02, depth = 0.5 * mu * a;
+    for (int well = 0; well < 2; well++) {
+        dem_grain grain = {.x = 0.3, .y = R - 1.5 / K, .r = R, .m = 1.0};
+        grain.vx = 0.8 * sqrt(mu * a);
+        dem_definition def = on_floor(&grain, 1, 1.0);
+        def.dt = 0.01 / sqrt(K);
+        def.ground = (dem_ground){.wall = well, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
+        dem_sim *sim = grains_start(&def);
+        const double before = grains_energy(sim);
+        dem_contact c = grains_only_contact(sim);
+        double work = 0.0, most = 0.0;
+        for (int n = 0; n < 2000; n++) {
+            const dem_contact last = c;
+            CHECK_OK(dem_run(sim, 1));
+            c = grains_only_contact(sim);
+            const double u = 0.5 * (c.shear_spring + last.shear_spring);
+            work += well ? 0.5 * mu * u * u / a * (c.normal_force - last.normal_force) : 0.0;
+            most = fmax(most, fabs(work));
+            /* (omega dt)^2 of the disk on its spring, 1e-4 of the depth, over some 3 of its swings */
+            CHECK_NEAR(grains_energy(sim) - before, work, well ? 1e-3 * depth : 1e-11);
+        }
+        CU_ASSERT(!well || (c.well == DEM_WELL_HOLDS && most > 0.1 * depth));
+        dem_free(sim);
+    }
+}
+
 static double height_after(double time, double dt)
 {
     const dem_grain grain = {.x = 0.0, .y = R - 1e-3, .r = R, .m = 1.0};
@@ -496,6 +527,7 @@ void suite_midpoint(void)
     static const check_case cases[] = {{"phase of an oscillator", phase_of_oscillator},
                                        {"sliding and creeping", slides_and_creeps},
                                        {"energy of a well", well_conserves},
+                                       {"(30) where N changes has no potential", well_follows_load},
                                        {"order", second_order},
                                        {"energy of a gas", energy_of_gas},
                                        {"long steps", long_steps},

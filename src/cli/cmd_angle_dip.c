@@ -33,20 +33,18 @@ static const rp_param params[] = {
 static const cli_command command = {
     "angle dip",
     "TABLE [options]",
-    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B, "
-    "over\n"
-    "the mean N. It reaches down the flanks, so that without a dip it is not 0 but D_reference, that of the\n"
-    "continuum triangle of the pile's own mean slope (--against zero: 0). D = D_raw - D_reference, negative\n"
-    "for a dip, with SE and 95 % interval over piles. null_lo, null_hi: 95 % of the mean D of such piles\n"
-    "without dip; p_value, p_dip: chance of a D as far from 0, as low, in these; p_margin: TOST, chance of "
-    "so\n"
-    "small a D if it were the margin. verdict: dip or peak if p_value < level; none_within_margin if\n"
-    "p_margin < level; dip_within_margin or peak_within_margin if both; undecided. With --profile the mean\n"
-    "N of both sides, outwards: distance over B, N over the mean, SE. TABLE (- for standard input): one row "
-    "a\n"
-    "pile, columns n_01 to n_20, left_deg, right_deg, status, as repose sweep export writes for protocol "
-    "drop;\n"
-    "rows whose status is not ok are left out, and against the triangle those whose mean slope is not in (0, "
+    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B,\n"
+    "over the mean N; the report's D, and the dip or D of a table of runs. It reaches down the flanks,\n"
+    "so that without a dip it is not 0 but D_reference, that of the continuum triangle of the pile's own\n"
+    "mean slope. Column D and all after it are of the excess D_raw - D_reference, the report's D_excess,\n"
+    "negative for a dip; with --against zero they are of D_raw. SE and 95 % interval are over piles.\n"
+    "null_lo, null_hi: 95 % of the mean D of such piles without dip; p_value, p_dip: chance of a D as\n"
+    "far from 0, as low, in these; p_margin: TOST, chance of so small a D if it were the margin.\n"
+    "verdict: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin\n"
+    "or peak_within_margin if both; undecided. With --profile the mean N of both sides, outwards:\n"
+    "distance over B, N over the mean, SE. TABLE (- for standard input): one row a pile, columns n_01 to\n"
+    "n_20, left_deg, right_deg, status, as repose sweep export writes for protocols drop and pile; rows\n"
+    "whose status is not ok are left out, and against the triangle those whose mean slope is not in (0,\n"
     "60).",
     "repose angle dip build/tables/li20_point_runs.tsv",
     params,
@@ -111,18 +109,22 @@ static const char *verdict(const ang_dips *d, double level)
     return within ? "peak_within_margin" : "peak";
 }
 
-static void print_dip(const ang_dips *d, double raw, double level)
+static void print_dip(const ang_dips *d, double raw, const options *o)
 {
     static const char *const columns[][2] = {
         {"n", ""},       {"D_raw", ""}, {"D_reference", ""}, {"D", ""},       {"D_se", ""},
         {"D_sd", ""},    {"D_lo", ""},  {"D_hi", ""},        {"null_lo", ""}, {"null_hi", ""},
         {"p_value", ""}, {"p_dip", ""}, {"p_margin", ""},    {"verdict", ""}};
+    rp_table_note(stdout, "D", "%s",
+                  o->against == TRIANGLE
+                      ? "the excess D_raw - D_reference, over the triangle of the pile's slope"
+                      : "D_raw, with nothing taken off");
     rp_table_columns(stdout, N_OF(columns), columns);
     rp_table_row_word(stdout, N_OF(columns) - 1,
                       (double[]){(double)d->dip.n, raw, raw - d->dip.mean, d->dip.mean, d->dip.se, d->dip.sd,
                                  d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
                                  d->p_margin},
-                      verdict(d, level));
+                      verdict(d, o->level));
 }
 
 static void print_profile(const ang_dips *d)
@@ -166,7 +168,7 @@ static rp_status dip_of_table(rp_table *table, const void *values)
         if (o->profile)
             print_profile(&dips);
         else
-            print_dip(&dips, raw, o->level);
+            print_dip(&dips, raw, o);
     }
     free(profiles);
     free(without);

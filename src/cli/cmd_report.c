@@ -6,6 +6,7 @@
  * column
  *   {{cell T k=v COL FORMAT}}      the cell itself, printed with the format given (%.Ng or %.Nf); without one
  *                                  a count as it stands, else with %.3g
+ *   {{difference T k=v COL @T2 k=v COL}}  value less that of another table, of other runs, +- both errors
  *   {{agree T k=v COL PAPER SE}}   verdict: within two standard errors of the paper's value?
  *   {{above T k=v COL LIMIT}}      verdict: above LIMIT by more than two standard errors?
  *   {{below T k=v COL LIMIT}}      the same, below
@@ -41,8 +42,8 @@ static const rp_param options[] = {
 static const cli_command command = {
     "report",
     "TEMPLATE [--tables DIR] [--missing TEXT] [-o FILE]",
-    "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, agree, above,\n"
-    "below, least, holds, note. A verdict compares with two standard errors.",
+    "Fill the places {{word table key=value column ...}} of a text from tables: value, cell, difference,\n"
+    "agree, above, below, least, holds, note. A verdict compares with two standard errors.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,
@@ -154,6 +155,15 @@ static rp_status find_limit(const place *p, int at, const rp_table *t, size_t ro
         status = rp_fail(RP_BAD_INPUT, "{{%s ... %s ...}}: no column", p->words[0], p->words[at]);
     if (!status) status = find_value(&table, row, other.words[next], limit, se);
     rp_table_free(&table);
+    return status;
+}
+
+static rp_status print_difference(const place *p, int next, const rp_table *t, size_t row, FILE *out)
+{
+    double value, se, less, less_se;
+    rp_status status = find_value(t, row, p->words[next], &value, &se);
+    if (!status) status = find_limit(p, next + 1, t, row, &less, &less_se);
+    if (!status) print_value(out, value - less, hypot(se, less_se));
     return status;
 }
 
@@ -269,6 +279,8 @@ static rp_status fill_place(const place *p, FILE *out)
             status = print_verdict(p, next, &table, row, out);
         else if (strcmp(p->words[0], "holds") == 0)
             status = print_holds(p, next, &table, row, out);
+        else if (strcmp(p->words[0], "difference") == 0)
+            status = print_difference(p, next, &table, row, out);
         else if (strcmp(p->words[0], "cell") == 0)
             status = print_cell(p, next, &table, row, out);
         else if (strcmp(p->words[0], "value") != 0)
