@@ -384,6 +384,30 @@ $(T)/pile_threshold.tsv: $(CODE)
 	@for k in 6 8 12 16 24 32 45 64 90; do \
 	  $(REPOSE) pile --base $$k --threshold || exit 1; done >$@.rows
 	$(one_table)
+# What the base must bear, by slope: on springs, and on wells of friction that hold.
+SLOPES := 30 32.6 45 50 55 60
+$(T)/pile_friction.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for a in $(SLOPES); do for w in "--k-x 1" "--well 1 --mu 1"; do \
+	  $(REPOSE) pile --alpha-deg $$a $$w --summary || exit 1; done; done >$@.rows
+	$(one_table)
+# Where x_0 is, and whether wells are set again: which piles stand (exit status 1: it spreads), and the forces of two that do.
+$(T)/pile_again.tsv: $(CODE)
+	@mkdir -p $(T)
+	@echo "pile    wells set again"
+	@for a in 30 45 60; do for set in "" "--set-load 1" "--set-again" "--set-load 1 --set-again"; do for mu in $$(seq 0.15 0.01 0.6); do \
+	  $(REPOSE) pile --alpha-deg $$a --well 1 --mu $$mu $$set --summary 2>/dev/null || [ $$? = 1 ] || exit 1; done; done; done >$@.rows
+	$(one_table)
+$(T)/pile_again_threshold.tsv: $(T)/pile_again.tsv sweeps/threshold.awk
+	@awk -v by=alpha_deg,set_load,set_again -f sweeps/threshold.awk $< >$@
+$(T)/li_smooth_threshold.tsv: $(T)/li_smooth_runs.tsv sweeps/threshold.awk
+	@awk -v by=alpha_deg,well -f sweeps/threshold.awk $< >$@
+$(T)/pile_x0.tsv: $(CODE)
+	@mkdir -p $(T)
+	@for s in "--alpha-deg 30 --well 1" "--alpha-deg 30 --well 100" "--alpha-deg 30 --well 200" "--alpha-deg 60 --well 1" \
+	  "--outer-deg 30 --inner-deg 45 --x1 0.38 --well 1" "--outer-deg 30 --inner-deg 45 --x1 0.38 --well 100"; do for load in 0 0.5 1; do \
+	  $(REPOSE) pile $$s --set-load $$load --summary || exit 1; done; done >$@.rows
+	$(one_table)
 # Validation: validation_SUITE.tsv and validation_SUITE_*.tsv come from one run of the suite of that name.
 .SECONDEXPANSION:
 $(T)/validation_%.tsv: $(T)/.validation_$$(firstword $$(subst _, ,$$*)) ;

@@ -178,3 +178,17 @@ double sweep_heap_dip(size_t k, const double x[], const double N[])
         (mean_between(&b, c - outer, c - inner) + mean_between(&b, c + inner, c + outer)) / 2;
     return (mean_between(&b, c - inner, c + inner) - sides) / mean_between(&b, from, to);
 }
+
+double sweep_heap_centre(size_t k, const double N[])
+{
+    double most = 0;
+    for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
+    return (N[(k - 1) / 2] + N[k / 2]) / 2 / most;
+}
+
+double sweep_heap_friction(size_t k, const double N[], const double H[])
+{
+    double most = 0;
+    for (size_t i = 0; i < k; i++) most = fmax(most, fabs(H[i]) / N[i]); /* 0/0 asks for none */
+    return most;
+}

@@ -46,4 +46,11 @@ sweep_heap_error sweep_heap_compare(const sweep_heap *heap, const double N[], co
  * under 30 degrees, 0.25 under 20) where flanks begin within it. NAN for less than two disks. */
 double sweep_heap_dip(size_t k, const double x[], const double N[]);
 
+/* N of the middle of the base, of the two there if k is even, over the largest. */
+double sweep_heap_centre(size_t k, const double N[]);
+
+/* Friction that the base must have at least: largest |H|/N of its disks. INFINITY where one is pushed that
+ * nothing presses down. */
+double sweep_heap_friction(size_t k, const double N[], const double H[]);
+
 #endif

@@ -167,13 +167,6 @@ static void compare_continuum(const pile_params *p, const sweep_heap *h, const d
     for (int c = 0; c < 2; c++) deviation[c] = sqrt(sum[c] / (double)h->k) / most[c];
 }
 
-static double centre_over_largest(size_t k, const double N[])
-{
-    double most = 0;
-    for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
-    return (N[(k - 1) / 2] + N[k / 2]) / 2 / most;
-}
-
 static double middle_slope(const sweep_heap *h, const double x[], const double H[])
 {
     const double WITHIN = 0.1, middle = (x[0] + x[h->k - 1]) / 2;
@@ -240,8 +233,8 @@ static rp_status measure(const pile_params *p, const sweep_heap *h, const dem_pi
         const sweep_heap_error e = sweep_heap_compare(h, N, H);
         v[OUT_DIP] = sweep_heap_dip(k, x, N);
         v[OUT_DIP_DIAGONALS] = sweep_heap_dip(k, x, exact);
-        v[OUT_N_CENTRE] = centre_over_largest(k, N);
-        v[OUT_N_CENTRE_DIAGONALS] = centre_over_largest(k, exact);
+        v[OUT_N_CENTRE] = sweep_heap_centre(k, N);
+        v[OUT_N_CENTRE_DIAGONALS] = sweep_heap_centre(k, exact);
         v[OUT_H_RATIO] = e.H_ratio;
         v[OUT_THRUST] = e.thrust_ratio;
         v[OUT_N_RMS] = e.N_rms;

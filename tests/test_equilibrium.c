@@ -207,15 +207,40 @@ static void test_friction_wells(void)
                 "creeps: 2 of 2 wells set anew, first that of disk 1: disks 1, 3; ");
     CU_ASSERT(h.result.fault == DEM_PILE_CREEPS);
     free_heap(&h);
-    /* the slope of 30 degrees stands on mu = 0.3, not on 0.2; that of 60 on 0.6, not on 0.5 */
+}
+
+/* The base holds as long as no well breaks: a slope stands where wells of the same stiffness mu N/a that
+ * can't break carry no more than mu N. x_0 under the load changes nothing, since the pile must stand before;
+ * nor does it at 60 degrees, where forces can't be redistributed, whether wells are set again. */
+static void test_smooth_base(void)
+{
     static const struct {
-        double alpha, mu;
-        rp_status status;
-    } cases[] = {{30, 0.2, RP_NO_RESULT}, {30, 0.3, RP_OK}, {60, 0.5, RP_NO_RESULT}, {60, 0.6, RP_OK}};
+        double alpha, falls, stands, again; /* again: stands where wells are set again */
+    } cases[] = {{30, 0.25, 0.26, 0.2}, {32.6, 0.27, 0.28, 0}, {45, 0.46, 0.47, 0.35},
+                 {50, 0.49, 0.5, 0},    {55, 0.53, 0.54, 0},   {60, 0.55, 0.56, 0}};
+    const double NEVER = 100; /* times mu and a */
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         heap slope = make_disks(45, cases[c].alpha, 0);
-        CU_ASSERT(solve(&slope, friction(1e-4, cases[c].mu, 1)) == cases[c].status);
-        CU_ASSERT((slope.result.fault == DEM_PILE_SPREADS) == (cases[c].status != RP_OK));
+        for (int stands = 0; stands < 2; stands++) {
+            const double mu = stands ? cases[c].stands : cases[c].falls;
+            CHECK_OK(solve(&slope, friction(1e-4, NEVER * mu, NEVER)));
+            CU_ASSERT((sweep_heap_friction(45, slope.N, slope.H) < mu) == stands);
+            for (int loaded = 0; loaded < 2; loaded++) {
+                dem_pile_definition def = friction(1e-4, mu, 1);
+                def.set_load = loaded;
+                CU_ASSERT(solve(&slope, def) == (stands ? RP_OK : RP_NO_RESULT));
+                CU_ASSERT((slope.result.fault == DEM_PILE_SPREADS) == !stands);
+                CU_ASSERT((slope.result.broken == 0) == stands);
+            }
+        }
+        dem_pile_definition again = friction(1e-4, cases[c].again > 0 ? cases[c].again : cases[c].falls, 1);
+        again.set_again = true;
+        if (cases[c].again > 0) {
+            CHECK_OK(solve(&slope, again));
+            CU_ASSERT(slope.result.broken > 0);
+            CU_ASSERT(sweep_heap_friction(45, slope.N, slope.H) < again.mu);
+        } else if (cases[c].alpha > 59)
+            CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "spreads");
         free_heap(&slope);
     }
 }
@@ -1051,6 +1076,39 @@ static void check_outputs(void)
     rp_table_free(&disks);
 }
 
+/* What the one row says of a pile, from its rows of base disks. */
+static void check_summary(void)
+{
+    enum { K = 45 };
+    double x[K], N[K], H[K], exact_N[K], exact_H[K];
+    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25") == 0);
+    rp_table base = table_of("out");
+    CU_ASSERT_FATAL(base.n_rows == K);
+    for (size_t i = 0; i < K; i++) {
+        x[i] = cell(&base, i, "x");
+        N[i] = cell(&base, i, "N/mg");
+        H[i] = cell(&base, i, "H/mg");
+        exact_N[i] = cell(&base, i, "N_diagonals/mg");
+        exact_H[i] = cell(&base, i, "H_diagonals/mg");
+    }
+    rp_table_free(&base);
+    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary") == 0);
+    rp_table t = table_of("out");
+    CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 && isnan(cell(&t, 0, "inner_deg")));
+    CU_ASSERT(cell(&t, 0, "well") == 1 && cell(&t, 0, "mu") == 0.2 && cell(&t, 0, "set_load") == 0.25);
+    CU_ASSERT(cell(&t, 0, "set_again") == 1 && cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
+    CHECK_NEAR(cell(&t, 0, "H/N_max"), sweep_heap_friction(K, N, H), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "H/N_max_diagonals"), sweep_heap_friction(K, exact_N, exact_H), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_heap_centre(K, N), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "D"), sweep_heap_dip(K, x, N), ROUNDING);
+    rp_table_free(&t);
+    CU_ASSERT(run("--outer-deg 30 --inner-deg 45 --x1 0.38 --summary") == 0);
+    t = table_of("out");
+    CU_ASSERT(cell(&t, 0, "alpha_deg") == 30 && cell(&t, 0, "inner_deg") == 45);
+    CU_ASSERT(isnan(cell(&t, 0, "well")) && isnan(cell(&t, 0, "mu")) && cell(&t, 0, "set_again") == 0);
+    rp_table_free(&t);
+}
+
 /* The same triangle by its slope, as a tent of equal slopes, as a polygon. */
 static void check_outlines(void)
 {
@@ -1212,6 +1270,7 @@ static void test_program(void)
     strcpy(folder, "/tmp/repose_pile_XXXXXX");
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
     check_outputs();
+    check_summary();
     check_outlines();
     check_ensemble();
     check_failed();
@@ -1231,6 +1290,7 @@ void suite_equilibrium(void)
                                        {"wells of friction", test_friction_wells},
                                        {"state of wells", test_state_of_wells},
                                        {"causes of no equilibrium", test_causes},
+                                       {"a base too smooth", test_smooth_base},
                                        {"linearised piles against diagonals alone", test_linearised},
                                        {"soft wells", test_soft_wells},
                                        {"45 layers: primary state", test_primary},

@@ -76,6 +76,30 @@ static void dip_invariances(void)
     CU_ASSERT(fabs(D) > 0.01);
 }
 
+/* ---- what the base must bear ---- */
+
+/* By hand; diagonals alone, full triangle: tan(30 degrees) (k - 1)/(k + 1), at the ends of the base. */
+static void friction_and_centre(void)
+{
+    const double N[] = {2, 4, 5, 0}, H[] = {-1.5, 2, -1, 0}, pushed[] = {0, 0, 0, 1e-9};
+    CU_ASSERT(sweep_heap_friction(4, N, H) == 0.75);
+    CU_ASSERT(sweep_heap_friction(1, N + 3, H) == INFINITY && sweep_heap_friction(4, N, pushed) == INFINITY);
+    CU_ASSERT(sweep_heap_centre(4, N) == 0.9 && sweep_heap_centre(3, N) == 0.8);
+    CU_ASSERT(sweep_heap_centre(1, N) == 1);
+    for (long k = 2; k < 50; k += 9) {
+        sweep_heap h = {0};
+        double exact_N[50], exact_H[50];
+        CHECK_OK(sweep_heap_slope(&h, k, 0, 0));
+        for (long i = 0; i < k; i++) {
+            exact_N[i] = h.exact[i].N;
+            exact_H[i] = h.exact[i].H;
+        }
+        CHECK_NEAR(sweep_heap_friction(h.k, exact_N, exact_H), (double)(k - 1) / (double)(k + 1) / sqrt(3),
+                   1e-12);
+        sweep_heap_free(&h);
+    }
+}
+
 /* ---- unequal disks ---- */
 
 static void sizes(void)
@@ -428,6 +452,7 @@ void suite_piles(void)
 {
     static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
                                        {"the dip: invariances", dip_invariances},
+                                       {"what the base must bear", friction_and_centre},
                                        {"sizes of unequal disks", sizes},
                                        {"unequal piles stand", unequal_piles_stand},
                                        {"open rows: diagonals alone", open_rows},

@@ -60,7 +60,8 @@ static const rp_param schema[] = {
     {"load-steps", "", RP_INT, offsetof(options, load_steps), "1", "[1, 1000000]",
      "steps in which the load is raised"},
     {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
-     "one row for the pile, not one a base disk; with the processor time and peak memory of the program"},
+     "one row for the pile, not one a base disk: what its base bears, the solver's account, its time and "
+     "memory"},
     {"threshold", "", RP_BOOL, offsetof(options, threshold), "false", "",
      "instead: the eps, sought from --eps on, above which the primary branch is not stable"},
     {"o", "", RP_TEXT, offsetof(options, directory), "", "",
@@ -165,6 +166,26 @@ static rp_status read_disks(const char *path, sweep_heap *h)
     return status;
 }
 
+static dem_pile_definition define(const options *o, const sweep_heap *h)
+{
+    dem_pile_definition def = dem_pile_definition_default();
+    def.n = h->n;
+    def.disks = h->disks;
+    def.eps = o->linear ? 0 : o->eps;
+    if (o->k_x > 0) def.k_x = o->k_x;
+    if (o->well > 0) {
+        def.well = DEM_WELL_FRICTION;
+        def.a = o->well;
+        if (o->mu > 0) def.mu = o->mu;
+    }
+    def.set_again = o->set_again;
+    def.set_load = o->set_load;
+    def.branch = o->branch;
+    def.leave = (unsigned long)o->leave;
+    def.load_steps = o->load_steps;
+    return def;
+}
+
 /* ---- Output ---- */
 
 static void write_header(FILE *out, const options *o, const sweep_heap *h, const dem_pile_result *r)
@@ -210,15 +231,52 @@ static void write_base(const sweep_heap *h, const size_t *disk, const double *N,
     }
 }
 
+/* What the loads of the base are summed up to; NAN where it is not known. */
+typedef struct {
+    sweep_heap_error error;
+    double friction, friction_diagonals, centre, dip;
+} base_summary;
+
+static rp_status sum_up(const sweep_heap *h, const size_t *disk, const double *N, const double *H, size_t k,
+                        base_summary *b)
+{
+    double *x = malloc((3 * k + 1) * sizeof *x), *exact_N = x ? x + k : NULL, *exact_H = x ? x + 2 * k : NULL;
+    if (!x) return no_memory();
+    for (size_t i = 0; i < k; i++) x[i] = h->disks[disk[i]].x;
+    b->friction = sweep_heap_friction(k, N, H);
+    b->centre = sweep_heap_centre(k, N);
+    b->dip = sweep_heap_dip(k, x, N);
+    if (h->exact) {
+        for (size_t i = 0; i < k; i++) {
+            exact_N[i] = h->exact[i].N;
+            exact_H[i] = h->exact[i].H;
+        }
+        b->error = sweep_heap_compare(h, N, H);
+        b->friction_diagonals = sweep_heap_friction(k, exact_N, exact_H);
+    }
+    free(x);
+    return RP_OK;
+}
+
 static void write_summary(const options *o, const sweep_heap *h, const dem_pile_result *r,
-                          const sweep_heap_error *e)
+                          const base_summary *b)
 {
     static const char *const columns[][2] = {{"eps", ""},
+                                             {"alpha_deg", "degrees"},
+                                             {"inner_deg", "degrees"},
+                                             {"well", "eps sigma"},
+                                             {"mu", ""},
+                                             {"set_load", ""},
+                                             {"set_again", ""},
                                              {"base", ""},
                                              {"n_disks", ""},
                                              {"N_error_rms", ""},
                                              {"N_error_max", ""},
                                              {"H_max/H_max_diagonals", ""},
+                                             {"H/N_max", ""},
+                                             {"H/N_max_diagonals", ""},
+                                             {"N_centre", ""},
+                                             {"D", ""},
                                              {"negative_modes", ""},
                                              {"smallest_pivot", "K_s"},
                                              {"residual", "m g"},
@@ -232,12 +290,38 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
                                              {"seconds", "s"},
                                              {"memory", "MB"},
                                              {"status", ""}};
-    rp_table_columns(stdout, 19, columns);
-    rp_table_row_word(stdout, 18,
-                      (double[]){o->linear ? 0 : o->eps, (double)h->k, (double)h->n, e->N_rms, e->N_max,
-                                 e->H_ratio, r->fault ? NAN : (double)r->negative_modes, r->smallest_pivot,
-                                 r->residual, (double)r->contacts, (double)r->horizontal, (double)r->broken,
-                                 (double)r->jumps, (double)o->leave, r->energy, r->released, rp_cpu_clock(),
+    const dem_pile_definition def = define(o, h);
+    const bool friction = def.well == DEM_WELL_FRICTION;
+    const double alpha_deg = o->outer_deg > 0 ? o->outer_deg : o->alpha_deg;
+    rp_table_columns(stdout, 29, columns);
+    rp_table_row_word(stdout, 28,
+                      (double[]){def.eps,
+                                 alpha_deg > 0 ? alpha_deg : NAN,
+                                 o->inner_deg > 0 ? o->inner_deg : NAN,
+                                 friction ? def.a : NAN,
+                                 friction ? def.mu : NAN,
+                                 def.set_load,
+                                 def.set_again,
+                                 (double)h->k,
+                                 (double)h->n,
+                                 b->error.N_rms,
+                                 b->error.N_max,
+                                 b->error.H_ratio,
+                                 b->friction,
+                                 b->friction_diagonals,
+                                 b->centre,
+                                 b->dip,
+                                 r->fault ? NAN : (double)r->negative_modes,
+                                 r->smallest_pivot,
+                                 r->residual,
+                                 (double)r->contacts,
+                                 (double)r->horizontal,
+                                 (double)r->broken,
+                                 (double)r->jumps,
+                                 (double)o->leave,
+                                 r->energy,
+                                 r->released,
+                                 rp_cpu_clock(),
                                  rp_peak_memory()},
                       dem_pile_fault_text(r->fault));
 }
@@ -336,20 +420,22 @@ static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *p
     const size_t k = r->wells;
     size_t *disk = malloc((k + 1) * sizeof *disk);
     double *N = malloc((2 * k + 1) * sizeof *N), *H = N ? N + k : NULL;
-    sweep_heap_error e = {NAN, NAN, NAN, NAN};
+    base_summary b = {{NAN, NAN, NAN, NAN}, NAN, NAN, NAN, NAN};
     rp_status status = disk && N ? RP_OK : no_memory();
     if (!status) {
         dem_pile_base(pile, disk, N, H);
-        if (h->exact && !r->fault) e = sweep_heap_compare(h, N, H);
+        if (!r->fault) status = sum_up(h, disk, N, H, k, &b);
+    }
+    if (!status) {
         double most = 0;
         for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
         write_header(stdout, o, h, r);
         rp_table_note(stdout, "sinks", "%.3g sigma at most", r->eps * most);
-        rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", e.N_rms,
-                      e.N_max);
-        rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", e.H_ratio);
+        rp_table_note(stdout, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", b.error.N_rms,
+                      b.error.N_max);
+        rp_table_note(stdout, "H_ratio", "%.6g, the largest H over that of diagonals alone", b.error.H_ratio);
         if (o->summary)
-            write_summary(o, h, r, &e);
+            write_summary(o, h, r, &b);
         else if (!r->fault)
             write_base(h, disk, N, H, k);
     }
@@ -403,26 +489,6 @@ static rp_status check_usage(const options *o)
     if (o->piles > 1 && (!(o->disorder > 0) || o->threshold || o->summary || *o->directory))
         return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
     return check_idle(o);
-}
-
-static dem_pile_definition define(const options *o, const sweep_heap *h)
-{
-    dem_pile_definition def = dem_pile_definition_default();
-    def.n = h->n;
-    def.disks = h->disks;
-    def.eps = o->linear ? 0 : o->eps;
-    if (o->k_x > 0) def.k_x = o->k_x;
-    if (o->well > 0) {
-        def.well = DEM_WELL_FRICTION;
-        def.a = o->well;
-        if (o->mu > 0) def.mu = o->mu;
-    }
-    def.set_again = o->set_again;
-    def.set_load = o->set_load;
-    def.branch = o->branch;
-    def.leave = (unsigned long)o->leave;
-    def.load_steps = o->load_steps;
-    return def;
 }
 
 /* ---- Threshold of stability ---- */
