@@ -240,7 +240,7 @@ static void test_smooth_base(void)
             CU_ASSERT(slope.result.broken > 0);
             CU_ASSERT(sweep_heap_friction(45, slope.N, slope.H) < again.mu);
         } else if (cases[c].alpha > 59)
-            CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "spreads");
+            CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "creeps");
         free_heap(&slope);
     }
 }
