@@ -459,7 +459,7 @@ static void conclude(const drop *d)
 {
     enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
     const double *v = d->result->values;
-    char drops[120] = "", layer[120] = "";
+    char drops[110] = "", layer[110] = "";
     const bool pile = v[OUT_HEIGHT] >= LEAST_HEIGHT && isfinite(v[OUT_LEFT]) && isfinite(v[OUT_RIGHT]);
     if (v[OUT_CAPPED] > 0.0)
         snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
