@@ -5,6 +5,8 @@
 
 B       := build
 T       := $(B)/tables
+vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
+vpath %.gp figures/lh figures/li figures/val
 JOBS    ?= $(shell nproc)
 WORKERS := $(JOBS)
 CC      := gcc
@@ -27,22 +29,28 @@ INCLUDES  = $$($(PC) --cflags $(PKGS))
 # Whatever compiles waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 
-MODULES := core analytic dem angle sweep
+MODULES := core stats analytic dem statics angle stress sweep
 DIR_core := src/core
 DIR_analytic := analytic
 DIR_dem := src/dem
 DIR_angle := src/angle
-DIR_sweep := sweeps
+DIR_statics := src/statics
+DIR_stats := src/stats
+DIR_stress := src/stress
+DIR_sweep := sweeps/driver
 PREFIX_core := rp_
 PREFIX_analytic := an_
 PREFIX_dem := dem_
 PREFIX_angle := ang_
+PREFIX_statics := statics_
+PREFIX_stats := stats_
+PREFIX_stress := stress_
 PREFIX_sweep := sweep_
 
 objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1)/*.c))
 ARCHIVES := $(MODULES:%=$(B)/lib%.a)
 # dependents before what they depend on
-LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libangle.a $(B)/libcore.a
+LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libstatics.a $(B)/libangle.a $(B)/libstress.a $(B)/libstats.a $(B)/libcore.a
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
@@ -126,8 +134,8 @@ CODE := $(filter-out %/version.o,$(CLI) $(foreach m,$(MODULES),$(call objects,$(
 STUDY_FIGURES := lh_forensics li_size li20a li20b
 # of this machine's times, that only `make bench` measures
 BENCH_FIGURES := bench
-FIGURES := $(patsubst figures/%.gp,%,$(filter-out figures/style.gp $(STUDY_FIGURES:%=figures/%.gp) $(BENCH_FIGURES:%=figures/%.gp),$(wildcard figures/*.gp)))
-figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" figures/$(1).gp | sed "s/t('//; s/')//" | sort -u))
+FIGURES := $(filter-out $(STUDY_FIGURES) $(BENCH_FIGURES),$(basename $(notdir $(wildcard figures/*/*.gp))))
+figure_tables = $(addprefix $(T)/,$(shell grep -oE "t\('[^']+[.]tsv'\)" $(wildcard figures/*/$(1).gp) | sed "s/t('//; s/')//" | sort -u))
 
 # Each core works on something of its own, so that none waits for the last run of a sweep; what takes longest comes
 # first. What is timed, alone.
@@ -140,10 +148,10 @@ fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
 define figure_rule
-$(B)/figures/$(1).svg: figures/$(1).gp figures/style.gp $(call figure_tables,$(1)) | $(SETUP_FIRST)
+$(B)/figures/$(1).svg: $(1).gp figures/style.gp $(call figure_tables,$(1)) | $(SETUP_FIRST)
 	@mkdir -p $$(@D)
 	@for t in pdf png svg; do gnuplot -e "T='$(T)/'; terminal='$$$$t'; file='$(B)/figures/$(1)'" \
-	  figures/style.gp figures/$(1).gp || exit 1; done
+	  figures/style.gp $$< || exit 1; done
 	@echo "figure  $(1)"
 endef
 $(foreach f,$(FIGURES) $(STUDY_FIGURES) $(BENCH_FIGURES),$(eval $(call figure_rule,$(f))))
@@ -153,11 +161,11 @@ $(foreach f,$(FIGURES) $(STUDY_FIGURES) $(BENCH_FIGURES),$(eval $(call figure_ru
 define make_sweep
 @mkdir -p $(T)
 @echo "sweep   $* $(1)"
-@$(REPOSE) sweep plan sweeps/$*.cfg -o $(B)/sweeps/$* $(1) >/dev/null
+@$(REPOSE) sweep plan $< -o $(B)/sweeps/$* $(1) >/dev/null
 @$(REPOSE) sweep run $(B)/sweeps/$* -j $(WORKERS) >/dev/null
 @$(REPOSE) sweep export $(B)/sweeps/$* --reduce >$(T)/$*.tsv
 endef
-$(T)/%.tsv: sweeps/%.cfg $(CODE)
+$(T)/%.tsv: %.cfg $(CODE)
 	$(call make_sweep)
 $(T)/%_runs.tsv: $(T)/%.tsv
 	@$(REPOSE) sweep export $(B)/sweeps/$* >$@
@@ -293,7 +301,7 @@ STUDY_val_dt := 7000
 STUDY_val_integrator := 3000
 STUDY_val_cost := 20
 STUDY_calibrate := 12
-$(B)/studies/%: sweeps/%.cfg $(CODE)
+$(B)/studies/%: %.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
@@ -302,13 +310,13 @@ studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_va
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \
-$(T)/%/energy.tsv $(T)/%_row.tsv: sweeps/%.cfg $(CODE)
+$(T)/%/energy.tsv $(T)/%_row.tsv: %.cfg $(CODE)
 	@mkdir -p $(T)
 	@echo "run     $*"
 	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
 
 # One row of the sweep of constant flux, as a series in time.
-$(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh5.cfg $(CODE)
+$(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh/lh5.cfg $(CODE)
 	@mkdir -p $(T)
 	@echo "run     lh5, row $*"
 	@$(REPOSE) run --box $< --row $* -o $(T)/lh5_row$* >$(T)/lh5_row$*.tsv
@@ -319,7 +327,7 @@ $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 
 # The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
 STRESS_ROWS := $(shell seq 20 39)
-$(T)/lh_stress_piles: sweeps/lh_stress.cfg $(CODE)
+$(T)/lh_stress_piles: sweeps/studies/lh_stress.cfg $(CODE)
 	@echo "run     lh_stress"
 	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(WORKERS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
 	@touch $@
@@ -445,7 +453,7 @@ SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large li_size_limit% mutate%,$(shell grep -oE '\{\{[a-z]+ [A-Za-z0-9_.-]+' $(REPORT) | awk '{ print $$2 }' | sort -u))
 # Where the time goes: processor time of each sweep and validation suite whose table is there.
 $(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPORT_TABLES)))
-	@for s in $(basename $(notdir $(wildcard sweeps/*.cfg))); do \
+	@for s in $(basename $(notdir $(wildcard sweeps/*/*.cfg))); do \
 	  sed -n "s/^# run_time: \([0-9.]*\) s/$$s\tsweep\t\1/p" $(T)/$$s.tsv 2>/dev/null; done >$@.rows
 	@for s in $(patsubst $(B)/validation_%.log,%,$(wildcard $(B)/validation_*.log)); do \
 	  sed -n "s/^Elapsed time = *\([0-9.]*\) seconds/$$s\tvalidation\t\1/p" $(B)/validation_$$s.log; done >>$@.rows
@@ -456,7 +464,7 @@ $(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPOR
 SHOWN_TABLES := $(REPORT_TABLES) $(notdir $(basename $(foreach f,$(FIGURES),$(call figure_tables,$(f)))))
 VALIDATED := $(addprefix $(T)/.,$(sort $(foreach t,$(filter validation_%,$(SHOWN_TABLES)),validation_$(word 2,$(subst _, ,$(t))))))
 # all runs of these sweeps; of lh1 one row is enough
-SWEPT := $(foreach s,$(filter-out lh1,$(basename $(notdir $(wildcard sweeps/*.cfg)))),$(if $(filter $(s) $(s)_%,$(SHOWN_TABLES)),$(s)))
+SWEPT := $(foreach s,$(filter-out lh1,$(basename $(notdir $(wildcard sweeps/*/*.cfg)))),$(if $(filter $(s) $(s)_%,$(SHOWN_TABLES)),$(s)))
 $(B)/paper-repro.md: $(REPORT) $(REPORT_TABLES:%=$(T)/%.tsv) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(REPOSE) report $< --tables $(T) --missing '(make studies mutate)' -o $@
 	@echo "report  $@"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # The modules' borders. Arguments: the build folder, then module=folder=prefix for each module.
-# core <- {analytic, dem, angle} <- sweep <- {cli, tests, validation}; each exports its own prefix only.
+# core <- stats <- {analytic, dem, statics, angle, stress} <- sweep <- {cli, tests, validation}; each exports its own
+# prefix only.
 build=$1
 shift
 bad=0
@@ -10,9 +11,12 @@ for entry; do
     case $module in
     core) allowed='core/' ;;
     analytic) allowed='core/|analytic/' ;;
+    stats) allowed='core/|stats/' ;;
     dem) allowed='core/|dem/' ;;
-    angle) allowed='core/|angle/' ;;
-    sweep) allowed='core/|analytic/|dem/|angle/|sweeps/' ;;
+    statics) allowed='core/|statics/' ;;
+    angle) allowed='core/|stats/|angle/' ;;
+    stress) allowed='core/|stats/|stress/' ;;
+    sweep) allowed='core/|stats/|analytic/|dem/|statics/|angle/|stress/|sweeps/driver/' ;;
     esac
     if grep -nE '^ *#include "' "$folder"/*.[ch] | grep -vE "#include \"($allowed)"; then
         echo "lint: $module includes what it must not"

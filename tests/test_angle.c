@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "angle/angle.h"
+#include "stats/stats.h"
 #include "core/random.h"
 #include "tests/check.h"
 
@@ -486,8 +487,8 @@ static void test_planted_heaps(void)
         ang_surface_free(&surface);
     }
     for (int m = 0; m < ANG_N_METHODS; m++) {
-        ang_stats stats;
-        CHECK_OK(ang_mean(PILES, slopes[m], &stats));
+        stats_summary stats;
+        CHECK_OK(stats_mean(PILES, slopes[m], &stats));
         CHECK_NEAR(stats.mean, slope, sigmas * stats.se);
         CU_ASSERT(stats.se < 0.01);
     }
@@ -511,8 +512,8 @@ static void test_slope_errors(void)
 static void test_mean(void)
 {
     static const double v[] = {2.385, 1.172, 3.906, 2.041}, same[] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
-    ang_stats s;
-    CHECK_OK(ang_mean(4, v, &s));
+    stats_summary s;
+    CHECK_OK(stats_mean(4, v, &s));
     CHECK_NEAR(s.mean, 2.376, tight);
     double sd = sqrt((0.009 * 0.009 + 1.204 * 1.204 + 1.53 * 1.53 + 0.335 * 0.335) / 3.0);
     CHECK_NEAR(s.sd, sd, tight);
@@ -520,63 +521,63 @@ static void test_mean(void)
     /* Student's t of 97.5 % with 3 degrees of freedom, from tables, half a digit */
     CHECK_NEAR((s.hi - s.mean) / s.se, 3.182446, 5e-7);
     CHECK_NEAR((s.mean - s.lo) / s.se, 3.182446, 5e-7);
-    CHECK_OK(ang_mean(2, v, &s));
+    CHECK_OK(stats_mean(2, v, &s));
     CHECK_NEAR((s.hi - s.mean) / s.se, 12.706205, 5e-7);
     CHECK_NEAR(s.se, (2.385 - 1.172) / 2.0, tight);
-    CHECK_OK(ang_mean(7, same, &s));
+    CHECK_OK(stats_mean(7, same, &s));
     CU_ASSERT(s.n == 7 && s.mean == 0.1 && s.sd == 0.0 && s.lo == 0.1 && s.hi == 0.1);
-    CHECK_OK(ang_mean(1, v, &s));
+    CHECK_OK(stats_mean(1, v, &s));
     CU_ASSERT(s.n == 1 && s.mean == 2.385 && isnan(s.sd) && isnan(s.se) && isnan(s.lo) && isnan(s.hi));
-    CHECK_FAILS(ang_mean(0, v, &s), RP_NO_RESULT, "no values");
+    CHECK_FAILS(stats_mean(0, v, &s), RP_NO_RESULT, "no values");
     CU_ASSERT(s.n == 0 && isnan(s.mean));
-    CHECK_FAILS(ang_mean(2, (double[]){1.0, INFINITY}, &s), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_mean(2, (double[]){1.0, INFINITY}, &s), RP_BAD_INPUT, "value 2");
     CU_ASSERT(isnan(s.mean));
 }
 
 static void test_paired(void)
 {
     static const double a[] = {20.1, 18.7, 17.2}, b[] = {18.9, 17.1, 16.4};
-    ang_stats s;
-    CHECK_OK(ang_paired(3, a, -1.0, b, &s));
+    stats_summary s;
+    CHECK_OK(stats_paired(3, a, -1.0, b, &s));
     CHECK_NEAR(s.mean, 1.2, tight);
     CHECK_NEAR(s.sd, 0.4, 10.0 * tight);
-    CHECK_OK(ang_paired(3, a, 1.0, b, &s));
+    CHECK_OK(stats_paired(3, a, 1.0, b, &s));
     CHECK_NEAR(s.mean, (39.0 + 35.8 + 33.6) / 3.0, 10.0 * tight);
-    CHECK_FAILS(ang_paired(3, a, -1.0, (double[]){1.0, 2.0, NAN}, &s), RP_BAD_INPUT, "value 3");
-    CHECK_FAILS(ang_paired(0, a, -1.0, b, &s), RP_NO_RESULT, "no values");
+    CHECK_FAILS(stats_paired(3, a, -1.0, (double[]){1.0, 2.0, NAN}, &s), RP_BAD_INPUT, "value 3");
+    CHECK_FAILS(stats_paired(0, a, -1.0, b, &s), RP_NO_RESULT, "no values");
 }
 
 static void test_bootstrap(void)
 {
     enum { N = 40, B = 20000 };
     double v[N], *means = malloc(B * sizeof *means), lo, hi, lo2, hi2;
-    ang_stats s;
+    stats_summary s;
     gsl_rng *rng = rp_random_alloc(4, 0, RP_PURPOSE_TEST);
     for (int i = 0; i < N; i++) v[i] = 18.0 + gsl_ran_gaussian(rng, 1.7);
-    CHECK_OK(ang_mean(N, v, &s));
+    CHECK_OK(stats_mean(N, v, &s));
     gsl_rng_set(rng, 77);
-    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
+    CHECK_OK(stats_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
     /* the resampled mean has SD se sqrt((n-1)/n); a quantile of B draws errs by sqrt(p (1-p)/B)/density,
      * 0.019 se, and the sample's own skewness moves it by a few 0.01 se */
     double half = gsl_cdf_ugaussian_Pinv(0.975) * s.se * sqrt((N - 1.0) / N);
     CHECK_NEAR(lo, s.mean - half, 0.12 * s.se);
     CHECK_NEAR(hi, s.mean + half, 0.12 * s.se);
     gsl_rng_set(rng, 77);
-    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo2, &hi2));
+    CHECK_OK(stats_bootstrap(N, v, 0.95, B, rng, means, &lo2, &hi2));
     CU_ASSERT(lo2 == lo && hi2 == hi);
-    CHECK_OK(ang_bootstrap(N, v, 0.5, B, rng, means, &lo2, &hi2));
+    CHECK_OK(stats_bootstrap(N, v, 0.5, B, rng, means, &lo2, &hi2));
     CU_ASSERT(lo2 > lo && hi2 < hi);
     for (int i = 0; i < N; i++) v[i] = 0.1;
-    CHECK_OK(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
+    CHECK_OK(stats_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi));
     CU_ASSERT(lo == 0.1 && hi == 0.1);
-    CHECK_OK(ang_bootstrap(1, v, 0.95, B, rng, means, &lo, &hi));
+    CHECK_OK(stats_bootstrap(1, v, 0.95, B, rng, means, &lo, &hi));
     CU_ASSERT(isnan(lo) && isnan(hi));
-    CHECK_FAILS(ang_bootstrap(0, v, 0.95, B, rng, means, &lo, &hi), RP_NO_RESULT, "no values");
-    CHECK_FAILS(ang_bootstrap(N, v, 1.0, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level = 1");
-    CHECK_FAILS(ang_bootstrap(N, v, NAN, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level");
-    CHECK_FAILS(ang_bootstrap(N, v, 0.95, 1, rng, means, &lo, &hi), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(stats_bootstrap(0, v, 0.95, B, rng, means, &lo, &hi), RP_NO_RESULT, "no values");
+    CHECK_FAILS(stats_bootstrap(N, v, 1.0, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level = 1");
+    CHECK_FAILS(stats_bootstrap(N, v, NAN, B, rng, means, &lo, &hi), RP_BAD_INPUT, "level");
+    CHECK_FAILS(stats_bootstrap(N, v, 0.95, 1, rng, means, &lo, &hi), RP_BAD_INPUT, "resamples = 1");
     v[3] = NAN;
-    CHECK_FAILS(ang_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi), RP_BAD_INPUT, "value 4");
+    CHECK_FAILS(stats_bootstrap(N, v, 0.95, B, rng, means, &lo, &hi), RP_BAD_INPUT, "value 4");
     gsl_rng_free(rng);
     free(means);
 }
@@ -586,10 +587,10 @@ static void test_line_fit(void)
     static const double x[] = {0.05, 0.1, 0.15, 0.2, 0.25}, y[] = {5.31, 10.7, 14.2, 19.3, 21.8};
     static const double se[] = {0.41, 0.33, 0.52, 0.29, 0.71};
     double w[5], c0, c1, cov00, cov01, cov11, chi2;
-    ang_line line;
+    stats_line line;
     for (int i = 0; i < 5; i++) w[i] = 1.0 / (se[i] * se[i]);
     gsl_fit_wlinear(x, 1, w, 1, y, 1, 5, &c0, &c1, &cov00, &cov01, &cov11, &chi2);
-    CHECK_OK(ang_line_fit(5, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(5, x, y, se, false, &line));
     /* numbers up to 100, cancellation of a few digits */
     const double fit_error = 1e-11;
     CHECK_NEAR(line.slope, c1, fit_error);
@@ -601,22 +602,23 @@ static void test_line_fit(void)
     CHECK_NEAR(line.p_value, gsl_cdf_chisq_Q(chi2, 3.0), fit_error);
     CU_ASSERT(line.n == 5 && line.dof == 3);
     gsl_fit_wmul(x, 1, w, 1, y, 1, 5, &c1, &cov11, &chi2);
-    CHECK_OK(ang_line_fit(5, x, y, se, true, &line));
+    CHECK_OK(stats_line_fit(5, x, y, se, true, &line));
     CHECK_NEAR(line.slope, c1, fit_error);
     CHECK_NEAR(line.slope_se, sqrt(cov11), fit_error);
     CHECK_NEAR(line.chi2, chi2, fit_error);
     CU_ASSERT(line.dof == 4 && line.intercept == 0.0 && line.covariance == 0.0);
-    CHECK_OK(ang_line_fit(2, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(2, x, y, se, false, &line));
     CHECK_NEAR(line.slope, (10.7 - 5.31) / 0.05, fit_error);
     CU_ASSERT(line.dof == 0 && isnan(line.p_value));
-    CHECK_FAILS(ang_line_fit(0, x, y, se, false, &line), RP_NO_RESULT, "0 points");
-    CHECK_FAILS(ang_line_fit(1, x, y, se, false, &line), RP_NO_RESULT, "1 points");
-    CHECK_FAILS(ang_line_fit(2, (double[]){0.1, 0.1}, y, se, false, &line), RP_NO_RESULT, "two different x");
-    CHECK_FAILS(ang_line_fit(1, (double[]){0.0}, y, se, true, &line), RP_NO_RESULT, "other than 0");
-    CHECK_FAILS(ang_line_fit(2, x, (double[]){1.0, NAN}, se, false, &line), RP_BAD_INPUT, "point 2");
-    CHECK_FAILS(ang_line_fit(2, x, y, (double[]){1.0, 0.0}, false, &line), RP_BAD_INPUT,
+    CHECK_FAILS(stats_line_fit(0, x, y, se, false, &line), RP_NO_RESULT, "0 points");
+    CHECK_FAILS(stats_line_fit(1, x, y, se, false, &line), RP_NO_RESULT, "1 points");
+    CHECK_FAILS(stats_line_fit(2, (double[]){0.1, 0.1}, y, se, false, &line), RP_NO_RESULT,
+                "two different x");
+    CHECK_FAILS(stats_line_fit(1, (double[]){0.0}, y, se, true, &line), RP_NO_RESULT, "other than 0");
+    CHECK_FAILS(stats_line_fit(2, x, (double[]){1.0, NAN}, se, false, &line), RP_BAD_INPUT, "point 2");
+    CHECK_FAILS(stats_line_fit(2, x, y, (double[]){1.0, 0.0}, false, &line), RP_BAD_INPUT,
                 "standard error = 0");
-    CHECK_FAILS(ang_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
+    CHECK_FAILS(stats_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
 }
 
 /* ---- one series in time ---- */
@@ -643,9 +645,9 @@ static void test_blocking(void)
     for (double phi = 0.0; phi < 0.95; phi += 0.3) {
         double variance = 0.0, expected = 0.0, tau = 0.0, spread = 0.0, error = 0.0, se = 0.0;
         for (int s = 0; s < SERIES; s++) {
-            ang_series b;
+            stats_series b;
             autoregressive(rng, phi, N, v);
-            CHECK_OK(ang_blocking(N, v, work, &b));
+            CHECK_OK(stats_blocking(N, v, work, &b));
             const double blocks = floor(N / (double)b.block);
             variance += b.se * b.se / SERIES;
             se += b.se / SERIES;
@@ -671,21 +673,21 @@ static void test_blocking(void)
 static void test_blocking_small(void)
 {
     double v[64], work[64], ramp[64];
-    ang_series b;
+    stats_series b;
     for (int i = 0; i < 64; i++) {
         v[i] = 0.381;
         ramp[i] = i;
     }
-    CHECK_OK(ang_blocking(64, v, work, &b));
+    CHECK_OK(stats_blocking(64, v, work, &b));
     CU_ASSERT(b.mean == 0.381 && b.sd == 0.0 && b.se == 0.0 && b.tau == 0.5);
-    CHECK_FAILS(ang_blocking(64, ramp, work, &b), RP_NO_RESULT, "no plateau");
+    CHECK_FAILS(stats_blocking(64, ramp, work, &b), RP_NO_RESULT, "no plateau");
     CU_ASSERT(b.n == 64 && b.mean == 31.5 && isnan(b.se) && isnan(b.tau));
-    CHECK_FAILS(ang_blocking(3, v, work, &b), RP_NO_RESULT, "3 values");
-    CHECK_FAILS(ang_blocking(15, v, work, &b), RP_NO_RESULT, "no plateau"); /* B = 4 needs 16 */
-    CHECK_OK(ang_blocking(16, v, work, &b));
+    CHECK_FAILS(stats_blocking(3, v, work, &b), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(stats_blocking(15, v, work, &b), RP_NO_RESULT, "no plateau"); /* B = 4 needs 16 */
+    CHECK_OK(stats_blocking(16, v, work, &b));
     CU_ASSERT(b.block == 4);
     v[5] = NAN;
-    CHECK_FAILS(ang_blocking(16, v, work, &b), RP_BAD_INPUT, "value 6");
+    CHECK_FAILS(stats_blocking(16, v, work, &b), RP_BAD_INPUT, "value 6");
 }
 
 static void test_level_off(void)
@@ -699,22 +701,22 @@ static void test_level_off(void)
     for (double phi = 0.0; phi < 0.9; phi += 0.4) {
         autoregressive(rng, phi, N, v);
         for (int i = 0; i < RISE; i++) v[i] -= 10.0 * (1.0 - (double)i / RISE);
-        CHECK_OK(ang_level_off(N, v, &from));
+        CHECK_OK(stats_level_off(N, v, &from));
         CHECK_NEAR((double)from, 0.9 * RISE, 0.3 * RISE);
     }
     /* a step without noise, exactly */
     for (int i = 0; i < N; i++) v[i] = i < RISE ? 0.0 : 17.3;
-    CHECK_OK(ang_level_off(N, v, &from));
+    CHECK_OK(stats_level_off(N, v, &from));
     CU_ASSERT(from == RISE);
     /* level from the start */
     for (int i = 0; i < N; i++) v[i] = i % 2 ? 1.7 : 1.9;
-    CHECK_OK(ang_level_off(N, v, &from));
+    CHECK_OK(stats_level_off(N, v, &from));
     CU_ASSERT(from <= 1);
     for (int i = 0; i < N; i++) v[i] = 0.1 * i;
-    CHECK_FAILS(ang_level_off(N, v, &from), RP_NO_RESULT, "has not levelled off");
-    CHECK_FAILS(ang_level_off(3, v, &from), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(stats_level_off(N, v, &from), RP_NO_RESULT, "has not levelled off");
+    CHECK_FAILS(stats_level_off(3, v, &from), RP_NO_RESULT, "3 values");
     v[2] = INFINITY;
-    CHECK_FAILS(ang_level_off(N, v, &from), RP_BAD_INPUT, "value 3");
+    CHECK_FAILS(stats_level_off(N, v, &from), RP_BAD_INPUT, "value 3");
     gsl_rng_free(rng);
 }
 
@@ -724,18 +726,18 @@ static void test_expected_maximum(void)
     double v[N], work[N], m, sum = 0.0;
     for (int i = 0; i < N; i++) v[i] = (double)((7 * i) % N + 1); /* 1 ... N, mixed */
     for (size_t k = 1; k <= N; k++) {
-        CHECK_OK(ang_expected_maximum(N, v, k, work, &m));
+        CHECK_OK(stats_expected_maximum(N, v, k, work, &m));
         CHECK_NEAR(m, (double)k * (N + 1.0) / ((double)k + 1.0), 1e-13 * N);
     }
     const double u[4] = {0.3, -1.1, 2.7, 0.9}; /* every pair counted */
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < i; j++) sum += fmax(u[i], u[j]) / 6.0;
-    CHECK_OK(ang_expected_maximum(4, u, 2, work, &m));
+    CHECK_OK(stats_expected_maximum(4, u, 2, work, &m));
     CHECK_NEAR(m, sum, 1e-15);
-    CHECK_FAILS(ang_expected_maximum(4, u, 5, work, &m), RP_NO_RESULT, "too few for a maximum of 5");
-    CHECK_FAILS(ang_expected_maximum(4, u, 0, work, &m), RP_BAD_INPUT, "draws = 0");
+    CHECK_FAILS(stats_expected_maximum(4, u, 5, work, &m), RP_NO_RESULT, "too few for a maximum of 5");
+    CHECK_FAILS(stats_expected_maximum(4, u, 0, work, &m), RP_BAD_INPUT, "draws = 0");
     v[1] = NAN;
-    CHECK_FAILS(ang_expected_maximum(N, v, 2, work, &m), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_expected_maximum(N, v, 2, work, &m), RP_BAD_INPUT, "value 2");
 }
 
 /* ---- piles against theory ---- */
@@ -764,7 +766,7 @@ static void test_compare(void)
         ang_tilt_result at, low;
         double u[N];
         const double step = 1e-5; /* one-sided derivative, to about step */
-        ang_stats s;
+        stats_summary s;
         CHECK_OK(ang_tilt((ang_form)f, 0.2, c.theta_r.mean, phi, &at));
         CHECK_OK(ang_tilt((ang_form)f, 0.2, c.theta_r.mean - step, phi, &low));
         rate[f] = (at.theta_t - low.theta_t) / step;
@@ -776,7 +778,7 @@ static void test_compare(void)
         CHECK_NEAR(c.form[f].theta_t.se / (fabs(rate[f]) * c.theta_r.se), ratio, uncertainty + 0.01);
         CHECK_NEAR(c.form[f].theta_rt.se / ((1.0 + rate[f]) * c.theta_r.se), ratio, uncertainty + 0.01);
         for (int i = 0; i < N; i++) u[i] = t[i] - rate[f] * r[i];
-        CHECK_OK(ang_mean(N, u, &s));
+        CHECK_OK(stats_mean(N, u, &s));
         CHECK_NEAR(c.form[f].diff.se / s.se, ratio, uncertainty + 0.01);
     }
     CHECK_OK(ang_compare(1, r, t, 0.2, phi, B, rng, &c));

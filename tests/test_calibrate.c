@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "angle/angle.h"
-#include "angle/calibrate.h"
+#include "stats/stats.h"
+#include "stats/calibrate.h"
 #include "core/random.h"
 #include "tests/check.h"
 
@@ -18,14 +18,14 @@ static const double chi2_95 = 3.841458820694124;
 static const double sigmas = 4.0;
 
 enum { MAX_PILES = 400 };
-static double data[ANG_MAX_PARAMS + ANG_MAX_ANGLES][MAX_PILES];
-static ang_ensemble piles;
+static double data[STATS_MAX_PARAMS + STATS_MAX_ANGLES][MAX_PILES];
+static stats_ensemble piles;
 
 static void start(size_t n_params, size_t n_angles)
 {
-    piles = (ang_ensemble){.n_params = n_params, .n_angles = n_angles};
-    for (size_t p = 0; p < ANG_MAX_PARAMS; p++) piles.x[p] = data[p];
-    for (size_t a = 0; a < ANG_MAX_ANGLES; a++) piles.angle[a] = data[ANG_MAX_PARAMS + a];
+    piles = (stats_ensemble){.n_params = n_params, .n_angles = n_angles};
+    for (size_t p = 0; p < STATS_MAX_PARAMS; p++) piles.x[p] = data[p];
+    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) piles.angle[a] = data[STATS_MAX_PARAMS + a];
 }
 
 static void add(double x, double y, double angle_a, double angle_b)
@@ -44,18 +44,18 @@ static void add_four(double x, double y, double angle, double scatter)
         add(x, y, angle + (k % 2 ? scatter : -scatter), angle + (k / 2 ? scatter : -scatter));
 }
 
-static ang_measured measured(double a, double error_a, double b, double error_b)
+static stats_measured measured(double a, double error_a, double b, double error_b)
 {
-    return (ang_measured){{a, b}, {error_a, error_b}};
+    return (stats_measured){{a, b}, {error_a, error_b}};
 }
 
-static ang_calibrated_status invert_status(ang_measured m)
+static stats_calibrated_status invert_status(stats_measured m)
 {
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
-    CHECK_OK(ang_calibration_fit(&piles, &c));
-    CHECK_OK(ang_calibration_invert(&c, &m, r));
-    ang_calibration_free(&c);
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &m, r));
+    stats_calibration_free(&c);
     return r[0].status;
 }
 
@@ -73,38 +73,38 @@ static void test_line(void)
         y[g] = a + b * x[g];
         add_four(x[g], 0.0, y[g], 1.37);
     }
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
-    CHECK_OK(ang_calibration_fit(&piles, &c));
-    CU_ASSERT(c.response[0].shape == ANG_POWERS && c.response[0].degree[0] == 1 && c.response[0].monotone);
-    for (int g = 0; g < 7; g++) se[g] = ang_calibration_sd(&c, 0, &x[g]) / 2.0;
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CU_ASSERT(c.response[0].shape == STATS_POWERS && c.response[0].degree[0] == 1 && c.response[0].monotone);
+    for (int g = 0; g < 7; g++) se[g] = stats_calibration_sd(&c, 0, &x[g]) / 2.0;
     CHECK_NEAR(se[0], se[6], 1e-12);
     /* the scatter is unbiased in the logarithm: 1.37 sqrt(4/3) exp((log 1.5 - psi(1.5))/2) */
     CHECK_NEAR(se[3], 0.685 * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)), 1e-10);
-    ang_line line;
-    CHECK_OK(ang_line_fit(7, x, y, se, false, &line));
-    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{z}, {e}}, r));
+    stats_line line;
+    CHECK_OK(stats_line_fit(7, x, y, se, false, &line));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {e}}, r));
     double at = (z - a) / b, root[2];
     CHECK_NEAR(r[0].value, at, search_error);
-    ang_response_value(&c.response[0], &at, &v);
+    stats_response_value(&c.response[0], &at, &v);
     CHECK_NEAR(v, pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2), 1e-10);
     CHECK_NEAR(r[0].se, sqrt(e * e + v) / b, 1e-7);
     CU_ASSERT(gsl_poly_solve_quadratic(b * b - chi2_95 * pow(line.slope_se, 2),
                                        -2.0 * b * (z - a) - 2.0 * chi2_95 * line.covariance,
                                        pow(z - a, 2) - chi2_95 * (e * e + pow(line.intercept_se, 2)),
                                        &root[0], &root[1]) == 2);
-    CU_ASSERT(r[0].status == ANG_CALIBRATED_OK && r[0].n_solutions == 1);
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_OK && r[0].n_solutions == 1);
     CHECK_NEAR(r[0].solutions[0].lower, root[0], search_error);
     CHECK_NEAR(r[0].solutions[0].upper, root[1], search_error);
     /* 4000 resamples know a standard deviation to 1.1 % */
     gsl_rng *rng = rp_random_alloc(1882, 0, RP_PURPOSE_TEST);
-    CHECK_OK(ang_calibration_bootstrap(&piles, &c, &(ang_measured){{z}, {e}}, 4000, rng, r));
+    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{z}, {e}}, 4000, rng, r));
     /* the bootstrap knows each point's scatter, 1.37 sqrt(4/3), without the correction of the logarithm */
     double plain = v * pow(1.37 * sqrt(4.0 / 3.0) / (2.0 * se[3]), 2);
     CHECK_NEAR(r[0].boot_se / (sqrt(e * e + plain) / b), 1.0, sigmas * 0.0112);
     CHECK_NEAR((r[0].boot_upper - r[0].boot_lower) / (3.92 * r[0].boot_se), 1.0, 0.06);
     gsl_rng_free(rng);
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
 }
 
 /* Points that zigzag about a line by more than their errors: the errors of the line grow, and what the form
@@ -113,27 +113,27 @@ static void test_lack_of_fit(void)
 {
     const double e = 0.1;
     double x[8], y[8], se[8], v, at = 0.4385;
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
     start(1, 1);
     for (int g = 0; g < 8; g++) {
         x[g] = 0.1 * g;
         y[g] = 10.0 + 40.0 * x[g] + (g % 2 ? 1.0 : -1.0);
         add_four(x[g], 0.0, y[g], 1.0);
     }
-    CHECK_OK(ang_calibration_fit(&piles, &c));
-    for (int g = 0; g < 8; g++) se[g] = ang_calibration_sd(&c, 0, &x[g]) / 2.0;
-    ang_line line;
-    CHECK_OK(ang_line_fit(8, x, y, se, false, &line));
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    for (int g = 0; g < 8; g++) se[g] = stats_calibration_sd(&c, 0, &x[g]) / 2.0;
+    stats_line line;
+    CHECK_OK(stats_line_fit(8, x, y, se, false, &line));
     CU_ASSERT(c.response[0].degree[0] == 1 && line.chi2 > 12.0);
     double factor = line.chi2 / 6.0;
-    ang_response_value(&c.response[0], &at, &v);
+    stats_response_value(&c.response[0], &at, &v);
     double fitted = pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2);
     CHECK_NEAR(v, factor * fitted + (factor - 1.0) * se[0] * se[0], 1e-10);
-    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{10.0 + 40.0 * at}, {e}}, r));
-    ang_response_value(&c.response[0], &r[0].value, &v);
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{10.0 + 40.0 * at}, {e}}, r));
+    stats_response_value(&c.response[0], &r[0].value, &v);
     CHECK_NEAR(r[0].se, sqrt(e * e + v) / line.slope, 1e-7);
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
 }
 
 /* Two angles of the same piles that agree in their noise weigh less than two that do not: for equal lines
@@ -143,8 +143,8 @@ static void test_correlated(void)
     const double e = 5.0; /* far above the response's error */
     double se[2];
     for (int opposed = 0; opposed <= 1; opposed++) {
-        ang_calibration c;
-        ang_calibrated r[ANG_MAX_PARAMS];
+        stats_calibration c;
+        stats_calibrated r[STATS_MAX_PARAMS];
         start(1, 2);
         for (int g = 0; g < 6; g++)
             for (int k = 0; k < 4; k++) {
@@ -152,20 +152,20 @@ static void test_correlated(void)
                 /* correlation 0.6 or -0.6 */
                 add(x, 0.0, 100.0 * x + noise, 100.0 * x + (opposed ? -0.6 : 0.6) * noise + 0.8 * other);
             }
-        CHECK_OK(ang_calibration_fit(&piles, &c));
+        CHECK_OK(stats_calibration_fit(&piles, &c));
         CHECK_NEAR(c.correlation, opposed ? -0.6 : 0.6, 1e-9);
-        CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{25.0, 25.0}, {e, e}}, r));
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0, 25.0}, {e, e}}, r));
         se[opposed] = r[0].se;
-        ang_calibration_free(&c);
+        stats_calibration_free(&c);
     }
     CHECK_NEAR(se[0], sqrt(0.8) * e / 100.0, 1e-4);
     CHECK_NEAR(se[1], sqrt(0.2) * e / 100.0, 1e-4);
 }
 
 /* Variance at `at` of the fit of a + b f(x/scale), from the slopes of that by a, b and scale. */
-static double saturating_variance(const ang_calibration *c, double b, double scale, double at)
+static double saturating_variance(const stats_calibration *c, double b, double scale, double at)
 {
-    const bool is_tanh = c->response[0].shape == ANG_TANH;
+    const bool is_tanh = c->response[0].shape == STATS_TANH;
     gsl_matrix *design = gsl_matrix_alloc(c->n_points, 3), *covariance = gsl_matrix_alloc(3, 3);
     gsl_vector *y = gsl_vector_calloc(c->n_points), *w = gsl_vector_alloc(c->n_points),
                *solution = gsl_vector_alloc(3);
@@ -177,7 +177,7 @@ static double saturating_variance(const ang_calibration *c, double b, double sca
         slopes[1] = f;
         slopes[2] = is_tanh ? -b * (1.0 - f * f) * x / (scale * scale) : b * f * x / (scale * scale);
         for (size_t i = 0; g < c->n_points && i < 3; i++) gsl_matrix_set(design, g, i, slopes[i]);
-        double sd = ang_calibration_sd(c, 0, &x);
+        double sd = stats_calibration_sd(c, 0, &x);
         if (g < c->n_points) gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
     }
     CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
@@ -196,33 +196,33 @@ static double saturating_variance(const ang_calibration *c, double b, double sca
 static void test_saturating(void)
 {
     const double scale = 0.2713, z = 24.9;
-    for (int shape = ANG_EXPONENTIAL; shape <= ANG_TANH; shape++) {
+    for (int shape = STATS_EXPONENTIAL; shape <= STATS_TANH; shape++) {
         start(1, 1);
         for (int g = 0; g < 10; g++) {
-            double x = 0.05 + 0.08 * g, s = shape == ANG_TANH ? tanh(x / scale) : 1.0 - exp(-x / scale);
+            double x = 0.05 + 0.08 * g, s = shape == STATS_TANH ? tanh(x / scale) : 1.0 - exp(-x / scale);
             add_four(x, 0.0, 1.5 + 33.0 * s, 0.02);
         }
-        ang_calibration c;
-        ang_calibrated r[ANG_MAX_PARAMS];
-        CHECK_OK(ang_calibration_fit(&piles, &c));
+        stats_calibration c;
+        stats_calibrated r[STATS_MAX_PARAMS];
+        CHECK_OK(stats_calibration_fit(&piles, &c));
         CU_ASSERT((int)c.response[0].shape == shape && c.response[0].degree[0] == 1);
         CHECK_NEAR(c.response[0].scale, scale, 1e-6);
         CU_ASSERT(c.response[0].n_terms == 3 && c.response[0].dof == 7);
-        CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{z}, {0.1}}, r));
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {0.1}}, r));
         double s = (z - 1.5) / 33.0, at = 0.385, v;
-        ang_response_value(&c.response[0], &at, &v);
+        stats_response_value(&c.response[0], &at, &v);
         /* the scale is known to 1e-6 of it */
         CHECK_NEAR(v / saturating_variance(&c, 33.0, scale, at), 1.0, 1e-4);
-        CHECK_NEAR(r[0].value, scale * (shape == ANG_TANH ? atanh(s) : -log(1.0 - s)), 1e-6);
-        ang_calibration_free(&c);
+        CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6);
+        stats_calibration_free(&c);
     }
 }
 
 /* Two parameters from two angles that are planes. */
 static void test_two_parameters(void)
 {
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
     start(2, 2);
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 3; j++)
@@ -231,29 +231,29 @@ static void test_two_parameters(void)
                 add(x, y, 3.0 + 25.0 * x + 20.0 * y + (k % 2 ? 0.5 : -0.5),
                     1.0 + 30.0 * x - 14.0 * y + (k / 2 ? 0.5 : -0.5));
             }
-    CHECK_OK(ang_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_fit(&piles, &c));
     CHECK_NEAR(c.correlation, 0.0, 1e-12);
     const double x = 0.3739, y = 0.1187, e = 0.385;
-    ang_measured m = measured(3.0 + 25.0 * x + 20.0 * y, e, 1.0 + 30.0 * x - 14.0 * y, e);
-    CHECK_OK(ang_calibration_invert(&c, &m, r));
+    stats_measured m = measured(3.0 + 25.0 * x + 20.0 * y, e, 1.0 + 30.0 * x - 14.0 * y, e);
+    CHECK_OK(stats_calibration_invert(&c, &m, r));
     CHECK_NEAR(r[0].value, x, 1e-6);
     CHECK_NEAR(r[1].value, y, 1e-6);
     /* delta method: inverse of [[25, 20], [30, -14]], determinant -950 */
     double va, vb;
-    ang_response_value(&c.response[0], (double[]){x, y}, &va);
-    ang_response_value(&c.response[1], (double[]){x, y}, &vb);
+    stats_response_value(&c.response[0], (double[]){x, y}, &va);
+    stats_response_value(&c.response[1], (double[]){x, y}, &vb);
     va += e * e, vb += e * e;
     CHECK_NEAR(r[0].se, sqrt(14.0 * 14.0 * va + 20.0 * 20.0 * vb) / 950.0, 1e-6);
     CHECK_NEAR(r[1].se, sqrt(30.0 * 30.0 * va + 25.0 * 25.0 * vb) / 950.0, 1e-6);
     /* the profile of planes is nearly a parabola: half width 1.96 se, but for the variance that changes with
      * x */
     for (int p = 0; p < 2; p++) {
-        CU_ASSERT(r[p].status == ANG_CALIBRATED_OK);
+        CU_ASSERT(r[p].status == STATS_CALIBRATED_OK);
         CHECK_NEAR((r[p].solutions[0].upper - r[p].solutions[0].lower) / (3.92 * r[p].se), 1.0, 0.02);
     }
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
     piles.n_angles = 1; /* one angle knows a line in the plane, and limits from its ends */
-    CU_ASSERT(invert_status(m) == ANG_CALIBRATED_UNDERDETERMINED);
+    CU_ASSERT(invert_status(m) == STATS_CALIBRATED_UNDERDETERMINED);
 }
 
 /* ---- what the piles do not say ---- */
@@ -262,39 +262,39 @@ static void test_unidentified(void)
 {
     start(1, 1);
     for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
-    CU_ASSERT(invert_status(measured(15.0, 0.5, 0.0, 0.0)) == ANG_CALIBRATED_OK);
-    CU_ASSERT(invert_status(measured(19.6, 0.5, 0.0, 0.0)) == ANG_CALIBRATED_AT_LEAST);
-    CU_ASSERT(invert_status(measured(10.3, 0.5, 0.0, 0.0)) == ANG_CALIBRATED_AT_MOST);
-    CU_ASSERT(invert_status(measured(15.0, 9.0, 0.0, 0.0)) == ANG_CALIBRATED_NOT_IDENTIFIED);
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
-    CHECK_OK(ang_calibration_fit(&piles, &c));
-    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{27.0}, {0.5}}, r));
-    CU_ASSERT(r[0].status == ANG_CALIBRATED_ABOVE_RANGE && isnan(r[0].value) &&
+    CU_ASSERT(invert_status(measured(15.0, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_OK);
+    CU_ASSERT(invert_status(measured(19.6, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_LEAST);
+    CU_ASSERT(invert_status(measured(10.3, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_MOST);
+    CU_ASSERT(invert_status(measured(15.0, 9.0, 0.0, 0.0)) == STATS_CALIBRATED_NOT_IDENTIFIED);
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{27.0}, {0.5}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].value) &&
               isnan(r[0].solutions[0].upper));
     CHECK_NEAR(r[0].solutions[0].lower, 0.5, 0.0);
-    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{3.0}, {0.5}}, r));
-    CU_ASSERT(r[0].status == ANG_CALIBRATED_BELOW_RANGE && isnan(r[0].solutions[0].lower));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{3.0}, {0.5}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_BELOW_RANGE && isnan(r[0].solutions[0].lower));
     CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
 
     start(1, 1); /* a summit: the angle is met on both flanks, and none above it */
     for (int g = 0; g < 9; g++) add_four(0.1 * g, 0.0, 30.0 - 100.0 * pow(0.1 * g - 0.385, 2), 0.5);
-    CHECK_OK(ang_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_fit(&piles, &c));
     CU_ASSERT(!c.response[0].monotone);
-    CHECK_OK(ang_calibration_invert(&c, &(ang_measured){{25.0}, {0.3}}, r));
-    CU_ASSERT(r[0].status == ANG_CALIBRATED_SEVERAL && r[0].n_solutions == 2 && isnan(r[0].value));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0}, {0.3}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_SEVERAL && r[0].n_solutions == 2 && isnan(r[0].value));
     CHECK_NEAR(r[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
     CHECK_NEAR(r[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
     CU_ASSERT(r[0].solutions[0].upper < r[0].solutions[1].lower);
-    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == ANG_CALIBRATED_NO_MATCH);
-    CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == ANG_CALIBRATED_OK);
-    ang_calibration_free(&c);
+    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
+    stats_calibration_free(&c);
 
     start(1, 2); /* both angles rise, the first says 0.2, the second 0.4 */
     for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
-    CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == ANG_CALIBRATED_OK);
-    CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == ANG_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
+    CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
 }
 
 /* ---- coverage ---- */
@@ -329,19 +329,19 @@ static size_t count_covered(size_t n_angles, size_t n_cases)
     gsl_rng *rng = rp_random_alloc(1787, (unsigned long)n_angles, RP_PURPOSE_TEST);
     size_t covered = 0;
     for (size_t k = 0; k < n_cases; k++) {
-        ang_calibration c;
-        ang_calibrated r[ANG_MAX_PARAMS];
+        stats_calibration c;
+        stats_calibrated r[STATS_MAX_PARAMS];
         draw_piles(rng, n_angles);
         double x = 0.1 + 0.3 * gsl_rng_uniform(rng), a, b;
         gsl_ran_bivariate_gaussian(rng, 0.6, 0.3, 0.5, &a, &b);
-        ang_measured m = measured(truth_r(x) + a, 0.6, truth_t(x) + b, 0.3);
-        CHECK_OK(ang_calibration_fit(&piles, &c));
-        CHECK_OK(ang_calibration_invert(&c, &m, r));
+        stats_measured m = measured(truth_r(x) + a, 0.6, truth_t(x) + b, 0.3);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CHECK_OK(stats_calibration_invert(&c, &m, r));
         bool in = false;
         for (size_t i = 0; i < r[0].n_solutions; i++)
             in |= !(x < r[0].solutions[i].lower || x > r[0].solutions[i].upper);
         covered += in;
-        ang_calibration_free(&c);
+        stats_calibration_free(&c);
     }
     gsl_rng_free(rng);
     return covered;
@@ -363,36 +363,36 @@ static void test_coverage(void)
 static void test_planted(void)
 {
     enum { N = 60 };
-    static ang_case cases[N];
+    static stats_case cases[N];
     gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST);
-    ang_calibration c;
+    stats_calibration c;
     size_t n, covered = 0;
     draw_piles(rng, 1);
-    CHECK_OK(ang_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_fit(&piles, &c));
     start(1, 1);
     add(0.2, 0.0, 17.0, 0.0);
     add(0.4, 0.0, 28.0, 0.0);
     add(0.2, 0.0, 20.0, 0.0);
     add(0.3, 0.0, NAN, 0.0);
-    CHECK_OK(ang_calibration_planted(&c, &piles, N, cases, &n));
+    CHECK_OK(stats_calibration_planted(&c, &piles, N, cases, &n));
     CU_ASSERT(n == 2);
     CHECK_NEAR(cases[0].truth[0], 0.2, 0.0);
     CHECK_NEAR(cases[0].measured.angle[0], 18.5, 1e-12);
-    CHECK_NEAR(cases[0].measured.error[0], ang_calibration_sd(&c, 0, (double[]){0.2}) / sqrt(2.0), 1e-12);
-    CHECK_NEAR(cases[1].measured.error[0], ang_calibration_sd(&c, 0, (double[]){0.4}), 1e-12);
+    CHECK_NEAR(cases[0].measured.error[0], stats_calibration_sd(&c, 0, (double[]){0.2}) / sqrt(2.0), 1e-12);
+    CHECK_NEAR(cases[1].measured.error[0], stats_calibration_sd(&c, 0, (double[]){0.4}), 1e-12);
     CU_ASSERT(cases[0].covered[0] && cases[1].covered[0]);
     add(0.9, 0.0, 20.0, 0.0);
-    CHECK_FAILS(ang_calibration_planted(&c, &piles, N, cases, &n), RP_BAD_INPUT, "planted parameter = 0.9");
+    CHECK_FAILS(stats_calibration_planted(&c, &piles, N, cases, &n), RP_BAD_INPUT, "planted parameter = 0.9");
     /* angles that belong to other parameters are not covered */
     start(1, 1);
     for (int k = 0; k < 8; k++) add(0.15 + 0.03 * k, 0.0, truth_r(0.5), 0.0);
-    CHECK_OK(ang_calibration_planted(&c, &piles, N, cases, &n));
+    CHECK_OK(stats_calibration_planted(&c, &piles, N, cases, &n));
     CU_ASSERT(n == 8 && !cases[0].covered[0] && !cases[1].covered[0]);
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
 
     for (int set = 0; set < 6; set++) { /* cases of one set of piles are not independent: 10 points each */
         draw_piles(rng, 1);
-        CHECK_OK(ang_calibration_holdout(&piles, N / 6, rng, cases + set * (N / 6)));
+        CHECK_OK(stats_calibration_holdout(&piles, N / 6, rng, cases + set * (N / 6)));
     }
     for (int k = 0; k < N; k++) covered += cases[k].covered[0];
     CU_ASSERT(covered >= N - 10); /* 3 expected, and 4 standard errors of 1.7 */
@@ -403,37 +403,38 @@ static void test_planted(void)
 
 static void test_errors(void)
 {
-    ang_calibration c;
-    ang_calibrated r[ANG_MAX_PARAMS];
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
     start(1, 1);
     for (int g = 0; g < 3; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "3 points with piles, at least 4");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "3 points with piles, at least 4");
+    stats_calibration_free(&c);
     add(0.35, 0.0, 12.0, 0.0);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 of 1 piles");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 of 1 piles");
+    stats_calibration_free(&c);
     add(0.35, 0.0, 12.0, 0.0);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 is the same");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 is the same");
+    stats_calibration_free(&c);
     add(NAN, 0.0, 12.0, 0.0);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 15: parameter = nan");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 15: parameter = nan");
+    stats_calibration_free(&c);
     start(2, 1);
     for (int g = 0; g < 9; g++) add_four(0.1 * (g % 3), g == 8 ? 7.0 : g / 3, 10.0 + g, 1.0);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "a full grid needed");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "a full grid needed");
+    stats_calibration_free(&c);
     start(1, 1);
     for (int g = 0; g < 5; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
-    CHECK_OK(ang_calibration_fit(&piles, &c));
-    CHECK_FAILS(ang_calibration_invert(&c, &(ang_measured){{12.0}, {-0.1}}, r), RP_BAD_INPUT,
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0}, {-0.1}}, r), RP_BAD_INPUT,
                 "error of angle 1 = -0.1");
-    CHECK_FAILS(ang_calibration_invert(&c, &(ang_measured){{NAN}, {0.1}}, r), RP_BAD_INPUT, "angle 1 = nan");
-    CHECK_FAILS(ang_calibration_bootstrap(&piles, &c, &(ang_measured){{12.0}, {0.1}}, 1, NULL, r),
+    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{NAN}, {0.1}}, r), RP_BAD_INPUT,
+                "angle 1 = nan");
+    CHECK_FAILS(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{12.0}, {0.1}}, 1, NULL, r),
                 RP_BAD_INPUT, "resamples = 1");
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
     start(3, 1);
-    CHECK_FAILS(ang_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameters = 3");
-    ang_calibration_free(&c);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameters = 3");
+    stats_calibration_free(&c);
 }
 
 void suite_calibrate(void)

@@ -12,7 +12,7 @@
 #include "angle/angle.h"
 #include "cli/cli.h"
 #include "dem/scene.h"
-#include "sweeps/protocol.h"
+#include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 
 static const double deg = M_PI / 180.0;

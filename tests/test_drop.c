@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "angle/dip.h"
+#include "stress/dip.h"
 #include "core/random.h"
 #include "dem/sim.h"
-#include "sweeps/protocol.h"
+#include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -145,29 +145,29 @@ static void base_of_known_loads(void)
         r[i] = 0.5 * 4.0 / N;
         load[i] = 2.0;
     }
-    ang_base base;
-    CHECK_OK(ang_base_profile(N, x, r, load, &base));
+    stress_base base;
+    CHECK_OK(stress_base_profile(N, x, r, load, &base));
     CHECK_NEAR(base.centroid, 5.0, 1e-12);
     CHECK_NEAR(base.width, 0.98 * 4.0, 2.1 * 4.0 / N);
-    for (int k = 0; k < ANG_DIP_BINS; k++) CHECK_NEAR(base.N[k], 1.0, 1e-9);
-    CHECK_NEAR(ang_dip(base.N), 0.0, 1e-9);
+    for (int k = 0; k < STRESS_DIP_BINS; k++) CHECK_NEAR(base.N[k], 1.0, 1e-9);
+    CHECK_NEAR(stress_dip(base.N), 0.0, 1e-9);
     for (int i = 0; i < N; i++) load[i] = 2.0 - fabs(x[i] - 5.0); /* triangle: 2 B of the load is 0.98 */
-    CHECK_OK(ang_base_profile(N, x, r, load, &base));
+    CHECK_OK(stress_base_profile(N, x, r, load, &base));
     const double h = 2.0 * (1.0 - sqrt(0.02)), B = 2.0 * h; /* 1 - (1 - h/2)^2 = 0.98 */
     CHECK_NEAR(base.width, B, 2.1 * 4.0 / N);
-    CHECK_NEAR(ang_dip(base.N), 0.15 * B / (0.5 * (2.0 + 2.0 - h)),
+    CHECK_NEAR(stress_dip(base.N), 0.15 * B / (0.5 * (2.0 + 2.0 - h)),
                2e-3); /* N(0.05 B) - N(0.2 B), over mean */
     for (int i = 0; i < N; i++) load[i] = 0.0;
-    CHECK_FAILS(ang_base_profile(N, x, r, load, &base), RP_NO_RESULT, "no load");
+    CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "no load");
     load[0] = 1.0;
-    CHECK_FAILS(ang_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one place");
+    CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one place");
 }
 
 /* Flat profiles with a step D in the middle and noise in each bin. */
 static void draw_profiles(gsl_rng *rng, size_t n, double D, double *profiles)
 {
-    for (size_t i = 0; i < n * ANG_DIP_BINS; i++) {
-        const size_t k = i % ANG_DIP_BINS;
+    for (size_t i = 0; i < n * STRESS_DIP_BINS; i++) {
+        const size_t k = i % STRESS_DIP_BINS;
         profiles[i] =
             1.0 + (k >= 8 && k < 12 ? D : 0.0) + 0.3 * rp_random_cut_normal(rng, 0.0, 1.0, -4.0, 4.0);
     }
@@ -178,18 +178,18 @@ static void draw_profiles(gsl_rng *rng, size_t n, double D, double *profiles)
 static void planted_dips(void)
 {
     enum { ENSEMBLES = 200, PILES = 60, RESAMPLES = 300 };
-    double *profiles = malloc((PILES * ANG_DIP_BINS + RESAMPLES) * sizeof *profiles);
-    double *means = profiles + PILES * ANG_DIP_BINS;
+    double *profiles = malloc((PILES * STRESS_DIP_BINS + RESAMPLES) * sizeof *profiles);
+    double *means = profiles + PILES * STRESS_DIP_BINS;
     gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_TEST);
     int false_dips = 0, missed = 0, found = 0, none = 0;
     for (int e = 0; e < ENSEMBLES; e++) {
-        ang_dips d;
+        stress_dips d;
         draw_profiles(rng, PILES, 0.0, profiles);
-        CHECK_OK(ang_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        CHECK_OK(stress_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
         false_dips += d.p_value < 0.05;
         none += d.p_margin < 0.05;
         draw_profiles(rng, PILES, -0.1, profiles);
-        CHECK_OK(ang_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        CHECK_OK(stress_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
         /* the mean falls with the dip: D = -0.1/0.98 */
         missed += !(d.dip.lo <= -0.1 / 0.98 && -0.1 / 0.98 <= d.dip.hi);
         found += d.p_value < 0.05 && d.dip.mean < 0.0 && d.p_dip < 0.05;
@@ -204,20 +204,21 @@ static void planted_dips(void)
 
 static void dip_of_an_ensemble(void)
 {
-    double profiles[4 * ANG_DIP_BINS], means[50];
+    double profiles[4 * STRESS_DIP_BINS], means[50];
     gsl_rng *rng = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
-    ang_dips d;
-    for (int i = 0; i < 4 * ANG_DIP_BINS; i++) /* two rise to the right, two to the left: 0.5 to 1.5 */
-        profiles[i] = 1.0 + (i / ANG_DIP_BINS % 2 ? 1.0 : -1.0) * ((i % ANG_DIP_BINS + 0.5) / 20.0 - 0.5);
-    CHECK_OK(ang_dip_ensemble(4, profiles, 0.1, 50, rng, means, &d));
+    stress_dips d;
+    for (int i = 0; i < 4 * STRESS_DIP_BINS; i++) /* two rise to the right, two to the left: 0.5 to 1.5 */
+        profiles[i] =
+            1.0 + (i / STRESS_DIP_BINS % 2 ? 1.0 : -1.0) * ((i % STRESS_DIP_BINS + 0.5) / 20.0 - 0.5);
+    CHECK_OK(stress_dip_ensemble(4, profiles, 0.1, 50, rng, means, &d));
     CHECK_NEAR(d.dip.mean, 0.0, 1e-14);
-    for (int k = 0; k < ANG_DIP_BINS / 2; k++) {
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         CHECK_NEAR(d.N[k], 1.0, 1e-14);
         CHECK_NEAR(d.N_se[k], 0.0, 1e-14);
     }
-    CHECK_FAILS(ang_dip_ensemble(2, profiles, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
-    CHECK_FAILS(ang_dip_ensemble(4, profiles, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(ang_dip_ensemble(4, profiles, 0.1, 1, rng, means, &d), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(stress_dip_ensemble(2, profiles, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, 0.1, 1, rng, means, &d), RP_BAD_INPUT, "resamples = 1");
     gsl_rng_free(rng);
 }
 

@@ -8,11 +8,11 @@
 
 #include "analytic/analytic.h"
 #include "core/table.h"
-#include "dem/bonds.h"
+#include "statics/bonds.h"
 #include "dem/dem.h"
-#include "dem/equilibrium.h"
-#include "dem/stiffness.h"
-#include "sweeps/heap.h"
+#include "statics/equilibrium.h"
+#include "core/stiffness.h"
+#include "sweeps/driver/outline.h"
 #include "tests/check.h"
 
 static const double DEG = M_PI / 180;
@@ -25,10 +25,10 @@ static const double DEG = M_PI / 180;
 
 typedef struct {
     size_t n, k;
-    dem_pile_disk *disks;
+    statics_disk *disks;
     an_force *exact; /* by diagonals alone */
-    dem_pile *pile;
-    dem_pile_result result;
+    statics_pile *pile;
+    statics_result result;
     double *u, *N, *H;
 } heap;
 
@@ -45,8 +45,8 @@ static heap make_disks(long k, double alpha_deg, double gap)
     size_t n = 0;
     for (long s = 0; s < k; s++)
         for (long j = 0; j < up[s]; j++)
-            h.disks[n++] = (dem_pile_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
-                                           0.5 + (double)j * cos(theta), 0.5, 1};
+            h.disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
+                                          0.5 + (double)j * cos(theta), 0.5, 1};
     CHECK_OK(an_lattice_counts(k, up, theta, h.exact));
     free(up);
     h.u = malloc(2 * h.n * sizeof *h.u);
@@ -57,7 +57,7 @@ static heap make_disks(long k, double alpha_deg, double gap)
 
 static void free_heap(heap *h)
 {
-    dem_pile_free(h->pile);
+    statics_free(h->pile);
     free(h->disks);
     free(h->exact);
     free(h->u);
@@ -65,32 +65,32 @@ static void free_heap(heap *h)
     free(h->H);
 }
 
-static rp_status solve(heap *h, dem_pile_definition def)
+static rp_status solve(heap *h, statics_definition def)
 {
     def.n = h->n;
     def.disks = h->disks;
-    dem_pile_free(h->pile);
+    statics_free(h->pile);
     h->pile = NULL;
-    rp_status status = dem_pile_create(&def, &h->pile);
+    rp_status status = statics_create(&def, &h->pile);
     if (status) return status;
-    status = dem_pile_solve(h->pile, &h->result);
+    status = statics_solve(h->pile, &h->result);
     CU_ASSERT(h->result.wells == h->k);
-    dem_pile_displacements(h->pile, h->u);
-    dem_pile_base(h->pile, NULL, h->N, h->H);
+    statics_displacements(h->pile, h->u);
+    statics_base(h->pile, NULL, h->N, h->H);
     return status;
 }
 
-static dem_pile_definition soft(double eps)
+static statics_definition soft(double eps)
 {
-    dem_pile_definition def = dem_pile_definition_default();
+    statics_definition def = statics_definition_default();
     def.eps = eps;
     return def;
 }
 
-static dem_pile_definition friction(double eps, double mu, double a)
+static statics_definition friction(double eps, double mu, double a)
 {
-    dem_pile_definition def = soft(eps);
-    def.well = DEM_WELL_FRICTION;
+    statics_definition def = soft(eps);
+    def.well = STATICS_WELL_FRICTION;
     def.mu = mu;
     def.a = a;
     return def;
@@ -126,7 +126,7 @@ static const double THREE_H = 0.28867513459481287;
 static void test_three_disks(void)
 {
     heap h = make_disks(2, 60, 0);
-    dem_pile_definition def = soft(0);
+    statics_definition def = soft(0);
     def.k_x = 0.385;
     CHECK_OK(solve(&h, def));
     for (size_t i = 0; i < 2; i++) {
@@ -139,9 +139,9 @@ static void test_three_disks(void)
     CHECK_NEAR(h.u[1], -1.5, ROUNDING);
     const double along = (h.u[2] - h.u[0]) * 0.5 + (h.u[3] - h.u[1]) * cos(M_PI / 6);
     CHECK_NEAR(along, -1 / sqrt(3), ROUNDING);
-    dem_pile_contact *contacts = NULL;
+    statics_contact *contacts = NULL;
     size_t n = 0;
-    CHECK_OK(dem_pile_contacts(h.pile, &contacts, &n));
+    CHECK_OK(statics_contacts(h.pile, &contacts, &n));
     CU_ASSERT(n == 2 && h.result.contacts == 2 && h.result.horizontal == 0);
     /* one factorisation that still holds at the end, one step, no other branch */
     CU_ASSERT(h.result.factored == 1 && h.result.steps == 1 && h.result.jumps == 0 && h.result.load == 1);
@@ -151,7 +151,7 @@ static void test_three_disks(void)
     }
     free(contacts);
     /* solved once more from the start, not from where it is */
-    CHECK_OK(dem_pile_solve(h.pile, &h.result));
+    CHECK_OK(statics_solve(h.pile, &h.result));
     CU_ASSERT(h.result.steps == 1);
     /* wells set anew where half the load had brought their disks: pulled from there by the whole force */
     def.set_load = 0.5;
@@ -165,19 +165,19 @@ static void test_three_disks(void)
 static void test_softest_disk(void)
 {
     for (size_t light = 0; light < 4; light++) {
-        dem_pile_disk disks[4];
+        statics_disk disks[4];
         for (size_t i = 0; i < 4; i++)
-            disks[i] = (dem_pile_disk){3 * (double)i, 0.5, 0.5, i == light ? 0.7 : 1.1 + 0.1 * (double)i};
-        dem_pile_definition def = friction(1e-4, 0.5, 2);
+            disks[i] = (statics_disk){3 * (double)i, 0.5, 0.5, i == light ? 0.7 : 1.1 + 0.1 * (double)i};
+        statics_definition def = friction(1e-4, 0.5, 2);
         def.n = 4;
         def.disks = disks;
-        dem_pile *pile = NULL;
-        dem_pile_result r;
-        CHECK_OK(dem_pile_create(&def, &pile));
-        CHECK_OK(dem_pile_solve(pile, &r));
+        statics_pile *pile = NULL;
+        statics_result r;
+        CHECK_OK(statics_create(&def, &pile));
+        CHECK_OK(statics_solve(pile, &r));
         CHECK_NEAR(r.smallest_pivot, 0.7 / 4, ROUNDING);
         CU_ASSERT(r.pivot_disk == light && r.contacts == 0 && r.negative_modes == 0);
-        dem_pile_free(pile);
+        statics_free(pile);
     }
 }
 
@@ -189,23 +189,23 @@ static void test_friction_wells(void)
     CHECK_NEAR(h.u[4], THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
     /* the same way again from where half the load had brought it, though that is beyond a in all */
-    dem_pile_definition anew = friction(0, 0.25, 3.7);
+    statics_definition anew = friction(0, 0.25, 3.7);
     anew.set_load = 0.5;
     CHECK_OK(solve(&h, anew));
     CHECK_NEAR(h.u[4], 2 * THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
     CHECK_FAILS(solve(&h, friction(0, 0.19, 3.7)), RP_NO_RESULT, "spreads: 2 of 2 wells broken");
     for (int again = 0; again < 2; again++) { /* wells that broke are whole when it is solved anew */
-        CHECK_FAILS(dem_pile_solve(h.pile, &h.result), RP_NO_RESULT,
+        CHECK_FAILS(statics_solve(h.pile, &h.result), RP_NO_RESULT,
                     "spreads: 2 of 2 wells broken, first that of disk 1");
-        CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
+        CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
     }
     CHECK_FAILS(solve(&h, friction(1e-4, 0.19, 3.7)), RP_NO_RESULT, "spreads");
-    dem_pile_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
+    statics_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
     again.set_again = true;
     CHECK_FAILS(solve(&h, again), RP_NO_RESULT,
                 "creeps: 2 of 2 wells set anew, first that of disk 1: disks 1, 3; ");
-    CU_ASSERT(h.result.fault == DEM_PILE_CREEPS);
+    CU_ASSERT(h.result.fault == STATICS_CREEPS);
     free_heap(&h);
 }
 
@@ -224,21 +224,21 @@ static void test_smooth_base(void)
         for (int stands = 0; stands < 2; stands++) {
             const double mu = stands ? cases[c].stands : cases[c].falls;
             CHECK_OK(solve(&slope, friction(1e-4, NEVER * mu, NEVER)));
-            CU_ASSERT((sweep_heap_friction(45, slope.N, slope.H) < mu) == stands);
+            CU_ASSERT((sweep_outline_friction(45, slope.N, slope.H) < mu) == stands);
             for (int loaded = 0; loaded < 2; loaded++) {
-                dem_pile_definition def = friction(1e-4, mu, 1);
+                statics_definition def = friction(1e-4, mu, 1);
                 def.set_load = loaded;
                 CU_ASSERT(solve(&slope, def) == (stands ? RP_OK : RP_NO_RESULT));
-                CU_ASSERT((slope.result.fault == DEM_PILE_SPREADS) == !stands);
+                CU_ASSERT((slope.result.fault == STATICS_SPREADS) == !stands);
                 CU_ASSERT((slope.result.broken == 0) == stands);
             }
         }
-        dem_pile_definition again = friction(1e-4, cases[c].again > 0 ? cases[c].again : cases[c].falls, 1);
+        statics_definition again = friction(1e-4, cases[c].again > 0 ? cases[c].again : cases[c].falls, 1);
         again.set_again = true;
         if (cases[c].again > 0) {
             CHECK_OK(solve(&slope, again));
             CU_ASSERT(slope.result.broken > 0);
-            CU_ASSERT(sweep_heap_friction(45, slope.N, slope.H) < again.mu);
+            CU_ASSERT(sweep_outline_friction(45, slope.N, slope.H) < again.mu);
         } else if (cases[c].alpha > 59)
             CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "creeps");
         free_heap(&slope);
@@ -248,20 +248,20 @@ static void test_smooth_base(void)
 /* Wells: H = mu N (x - x_0)/a of those that hold, none of broken ones, whose disks left them. */
 static void check_wells(const heap *h, double mu, double a, bool at_rest)
 {
-    dem_pile_well wells[64];
+    statics_well wells[64];
     size_t broken = 0;
     CU_ASSERT_FATAL(h->k <= 64);
-    dem_pile_wells(h->pile, wells);
+    statics_wells(h->pile, wells);
     for (size_t i = 0; i < h->k; i++) {
-        const dem_pile_well *w = &wells[i];
+        const statics_well *w = &wells[i];
         CU_ASSERT(w->N == h->N[i] && w->H == h->H[i] && w->x == h->u[2 * w->disk]);
-        if (w->state == DEM_PILE_WELL_HOLDS) {
+        if (w->state == STATICS_WELL_HOLDS) {
             CU_ASSERT(w->x_0 == 0);
             if (!at_rest) continue;
             CHECK_NEAR(w->H, mu * w->N * w->x / a, 1e-9);
             CU_ASSERT(fabs(w->x) <= a);
         } else {
-            CU_ASSERT(w->state == DEM_PILE_WELL_BROKEN && w->H == 0 && fabs(w->x_0) > a);
+            CU_ASSERT(w->state == STATICS_WELL_BROKEN && w->H == 0 && fabs(w->x_0) > a);
             broken++;
         }
     }
@@ -275,11 +275,11 @@ static void test_state_of_wells(void)
     CU_ASSERT(h.result.eps == 1e-4);
     check_wells(&h, 0.3, 1, true);
     CHECK_FAILS(solve(&h, friction(1e-4, 0.2, 1)), RP_NO_RESULT, " and 16 more; neighbours ");
-    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 24);
-    CU_ASSERT(h.result.negative_modes == DEM_PILE_UNCOUNTED && isnan(h.result.smallest_pivot));
+    CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 24);
+    CU_ASSERT(h.result.negative_modes == STATICS_UNCOUNTED && isnan(h.result.smallest_pivot));
     check_wells(&h, 0.2, 1, false);
     /* the same while the wells' places are sought under part of the load */
-    dem_pile_definition part = friction(1e-4, 0.1, 1);
+    statics_definition part = friction(1e-4, 0.1, 1);
     part.set_load = 0.5;
     CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "spreads");
     CU_ASSERT(h.result.load < 0.5 && h.result.eps < 0.6e-4);
@@ -298,7 +298,7 @@ static heap slope_and_column(void)
     h.N = realloc(h.N, (h.k + 1) * sizeof *h.N);
     h.H = realloc(h.H, (h.k + 1) * sizeof *h.H);
     CU_ASSERT_FATAL(h.disks && h.u && h.N && h.H);
-    for (int i = 0; i < 2; i++) h.disks[h.n++] = (dem_pile_disk){100, 0.5 + i, 0.5, 1};
+    for (int i = 0; i < 2; i++) h.disks[h.n++] = (statics_disk){100, 0.5 + i, 0.5, 1};
     h.k++;
     return h;
 }
@@ -308,20 +308,20 @@ static void test_causes(void)
     heap h = slope_and_column();
     /* in the limit nothing holds the column's upper disk, whether or not wells broke beside it */
     for (int again = 0; again < 2; again++) {
-        dem_pile_definition def = friction(0, again ? 0.18 : 1, 1);
+        statics_definition def = friction(0, again ? 0.18 : 1, 1);
         def.set_again = again;
         CHECK_FAILS(solve(&h, def), RP_NO_RESULT, "followed up to 1 of the load, after");
         CU_ASSERT(strstr(rp_message(), "no pivot for disk ") != NULL);
-        CU_ASSERT(h.result.fault == DEM_PILE_SINGULAR && (h.result.broken > 0) == again);
+        CU_ASSERT(h.result.fault == STATICS_SINGULAR && (h.result.broken > 0) == again);
         CU_ASSERT(h.result.pivot_disk == h.n - 1 && h.result.smallest_pivot < 1e-11);
-        CU_ASSERT(h.result.negative_modes == DEM_PILE_UNCOUNTED && h.result.residual < 1e-9);
+        CU_ASSERT(h.result.negative_modes == STATICS_UNCOUNTED && h.result.residual < 1e-9);
     }
     free_heap(&h);
     /* springs never break: the pile is too soft for its weight */
     h = make_disks(45, 60, 0);
     CHECK_FAILS(solve(&h, soft(0.1)), RP_NO_RESULT, "collapses: neighbours ");
-    CU_ASSERT(h.result.fault == DEM_PILE_COLLAPSES && h.result.eps < 0.1 && h.result.broken == 0);
-    dem_pile_definition part = soft(4e-3);
+    CU_ASSERT(h.result.fault == STATICS_COLLAPSES && h.result.eps < 0.1 && h.result.broken == 0);
+    statics_definition part = soft(4e-3);
     part.set_load = 0.8;
     CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "collapses");
     CU_ASSERT(h.result.load > 0 && h.result.load * 4e-3 < h.result.eps);
@@ -334,7 +334,7 @@ static void test_causes(void)
     h = make_disks(5, 60, 0);
     CHECK_FAILS(solve(&h, friction(0.01, 0.1, 100)), RP_NO_RESULT,
                 "against one another; no neighbours, but disk 3 on 6, ");
-    CU_ASSERT(h.result.fault == DEM_PILE_SPREADS && h.result.broken == 4);
+    CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 4);
     free_heap(&h);
 }
 
@@ -394,7 +394,7 @@ static void test_primary(void)
     CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0 && h.result.jumps == 0);
     double *direct = malloc(2 * h.n * sizeof *direct);
     memcpy(direct, h.u, 2 * h.n * sizeof *direct);
-    dem_pile_definition ramp = soft(1e-4); /* the same branch in small steps */
+    statics_definition ramp = soft(1e-4); /* the same branch in small steps */
     ramp.load_steps = 10;
     CHECK_OK(solve(&h, ramp));
     for (size_t i = 0; i < 2 * h.n; i++)
@@ -413,10 +413,10 @@ static void test_primary(void)
 static void test_jump(void)
 {
     heap h = make_disks(20, 55, 0);
-    dem_pile_definition def = soft(3e-3);
+    statics_definition def = soft(3e-3);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
-    def.branch = DEM_BRANCH_MINIMUM; /* is not followed, and so does not end */
+    def.branch = STATICS_BRANCH_MINIMUM; /* is not followed, and so does not end */
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 0 && h.result.load == 1 && h.result.negative_modes == 0);
     def.leave = 1; /* there is no primary state to leave */
@@ -434,13 +434,13 @@ static void test_jump(void)
 static void test_large_soft(void)
 {
     heap h = make_disks(180, 30, 0);
-    dem_pile_definition def = soft(1e-4);
+    statics_definition def = soft(1e-4);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.n == 5490 && h.result.jumps == 1 && h.result.negative_modes == 0);
     CU_ASSERT(h.result.factored < 16); /* 21 without old factors, 83 when each step went downhill */
     const double H = H_ratio(&h);
     const size_t horizontal = h.result.horizontal;
-    def.branch = DEM_BRANCH_MINIMUM;
+    def.branch = STATICS_BRANCH_MINIMUM;
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.factored < 12 && h.result.horizontal == horizontal);
     CHECK_NEAR(H_ratio(&h), H, 1e-9);
@@ -454,11 +454,11 @@ static void test_minima(void)
     double released[3], N_most[3];
     const unsigned long ways[] = {2, 5, 13};
     heap h = make_disks(45, 60, 0);
-    dem_pile_definition def = soft(1e-4);
+    statics_definition def = soft(1e-4);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(isnan(h.result.released));
     const double primary = h.result.energy;
-    def.branch = DEM_BRANCH_MINIMUM;
+    def.branch = STATICS_BRANCH_MINIMUM;
     for (int i = 0; i < 3; i++) {
         def.leave = ways[i];
         CHECK_OK(solve(&h, def));
@@ -518,7 +518,7 @@ static double plain_forces(const heap *h, const double *u, double eps, double k_
 {
     double energy = 0;
     for (size_t i = 0; i < h->n; i++) {
-        const dem_pile_disk *p = &h->disks[i];
+        const statics_disk *p = &h->disks[i];
         const bool base = p->y < 0.6;
         const double sunk = fmax(p->r - (p->y + eps * u[2 * i + 1]), 0) / eps;
         force[2 * i] = base ? -k_x * u[2 * i] : 0;
@@ -581,7 +581,7 @@ static size_t plain_negative_modes(const heap *h, double eps, double k_x)
 static void unequal(heap *h, double sizes)
 {
     for (size_t i = 0; i < h->n; i++) {
-        dem_pile_disk *p = &h->disks[i];
+        statics_disk *p = &h->disks[i];
         if (p->y < 0.6) continue;
         p->r += 0.5 * sizes * (fmod(0.618033988749895 * (double)i, 1) - 0.5);
         p->weight = 4 * p->r * p->r;
@@ -595,15 +595,15 @@ static void test_plain_forces_and_modes(void)
         double alpha, eps;
         int branch;
         double sizes;
-    } cases[] = {{10, 60, 6e-3, DEM_BRANCH_PRIMARY, 0},
-                 {10, 60, 6e-3, DEM_BRANCH_MINIMUM, 0},
-                 {14, 40, 1e-3, DEM_BRANCH_PRIMARY, 0},
-                 {14, 40, 1e-3, DEM_BRANCH_MINIMUM, 0.05}};
+    } cases[] = {{10, 60, 6e-3, STATICS_BRANCH_PRIMARY, 0},
+                 {10, 60, 6e-3, STATICS_BRANCH_MINIMUM, 0},
+                 {14, 40, 1e-3, STATICS_BRANCH_PRIMARY, 0},
+                 {14, 40, 1e-3, STATICS_BRANCH_MINIMUM, 0.05}};
     double energy[4];
     for (size_t c = 0; c < 4; c++) {
         heap h = make_disks(cases[c].k, cases[c].alpha, 0);
         unequal(&h, cases[c].sizes);
-        dem_pile_definition def = soft(cases[c].eps);
+        statics_definition def = soft(cases[c].eps);
         def.k_x = 0.7;
         def.branch = cases[c].branch;
         CHECK_OK(solve(&h, def));
@@ -623,8 +623,8 @@ static void test_minimum(void)
 {
     double most;
     heap h = make_disks(check_fast() ? 30 : 45, 60, 0);
-    dem_pile_definition def = soft(check_fast() ? 4e-4 : 1e-4);
-    def.branch = DEM_BRANCH_MINIMUM;
+    statics_definition def = soft(check_fast() ? 4e-4 : 1e-4);
+    def.branch = STATICS_BRANCH_MINIMUM;
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.negative_modes == 0 && h.result.smallest_pivot > 0);
     const double error = N_error(&h, &most);
@@ -682,14 +682,14 @@ static void test_relabelled(void)
     double *u = malloc(2 * h.n * sizeof *u), N[20];
     memcpy(u, h.u, 2 * h.n * sizeof *u);
     memcpy(N, h.N, sizeof N);
-    dem_pile_disk *disks = malloc(h.n * sizeof *disks);
+    statics_disk *disks = malloc(h.n * sizeof *disks);
     memcpy(disks, h.disks, h.n * sizeof *disks);
     for (size_t i = 0; i < h.n; i++) h.disks[i] = disks[(i * 11 + 3) % h.n];
     CU_ASSERT_FATAL(h.n % 11 != 0);
     CHECK_OK(solve(&h, soft(1e-3)));
     for (size_t i = 0; i < h.n; i++) CHECK_NEAR(h.u[2 * i], u[2 * ((i * 11 + 3) % h.n)], 1e-9);
     size_t base[20]; /* by x, whatever the order */
-    dem_pile_base(h.pile, base, h.N, h.H);
+    statics_base(h.pile, base, h.N, h.H);
     for (size_t i = 0; i < h.k; i++) {
         CHECK_NEAR(h.disks[base[i]].x, (double)i, 1e-12);
         CHECK_NEAR(h.N[i], N[i], 1e-9);
@@ -707,7 +707,7 @@ static void test_damped_dynamics(void)
 {
     const double eps = 1e-3, k_x = 0.8;
     heap h = make_disks(12, 35, 0);
-    dem_pile_definition def = soft(eps);
+    statics_definition def = soft(eps);
     def.k_x = k_x;
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.horizontal > 0);
@@ -763,44 +763,44 @@ static double weak_base(double u, double eps, double k_x)
 static void check_weak_base(void)
 {
     static const size_t orders[][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
-    const dem_pile_disk disks[] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    const statics_disk disks[] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
     const double eps = 1e-4;
     for (int k = 0; k < 6; k++) {
-        dem_pile_disk given[3];
+        statics_disk given[3];
         for (int i = 0; i < 3; i++) given[orders[k / 2][i]] = disks[i];
-        dem_pile_definition def = soft(eps);
+        statics_definition def = soft(eps);
         def.n = 3;
         def.disks = given;
         def.k_x = (k % 2 ? 2.25 : 2.3) * eps;
-        dem_pile *pile = NULL;
-        dem_pile_result result;
-        CHECK_OK(dem_pile_create(&def, &pile));
+        statics_pile *pile = NULL;
+        statics_result result;
+        CHECK_OK(statics_create(&def, &pile));
         if (k % 2) {
-            CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "collapses");
+            CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT, "collapses");
         } else {
-            CHECK_OK(dem_pile_solve(pile, &result));
+            CHECK_OK(statics_solve(pile, &result));
             double lo = 0.1 / eps, hi = 0.25 / eps, u[6];
             while (hi - lo > 1e-9 / eps)
                 *(weak_base(0.5 * (lo + hi), eps, def.k_x) > 0 ? &lo : &hi) = 0.5 * (lo + hi);
-            dem_pile_displacements(pile, u);
+            statics_displacements(pile, u);
             CHECK_NEAR(eps * u[2 * orders[k / 2][1]], eps * lo, 1e-8);
             CHECK_NEAR(eps * u[2 * orders[k / 2][0]], -eps * lo, 1e-8);
         }
-        dem_pile_free(pile);
+        statics_free(pile);
     }
 }
 
 static void test_errors(void)
 {
-    dem_pile *pile = NULL;
-    dem_pile_disk disks[3] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
-    dem_pile_definition def = soft(1e-4);
+    statics_pile *pile = NULL;
+    statics_disk disks[3] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    statics_definition def = soft(1e-4);
     def.n = 3;
     def.disks = disks;
     struct {
         const char *text;
-        dem_pile_definition def;
-        dem_pile_disk last;
+        statics_definition def;
+        statics_disk last;
     } cases[] = {{"eps = -1", def, disks[2]},
                  {"eps = nan", def, disks[2]},
                  {"k_x = 0", def, disks[2]},
@@ -818,7 +818,7 @@ static void test_errors(void)
     cases[0].def.eps = -1;
     cases[1].def.eps = NAN;
     cases[2].def.k_x = 0;
-    cases[3].def.well = cases[4].def.well = DEM_WELL_FRICTION;
+    cases[3].def.well = cases[4].def.well = STATICS_WELL_FRICTION;
     cases[3].def.mu = 0;
     cases[4].def.a = -2;
     cases[5].def.set_load = 1.5;
@@ -827,57 +827,57 @@ static void test_errors(void)
     cases[13].def.eps = 0;
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         disks[2] = cases[c].last;
-        CHECK_FAILS(dem_pile_create(&cases[c].def, &pile), RP_BAD_INPUT, cases[c].text);
+        CHECK_FAILS(statics_create(&cases[c].def, &pile), RP_BAD_INPUT, cases[c].text);
         CU_ASSERT_PTR_NULL(pile);
     }
     /* ten in the air */
-    dem_pile_disk high[11] = {{0, 0.5, 0.5, 1}};
-    for (int i = 1; i < 11; i++) high[i] = (dem_pile_disk){3 * i, 3, 0.5, 1};
+    statics_disk high[11] = {{0, 0.5, 0.5, 1}};
+    for (int i = 1; i < 11; i++) high[i] = (statics_disk){3 * i, 3, 0.5, 1};
     def.disks = high;
     def.n = 11;
-    CHECK_FAILS(dem_pile_create(&def, &pile), RP_BAD_INPUT,
+    CHECK_FAILS(statics_create(&def, &pile), RP_BAD_INPUT,
                 "can't carry it; nor disks 3, 4, 5, 6, 7, 8, 9, 10 and 1 more");
     /* two side by side on nothing but each other's corner: supported one by one, not together */
-    dem_pile_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
+    statics_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
     def.disks = tower;
     def.n = 3;
-    CHECK_OK(dem_pile_create(&def, &pile));
-    dem_pile_result result;
-    CHECK_OK(dem_pile_solve(pile, &result)); /* a tower stands on end, but not for long */
+    CHECK_OK(statics_create(&def, &pile));
+    statics_result result;
+    CHECK_OK(statics_solve(pile, &result)); /* a tower stands on end, but not for long */
     CU_ASSERT(result.negative_modes == 2);
-    dem_pile_free(pile);
-    def.branch = DEM_BRANCH_MINIMUM;
-    CHECK_OK(dem_pile_create(&def, &pile));
-    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT,
+    statics_free(pile);
+    def.branch = STATICS_BRANCH_MINIMUM;
+    CHECK_OK(statics_create(&def, &pile));
+    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT,
                 "collapses: neighbours 2 and 3 moved by 0.6 sigma");
-    CU_ASSERT(result.negative_modes == DEM_PILE_UNCOUNTED && isnan(result.smallest_pivot));
-    dem_pile_free(pile);
-    def.branch = DEM_BRANCH_PRIMARY;
+    CU_ASSERT(result.negative_modes == STATICS_UNCOUNTED && isnan(result.smallest_pivot));
+    statics_free(pile);
+    def.branch = STATICS_BRANCH_PRIMARY;
     check_weak_base();
     /* two piles of three on weak springs slide into one another, and were no neighbours */
-    dem_pile_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
+    statics_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
     for (int i = 3; i < 6; i++) {
         two[i] = two[i - 3];
         two[i].x += 2.2501;
     }
-    dem_pile_definition meet = soft(0.01);
+    statics_definition meet = soft(0.01);
     meet.disks = two;
     meet.n = 6;
     meet.k_x = 0.024;
-    CHECK_OK(dem_pile_create(&meet, &pile));
-    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT,
+    CHECK_OK(statics_create(&meet, &pile));
+    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT,
                 "meets: no neighbours, but disk 2 on 4; followed up");
-    CU_ASSERT(result.fault == DEM_PILE_MEETS && result.load == 1);
-    CU_ASSERT(result.negative_modes == DEM_PILE_UNCOUNTED && isnan(result.smallest_pivot));
-    dem_pile_free(pile);
+    CU_ASSERT(result.fault == STATICS_MEETS && result.load == 1);
+    CU_ASSERT(result.negative_modes == STATICS_UNCOUNTED && isnan(result.smallest_pivot));
+    statics_free(pile);
     /* a drop of 0.2 to the ground, beside nobody: nothing holds it in x */
-    dem_pile_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
+    statics_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
     def.disks = lone;
     def.n = 2;
-    CHECK_OK(dem_pile_create(&def, &pile));
-    CHECK_FAILS(dem_pile_solve(pile, &result), RP_NO_RESULT, "disk 2");
-    CU_ASSERT(result.fault == DEM_PILE_SINGULAR);
-    dem_pile_free(pile);
+    CHECK_OK(statics_create(&def, &pile));
+    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT, "disk 2");
+    CU_ASSERT(result.fault == STATICS_SINGULAR);
+    statics_free(pile);
 }
 
 /* ---- the stiffness matrix ---- */
@@ -886,28 +886,28 @@ static void test_errors(void)
  * against the product that it should undo. */
 static void test_stiffness_update(void)
 {
-    static const dem_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
+    static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
     static const double along[][2] = {{1, 0}, {0, 1}, {-0.6, 0.8}, {0, 1}, {1, 0}};
     static const double load[8] = {0.3, -1.1, 0.7, 0.2, -0.9, 0.4, 1.3, -0.5};
     double x[2][8], product[8];
     for (int way = 0; way < 2; way++) {
-        dem_stiffness *m = NULL;
-        dem_pivots pivots;
-        CHECK_OK(dem_stiffness_create(4, 5, bonds, &m));
-        dem_stiffness_clear(m, 0.125);
-        dem_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
-        for (size_t k = 0; k < 5; k++)          /* bond 2 is wanted, bond 4 is not */
+        rp_stiffness *m = NULL;
+        rp_pivots pivots;
+        CHECK_OK(rp_stiffness_create(4, 5, bonds, &m));
+        rp_stiffness_clear(m, 0.125);
+        rp_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
+        for (size_t k = 0; k < 5; k++)         /* bond 2 is wanted, bond 4 is not */
             if (way == 0 ? k != 4 : k != 2)
-                dem_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
-                                       along[k][1] * along[k][1]);
-        CHECK_OK(dem_stiffness_factorise(m, &pivots));
+                rp_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
+                                      along[k][1] * along[k][1]);
+        CHECK_OK(rp_stiffness_factorise(m, &pivots));
         if (way == 1) {
-            CHECK_OK(dem_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
-            CHECK_OK(dem_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
+            CHECK_OK(rp_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
+            CHECK_OK(rp_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
         }
         CU_ASSERT(pivots.negative == 1 && pivots.smallest > 0);
-        CHECK_OK(dem_stiffness_solve(m, load, x[way]));
-        dem_stiffness_free(m);
+        CHECK_OK(rp_stiffness_solve(m, load, x[way]));
+        rp_stiffness_free(m);
     }
     for (size_t i = 0; i < 8; i++) product[i] = 0.125 * x[0][i] - (i == 6 ? 2 * x[0][i] : 0);
     for (size_t k = 0; k < 4; k++) {
@@ -928,33 +928,33 @@ enum { CHAIN = 40 };
 
 /* A chain of disks along y, held at its ends, with springs of stiffness `along`; all held with stiffness
  * `held`. */
-static void assemble_chain(dem_stiffness *m, const dem_pair *bonds, double along, double held)
+static void assemble_chain(rp_stiffness *m, const rp_pair *bonds, double along, double held)
 {
-    dem_stiffness_clear(m, held);
-    for (size_t k = 0; k + 1 < CHAIN; k++) dem_stiffness_add_bond(m, k, bonds[k], 0, 0, along);
-    dem_stiffness_add_site(m, 0, 0, 0, along);
-    dem_stiffness_add_site(m, CHAIN - 1, 0, 0, along);
+    rp_stiffness_clear(m, held);
+    for (size_t k = 0; k + 1 < CHAIN; k++) rp_stiffness_add_bond(m, k, bonds[k], 0, 0, along);
+    rp_stiffness_add_site(m, 0, 0, 0, along);
+    rp_stiffness_add_site(m, CHAIN - 1, 0, 0, along);
 }
 
 /* Solved with the factor of another matrix: at once if that differs by a factor only; to a tenth if it is
  * near; not if it is far, or the matrix is not positive. */
 static void test_stiffness_near(void)
 {
-    dem_pair bonds[CHAIN - 1];
+    rp_pair bonds[CHAIN - 1];
     double load[2 * CHAIN] = {0}, x[2 * CHAIN], worst = 0;
-    for (uint32_t k = 0; k + 1 < CHAIN; k++) bonds[k] = (dem_pair){k, k + 1};
+    for (uint32_t k = 0; k + 1 < CHAIN; k++) bonds[k] = (rp_pair){k, k + 1};
     for (size_t i = 0; i < CHAIN; i++) load[2 * i + 1] = i % 2 == 0;
-    dem_stiffness *m = NULL;
-    dem_pivots pivots;
+    rp_stiffness *m = NULL;
+    rp_pivots pivots;
     bool found;
-    CHECK_OK(dem_stiffness_create(CHAIN, CHAIN - 1, bonds, &m));
+    CHECK_OK(rp_stiffness_create(CHAIN, CHAIN - 1, bonds, &m));
     for (int way = 0; way < 4; way++) {
         static const double from[][2] = {{2, 0.5}, {1, 0.4}, {0, 1}, {1, 1.5}};
         static const double to[][2] = {{1, 0.25}, {1, 0.02}, {1, 1e-4}, {1, -3}};
         assemble_chain(m, bonds, from[way][0], from[way][1]);
-        CHECK_OK(dem_stiffness_factorise(m, &pivots));
+        CHECK_OK(rp_stiffness_factorise(m, &pivots));
         assemble_chain(m, bonds, to[way][0], to[way][1]);
-        CHECK_OK(dem_stiffness_solve_near(m, load, x, &found));
+        CHECK_OK(rp_stiffness_solve_near(m, load, x, &found));
         CU_ASSERT(found == (way < 2));
         double left = 0, all = 0;
         for (size_t i = 0; found && i < CHAIN; i++) {
@@ -966,7 +966,7 @@ static void test_stiffness_near(void)
         }
         CU_ASSERT(left <= (way == 0 ? 1e-24 : 0.01) * all && worst == 0);
     }
-    dem_stiffness_free(m);
+    rp_stiffness_free(m);
 }
 
 /* The pile of half the size: of k = 7 at 60 degrees that of k = 4, half way between whose disks all others
@@ -974,15 +974,15 @@ static void test_stiffness_near(void)
 static void test_half_pile(void)
 {
     heap h = make_disks(7, 60, 0);
-    dem_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
-    dem_pile_disk *half = NULL;
+    rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
+    statics_disk *half = NULL;
     size_t n_bonds, n_half;
-    CHECK_OK(dem_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
-    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CHECK_OK(statics_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
+    CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT_FATAL(n_half == 10);
     for (size_t i = 0; i < h.n; i++) {
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
-        const dem_pile_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
+        const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
         CHECK_NEAR(p->x + q->x, h.disks[i].x, 1e-14);
         CHECK_NEAR(p->y + q->y - 1, h.disks[i].y - 0.5, 1e-14);
         const double apart = hypot(p->x - q->x, p->y - q->y);
@@ -990,13 +990,13 @@ static void test_half_pile(void)
     }
     free(half);
     h.disks[9].x += 0.12;
-    CHECK_OK(dem_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT(n_half == 0 && half == NULL);
     h.disks[9].x -= 0.12;
-    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
+    CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
     CU_ASSERT(n_half == 0 && half == NULL);
     /* without the last disk of the base, the one beside it has a parent less */
-    CHECK_OK(dem_bonds_halve(h.n - 1, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT(n_half == 9);
     size_t orphans = 0;
     for (size_t i = 0; i < h.n - 1; i++) orphans += parents[i].a >= n_half || parents[i].b >= n_half;
@@ -1097,10 +1097,10 @@ static void check_summary(void)
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 && isnan(cell(&t, 0, "inner_deg")));
     CU_ASSERT(cell(&t, 0, "well") == 1 && cell(&t, 0, "mu") == 0.2 && cell(&t, 0, "set_load") == 0.25);
     CU_ASSERT(cell(&t, 0, "set_again") == 1 && cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
-    CHECK_NEAR(cell(&t, 0, "H/N_max"), sweep_heap_friction(K, N, H), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "H/N_max_diagonals"), sweep_heap_friction(K, exact_N, exact_H), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_heap_centre(K, N), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "D"), sweep_heap_dip(K, x, N), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "H/N_max"), sweep_outline_friction(K, N, H), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "H/N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_outline_centre(K, N), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "D"), sweep_outline_dip(K, x, N), ROUNDING);
     rp_table_free(&t);
     CU_ASSERT(run("--outer-deg 30 --inner-deg 45 --x1 0.38 --summary") == 0);
     t = table_of("out");
@@ -1139,19 +1139,19 @@ static void check_ensemble(void)
     enum { K = 12, PILES = 3 };
     double N[PILES][K], H[PILES][K];
     for (unsigned long p = 0; p < PILES; p++) {
-        sweep_heap h = {0};
-        dem_pile *pile = NULL;
-        dem_pile_result r;
-        dem_pile_definition def = dem_pile_definition_default();
-        CHECK_OK(sweep_heap_slope(&h, K, 0, 30 * DEG));
-        CHECK_OK(sweep_heap_disorder(&h, 1e-4, 5, p));
+        sweep_outline h = {0};
+        statics_pile *pile = NULL;
+        statics_result r;
+        statics_definition def = statics_definition_default();
+        CHECK_OK(sweep_outline_slope(&h, K, 0, 30 * DEG));
+        CHECK_OK(sweep_outline_disorder(&h, 1e-4, 5, p));
         def.n = h.n;
         def.disks = h.disks;
-        CHECK_OK(dem_pile_create(&def, &pile));
-        CHECK_OK(dem_pile_solve(pile, &r));
-        dem_pile_base(pile, NULL, N[p], H[p]);
-        dem_pile_free(pile);
-        sweep_heap_free(&h);
+        CHECK_OK(statics_create(&def, &pile));
+        CHECK_OK(statics_solve(pile, &r));
+        statics_base(pile, NULL, N[p], H[p]);
+        statics_free(pile);
+        sweep_outline_free(&h);
     }
     CU_ASSERT(run("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5") == 0);
     rp_table one = table_of("out");

@@ -3,11 +3,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "angle/angle.h"
+#include "stats/stats.h"
 #include "core/random.h"
 #include "core/table.h"
-#include "sweeps/protocol_flux.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/protocol_flux.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 static const sweep_protocol *const protocol = &sweep_protocol_flux;
@@ -214,7 +214,7 @@ static void outputs_from_series(void)
     size_t n_apart = 0;
     for (double k = (double)from; k < (double)n; k += ceil(2.0 * tau))
         apart[n_apart++] = cell(&t.series, (size_t)k, "theta_r3_deg");
-    CHECK_OK(ang_expected_maximum(n_apart, apart, 3, work, &largest));
+    CHECK_OK(stats_expected_maximum(n_apart, apart, 3, work, &largest));
     CU_ASSERT(tau > 1.0 && n_apart > 3 && largest < most);
     CHECK_NEAR(output(&t.result, "theta_max_draws_deg"), largest, round_off);
 

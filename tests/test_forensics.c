@@ -3,19 +3,20 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "angle/angle.h"
+#include "stats/stats.h"
+#include "stats/forensics.h"
 #include "core/random.h"
 #include "tests/check.h"
 
 /* A claim whose model error swamps the published one has the normal density, whatever the scale. */
 static void test_likelihood(void)
 {
-    const ang_claim value = {ANG_CLAIM_VALUE, 2.385, 1e-9}, falls = {ANG_CLAIM_SIGN, -1.0, 1e-9};
+    const stats_claim value = {STATS_CLAIM_VALUE, 2.385, 1e-9}, falls = {STATS_CLAIM_SIGN, -1.0, 1e-9};
     const double y = 3.1, se = 0.7, z = (y - value.value) / se;
-    CHECK_NEAR(ang_claims_log_likelihood(1, &value, &y, &se), -0.5 * z * z - log(se), 1e-12);
-    CHECK_NEAR(ang_claims_log_likelihood(1, &falls, &y, &se), log(0.5 * erfc(y / se / sqrt(2.0))), 1e-10);
+    CHECK_NEAR(stats_claims_log_likelihood(1, &value, &y, &se), -0.5 * z * z - log(se), 1e-12);
+    CHECK_NEAR(stats_claims_log_likelihood(1, &falls, &y, &se), log(0.5 * erfc(y / se / sqrt(2.0))), 1e-10);
     /* an exact model: the average over scales of the published error's own density, by a finer sum */
-    const ang_claim loose = {ANG_CLAIM_VALUE, 1.0, 0.5};
+    const stats_claim loose = {STATS_CLAIM_VALUE, 1.0, 0.5};
     const double exact = 0.0, off = 2.0;
     double sum = 0.0;
     const int fine = 20000;
@@ -24,7 +25,7 @@ static void test_likelihood(void)
         sum += exp(-0.5 * (off - 1.0) * (off - 1.0) / v) / sqrt(v);
     }
     /* the mid-point rule with 13 scales is good to a per cent */
-    CHECK_NEAR(ang_claims_log_likelihood(1, &loose, &off, &exact), log(sum / fine), 0.01);
+    CHECK_NEAR(stats_claims_log_likelihood(1, &loose, &off, &exact), log(sum / fine), 0.01);
 }
 
 enum { N_CLAIMS = 4, N_COMBINATIONS = 5 };
@@ -36,8 +37,8 @@ static void test_judge(void)
     const double level = 0.1;
     const int trials = check_fast() ? 60 : 400;
     double y[N_COMBINATIONS * N_CLAIMS], se[N_COMBINATIONS * N_CLAIMS];
-    ang_chance by_chance;
-    ang_agreement a[N_COMBINATIONS];
+    stats_chance by_chance;
+    stats_agreement a[N_COMBINATIONS];
     gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
     for (int c = 0; c < N_COMBINATIONS; c++)
         for (int k = 0; k < N_CLAIMS; k++) {
@@ -47,15 +48,15 @@ static void test_judge(void)
     y[2 * N_CLAIMS + 1] = NAN;
     int excluded = 0, far = 0;
     for (int t = 0; t < trials; t++) {
-        ang_claim claims[N_CLAIMS];
+        stats_claim claims[N_CLAIMS];
         double s = 0.2 * pow(10.0, gsl_rng_uniform(rng));
         for (int k = 0; k < N_CLAIMS; k++) {
             double seen = y[k] + gsl_ran_gaussian(rng, hypot(0.6 * s, 0.3));
-            claims[k] = k == 3 ? (ang_claim){ANG_CLAIM_SIGN, copysign(1.0, seen), 0.6}
-                               : (ang_claim){ANG_CLAIM_VALUE, seen, 0.6};
+            claims[k] = k == 3 ? (stats_claim){STATS_CLAIM_SIGN, copysign(1.0, seen), 0.6}
+                               : (stats_claim){STATS_CLAIM_VALUE, seen, 0.6};
         }
         CHECK_OK(
-            ang_claims_judge(N_COMBINATIONS, N_CLAIMS, claims, y, se, level, 200, 0, rng, a, &by_chance));
+            stats_claims_judge(N_COMBINATIONS, N_CLAIMS, claims, y, se, level, 200, 0, rng, a, &by_chance));
         excluded += a[0].excluded;
         far += a[1].excluded;
         CU_ASSERT(!a[2].complete && a[2].excluded && isnan(a[2].p_value));
@@ -74,21 +75,21 @@ static void test_judge(void)
  */
 static void test_chance(void)
 {
-    const ang_claim claims[2] = {{ANG_CLAIM_VALUE, 1.0, 0.5}, {ANG_CLAIM_VALUE, 1.0, 0.5}};
+    const stats_claim claims[2] = {{STATS_CLAIM_VALUE, 1.0, 0.5}, {STATS_CLAIM_VALUE, 1.0, 0.5}};
     const double y[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, se[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
-    ang_agreement a[3];
-    ang_chance by_chance;
+    stats_agreement a[3];
+    stats_chance by_chance;
     gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
-    CHECK_OK(ang_claims_judge(3, 2, claims, y, se, 0.2, 2000, 2000, rng, a, &by_chance));
+    CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 2000, 2000, rng, a, &by_chance));
     CHECK_NEAR(by_chance.mean, 3.0 * 0.8, 0.15); /* five errors of 2000 draws, the three in step */
     CHECK_NEAR(by_chance.as_many, 0.8, 0.06); /* all three pass the claims, and pass together or not at all */
-    CHECK_OK(ang_claims_judge(3, 2, claims, y, se, 0.2, 20, 0, rng, a, &by_chance));
+    CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 20, 0, rng, a, &by_chance));
     CU_ASSERT(isnan(by_chance.mean) && isnan(by_chance.as_many));
-    CU_ASSERT(ang_claims_judge(3, 0, claims, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_NO_RESULT);
-    CU_ASSERT(ang_claims_judge(3, 2, claims, y, se, 1.0, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
-    CU_ASSERT(ang_claims_judge(3, 2, claims, y, se, 0.2, 19, 0, rng, a, &by_chance) == RP_BAD_INPUT);
-    const ang_claim sure = {ANG_CLAIM_VALUE, 1.0, 0.0};
-    CU_ASSERT(ang_claims_judge(1, 1, &sure, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
+    CU_ASSERT(stats_claims_judge(3, 0, claims, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_NO_RESULT);
+    CU_ASSERT(stats_claims_judge(3, 2, claims, y, se, 1.0, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
+    CU_ASSERT(stats_claims_judge(3, 2, claims, y, se, 0.2, 19, 0, rng, a, &by_chance) == RP_BAD_INPUT);
+    const stats_claim sure = {STATS_CLAIM_VALUE, 1.0, 0.0};
+    CU_ASSERT(stats_claims_judge(1, 1, &sure, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
     gsl_rng_free(rng);
 }
 
@@ -111,7 +112,7 @@ static void test_effects(void)
     const double planted[4] = {-1.7, 0.6, 2.2, 0.05};
     size_t level[3 * N_DESIGN];
     double y[N_DESIGN], residual;
-    ang_effect e[4];
+    stats_effect e[4];
     make_design(level);
     gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
     const int trials = 400;
@@ -121,7 +122,7 @@ static void test_effects(void)
             y[i] = 18.0 + (double)level[3 * i] * planted[0] + (level[3 * i + 1] == 1) * planted[1] +
                    (level[3 * i + 1] == 2) * planted[2] + (double)level[3 * i + 2] * planted[3] +
                    (t > 0 ? gsl_ran_gaussian(rng, 0.8) : 0.0);
-        CHECK_OK(ang_effects(N_DESIGN, 3, level, n_levels, y, e, &residual));
+        CHECK_OK(stats_effects(N_DESIGN, 3, level, n_levels, y, e, &residual));
         for (int k = 0; k < 4; k++) {
             if (t == 0) CHECK_NEAR(e[k].effect, planted[k], 1e-12);
             covered += t > 0 && e[k].lo <= planted[k] && planted[k] <= e[k].hi;
@@ -137,11 +138,11 @@ static void test_effects_errors(void)
 {
     size_t level[3 * N_DESIGN];
     double y[N_DESIGN] = {0}, residual;
-    ang_effect e[4];
+    stats_effect e[4];
     make_design(level);
-    CU_ASSERT(ang_effects(5, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
+    CU_ASSERT(stats_effects(5, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
     for (size_t i = 0; i < N_DESIGN; i++) level[3 * i + 2] = level[3 * i]; /* two factors in step */
-    CU_ASSERT(ang_effects(N_DESIGN, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
+    CU_ASSERT(stats_effects(N_DESIGN, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
 }
 
 void suite_forensics(void)

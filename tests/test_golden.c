@@ -8,7 +8,7 @@
 
 #include "core/version.h"
 #include "dem/dem.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 /* The digests below belong to this RP_MODEL_VERSION, so that raising it without them fails too. */

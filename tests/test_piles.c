@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "angle/dip.h"
-#include "sweeps/heap.h"
-#include "sweeps/sweep.h"
+#include "stress/dip.h"
+#include "sweeps/driver/outline.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 static const double DEG = M_PI / 180;
@@ -27,7 +27,7 @@ static double heaped(size_t k, double s, double power)
         x[i] = 3 + 0.2 * u;
         N[i] = 1 + s * pow(fabs(u), power);
     }
-    const double D = sweep_heap_dip(k, x, N);
+    const double D = sweep_outline_dip(k, x, N);
     free(x);
     return D;
 }
@@ -67,12 +67,12 @@ static void dip_invariances(void)
         x[i] = i + 0.3 * sin(i);
         N[i] = 2 + sin(0.37 * i) + 0.01 * i;
     }
-    const double D = sweep_heap_dip(K, x, N);
+    const double D = sweep_outline_dip(K, x, N);
     for (int i = 0; i < K; i++) {
         y[i] = 7 - 0.3 * x[K - 1 - i];
         M[i] = 2 * N[K - 1 - i];
     }
-    CHECK_NEAR(sweep_heap_dip(K, y, M), D, 1e-12);
+    CHECK_NEAR(sweep_outline_dip(K, y, M), D, 1e-12);
     CU_ASSERT(fabs(D) > 0.01);
 }
 
@@ -82,21 +82,22 @@ static void dip_invariances(void)
 static void friction_and_centre(void)
 {
     const double N[] = {2, 4, 5, 0}, H[] = {-1.5, 2, -1, 0}, pushed[] = {0, 0, 0, 1e-9};
-    CU_ASSERT(sweep_heap_friction(4, N, H) == 0.75);
-    CU_ASSERT(sweep_heap_friction(1, N + 3, H) == INFINITY && sweep_heap_friction(4, N, pushed) == INFINITY);
-    CU_ASSERT(sweep_heap_centre(4, N) == 0.9 && sweep_heap_centre(3, N) == 0.8);
-    CU_ASSERT(sweep_heap_centre(1, N) == 1);
+    CU_ASSERT(sweep_outline_friction(4, N, H) == 0.75);
+    CU_ASSERT(sweep_outline_friction(1, N + 3, H) == INFINITY &&
+              sweep_outline_friction(4, N, pushed) == INFINITY);
+    CU_ASSERT(sweep_outline_centre(4, N) == 0.9 && sweep_outline_centre(3, N) == 0.8);
+    CU_ASSERT(sweep_outline_centre(1, N) == 1);
     for (long k = 2; k < 50; k += 9) {
-        sweep_heap h = {0};
+        sweep_outline h = {0};
         double exact_N[50], exact_H[50];
-        CHECK_OK(sweep_heap_slope(&h, k, 0, 0));
+        CHECK_OK(sweep_outline_slope(&h, k, 0, 0));
         for (long i = 0; i < k; i++) {
             exact_N[i] = h.exact[i].N;
             exact_H[i] = h.exact[i].H;
         }
-        CHECK_NEAR(sweep_heap_friction(h.k, exact_N, exact_H), (double)(k - 1) / (double)(k + 1) / sqrt(3),
+        CHECK_NEAR(sweep_outline_friction(h.k, exact_N, exact_H), (double)(k - 1) / (double)(k + 1) / sqrt(3),
                    1e-12);
-        sweep_heap_free(&h);
+        sweep_outline_free(&h);
     }
 }
 
@@ -105,15 +106,15 @@ static void friction_and_centre(void)
 static void sizes(void)
 {
     const double S = 0.02385;
-    sweep_heap a = {0}, b = {0};
-    CHECK_OK(sweep_heap_slope(&a, 100, 0, 50 * DEG));
-    CHECK_OK(sweep_heap_slope(&b, 100, 0, 50 * DEG));
-    CHECK_OK(sweep_heap_disorder(&a, S, 7, 3));
-    CHECK_OK(sweep_heap_disorder(&b, S, 7, 4));
+    sweep_outline a = {0}, b = {0};
+    CHECK_OK(sweep_outline_slope(&a, 100, 0, 50 * DEG));
+    CHECK_OK(sweep_outline_slope(&b, 100, 0, 50 * DEG));
+    CHECK_OK(sweep_outline_disorder(&a, S, 7, 3));
+    CHECK_OK(sweep_outline_disorder(&b, S, 7, 4));
     double sum = 0, squares = 0;
     size_t n = 0, same = 0;
     for (size_t i = 0; i < a.n; i++) {
-        const dem_pile_disk *p = &a.disks[i];
+        const statics_disk *p = &a.disks[i];
         const double z = (2 * p->r - 1) / S;
         CHECK_NEAR(p->weight, 4 * p->r * p->r, 1e-14);
         if (p->y == 0.5) {
@@ -130,10 +131,10 @@ static void sizes(void)
     CU_ASSERT(n > 3000 && same == 0);
     CHECK_NEAR(sum / (double)n, 0, 5 / sqrt((double)n));
     CHECK_NEAR(squares / (double)n, 0.9733, 5 * sqrt(2 / (double)n));
-    CHECK_OK(sweep_heap_disorder(&b, S, 7, 3)); /* drawn again */
+    CHECK_OK(sweep_outline_disorder(&b, S, 7, 3)); /* drawn again */
     for (size_t i = 0; i < a.n; i++) CU_ASSERT(a.disks[i].r == b.disks[i].r);
-    sweep_heap_free(&a);
-    sweep_heap_free(&b);
+    sweep_outline_free(&a);
+    sweep_outline_free(&b);
 }
 
 /* The base carries the weight, and nothing pushes sideways, from sizes that hardly differ to gaps and
@@ -142,20 +143,20 @@ static void unequal_piles_stand(void)
 {
     static const double S[] = {1e-6, 1e-4, 1e-2}, eps[] = {1e-4, 1e-6};
     for (int c = 0; c < (check_fast() ? 2 : 6); c++) {
-        sweep_heap h = {0};
-        CHECK_OK(sweep_heap_slope(&h, 24, 0, 30 * DEG));
-        CHECK_OK(sweep_heap_disorder(&h, S[c / 2], 1992, (unsigned long)c));
-        dem_pile_definition def = dem_pile_definition_default();
+        sweep_outline h = {0};
+        CHECK_OK(sweep_outline_slope(&h, 24, 0, 30 * DEG));
+        CHECK_OK(sweep_outline_disorder(&h, S[c / 2], 1992, (unsigned long)c));
+        statics_definition def = statics_definition_default();
         def.n = h.n;
         def.disks = h.disks;
         def.eps = eps[c % 2];
-        def.branch = DEM_BRANCH_MINIMUM;
-        dem_pile *pile = NULL;
-        dem_pile_result r;
+        def.branch = STATICS_BRANCH_MINIMUM;
+        statics_pile *pile = NULL;
+        statics_result r;
         double N[24], H[24], weight = 0, load = 0, push = 0;
-        CHECK_OK(dem_pile_create(&def, &pile));
-        CHECK_OK(dem_pile_solve(pile, &r));
-        dem_pile_base(pile, NULL, N, H);
+        CHECK_OK(statics_create(&def, &pile));
+        CHECK_OK(statics_solve(pile, &r));
+        statics_base(pile, NULL, N, H);
         for (size_t i = 0; i < h.n; i++) weight += h.disks[i].weight;
         for (size_t i = 0; i < h.k; i++) {
             load += N[i];
@@ -163,9 +164,9 @@ static void unequal_piles_stand(void)
         }
         CHECK_NEAR(load, weight, BALANCE);
         CHECK_NEAR(push, 0, BALANCE);
-        CU_ASSERT(r.fault == DEM_PILE_OK && r.negative_modes == 0 && r.residual < 1e-9);
-        dem_pile_free(pile);
-        sweep_heap_free(&h);
+        CU_ASSERT(r.fault == STATICS_OK && r.negative_modes == 0 && r.residual < 1e-9);
+        statics_free(pile);
+        sweep_outline_free(&h);
     }
 }
 
@@ -252,30 +253,30 @@ typedef struct {
     int branch;
 } pile_case;
 
-static void solve(const pile_case *c, sweep_heap *h, dem_pile **pile, dem_pile_result *r)
+static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, statics_result *r)
 {
-    *h = (sweep_heap){0};
+    *h = (sweep_outline){0};
     if (c->n_corners)
-        CHECK_OK(sweep_heap_polygon(h, 22, c->gap, c->corners, c->n_corners));
+        CHECK_OK(sweep_outline_polygon(h, 22, c->gap, c->corners, c->n_corners));
     else
-        CHECK_OK(sweep_heap_slope(h, 22, c->gap, c->alpha));
-    if (c->disorder > 0) CHECK_OK(sweep_heap_disorder(h, c->disorder, 1992, 3));
-    dem_pile_definition def = dem_pile_definition_default();
+        CHECK_OK(sweep_outline_slope(h, 22, c->gap, c->alpha));
+    if (c->disorder > 0) CHECK_OK(sweep_outline_disorder(h, c->disorder, 1992, 3));
+    statics_definition def = statics_definition_default();
     def.n = h->n;
     def.disks = h->disks;
     def.eps = c->eps;
     def.k_x = c->k_x;
-    def.well = c->well > 0 ? DEM_WELL_FRICTION : DEM_WELL_SPRING;
+    def.well = c->well > 0 ? STATICS_WELL_FRICTION : STATICS_WELL_SPRING;
     def.a = c->well;
     def.mu = c->mu;
     def.branch = c->branch;
-    CHECK_OK(dem_pile_create(&def, pile));
-    CHECK_OK(dem_pile_solve(*pile, r));
+    CHECK_OK(statics_create(&def, pile));
+    CHECK_OK(statics_solve(*pile, r));
 }
 
 /* Of the contacts that no other of one of their disks is stronger than, or weaker (sign -1): how many of them
  * are level. */
-static double level_part(size_t n, const dem_pile_contact list[], double sign)
+static double level_part(size_t n, const statics_contact list[], double sign)
 {
     size_t all = 0, level = 0;
     for (size_t i = 0; i < n; i++) {
@@ -291,7 +292,7 @@ static double level_part(size_t n, const dem_pile_contact list[], double sign)
     return (double)level / (double)all;
 }
 
-static void check_base(const pile_case *c, const sweep_heap *h, const double x[], const double N[],
+static void check_base(const pile_case *c, const sweep_outline *h, const double x[], const double N[],
                        const double H[], const sweep_result *r)
 {
     enum { K = 22 };
@@ -312,8 +313,8 @@ static void check_base(const pile_case *c, const sweep_heap *h, const double x[]
     CHECK_NEAR(output(r, "N_error_max"), gsl_stats_max(e, 1, K), BALANCE);
     CHECK_NEAR(output(r, "N_error_rms"), sqrt(gsl_stats_tss_m(e, 1, K, 0) / K), BALANCE);
     CHECK_NEAR(output(r, "thrust_ratio"), (out[1] - out[0]) / (exact_out[1] - exact_out[0]), BALANCE);
-    CHECK_NEAR(output(r, "D"), sweep_heap_dip(K, x, N), BALANCE);
-    CHECK_NEAR(output(r, "D_diagonals"), sweep_heap_dip(K, x, exact), BALANCE);
+    CHECK_NEAR(output(r, "D"), sweep_outline_dip(K, x, N), BALANCE);
+    CHECK_NEAR(output(r, "D_diagonals"), sweep_outline_dip(K, x, exact), BALANCE);
     CHECK_NEAR(output(r, "N_centre"), (N[K / 2 - 1] + N[K / 2]) / 2 / gsl_stats_max(N, 1, K), BALANCE);
     CHECK_NEAR(output(r, "N_centre_diagonals"),
                (exact[K / 2 - 1] + exact[K / 2]) / 2 / gsl_stats_max(exact, 1, K), BALANCE);
@@ -326,16 +327,16 @@ static void check_base(const pile_case *c, const sweep_heap *h, const double x[]
     CHECK_NEAR(output(r, "H_slope_ratio"), slope[0] / slope[1], BALANCE);
     CHECK_NEAR(output(r, "left_deg"), atan(2 * c->height) / DEG, BALANCE);
     CHECK_NEAR(output(r, "right_deg"), atan(2 * c->height) / DEG, BALANCE);
-    ang_base base;
-    CHECK_OK(ang_base_profile(K, x, r_disk, N, &base));
-    for (int k = 0; k < ANG_DIP_BINS; k++) {
+    stress_base base;
+    CHECK_OK(stress_base_profile(K, x, r_disk, N, &base));
+    for (int k = 0; k < STRESS_DIP_BINS; k++) {
         char name[16];
         snprintf(name, sizeof name, "n_%02d", k + 1);
         CHECK_NEAR(output(r, name), base.N[k], BALANCE);
     }
 }
 
-static void check_continuum(const pile_case *c, const sweep_heap *h, const double x[], const double N[],
+static void check_continuum(const pile_case *c, const sweep_outline *h, const double x[], const double N[],
                             const double H[], const sweep_result *r)
 {
     const an_point triangle[3] = {{0, 0}, {0.5, c->height}, {1, 0}};
@@ -389,27 +390,27 @@ static void outputs_a_second_way(void)
          1,
          0,
          1,
-         .branch = DEM_BRANCH_MINIMUM},
+         .branch = STATICS_BRANCH_MINIMUM},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const pile_case *c = &cases[i];
         sweep_result r;
-        sweep_heap h;
-        dem_pile *pile = NULL;
-        dem_pile_result solved;
+        sweep_outline h;
+        statics_pile *pile = NULL;
+        statics_result solved;
         size_t disk[22], n;
         double x[22], N[22], H[22];
-        dem_pile_contact *list;
+        statics_contact *list;
         const char *settings[10] = {"base=22"};
         memcpy(settings + 1, c->settings, sizeof c->settings);
         CHECK_OK(run(settings, 3, &r));
         CU_ASSERT_STRING_EQUAL(r.status, "ok");
         solve(c, &h, &pile, &solved);
-        dem_pile_base(pile, disk, N, H);
+        statics_base(pile, disk, N, H);
         for (size_t k = 0; k < 22; k++) x[k] = h.disks[disk[k]].x;
         check_base(c, &h, x, N, H, &r);
         check_continuum(c, &h, x, N, H, &r);
-        CHECK_OK(dem_pile_contacts(pile, &list, &n));
+        CHECK_OK(statics_contacts(pile, &list, &n));
         CHECK_NEAR(output(&r, "strongest_level"), level_part(n, list, 1), 1e-15);
         CHECK_NEAR(output(&r, "weakest_level"), level_part(n, list, -1), 1e-15);
         CU_ASSERT(output(&r, "n_disks") == (double)h.n && output(&r, "contacts") == (double)n);
@@ -418,8 +419,8 @@ static void outputs_a_second_way(void)
         CU_ASSERT(output(&r, "broken") == 0 && output(&r, "jumps") == (double)solved.jumps);
         CU_ASSERT(output(&r, "smallest_pivot") == solved.smallest_pivot && output(&r, "load") == 1);
         free(list);
-        dem_pile_free(pile);
-        sweep_heap_free(&h);
+        statics_free(pile);
+        sweep_outline_free(&h);
     }
 }
 

@@ -7,7 +7,7 @@
 #include "angle/angle.h"
 #include "core/random.h"
 #include "dem/dem.h"
-#include "dem/equilibrium.h"
+#include "statics/equilibrium.h"
 #include "dem/impact.h"
 #include "tests/check.h"
 #include "tests/property.h"
@@ -347,7 +347,7 @@ static double pair_keeps_momentum(const double x[])
 /* ---- piles of soft disks ---- */
 
 /* Strongest and weakest of those of a disk, found contact by contact. */
-static bool marks_right(const dem_pile_contact *c, size_t n)
+static bool marks_right(const statics_contact *c, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         bool strongest[2] = {true, true}, weakest[2] = {true, true};
@@ -371,30 +371,30 @@ static double pile_in_balance(const double x[])
     const double theta = asin(0.5 + 0.5 * x[2]), eps = pow(10.0, x[3]);
     long up[K_MAX];
     if (an_lattice_cut(k, theta, fmin(x[1] * M_PI / 180.0, M_PI_2 - theta), up)) return NAN;
-    dem_pile_disk disks[K_MAX * K_MAX];
+    statics_disk disks[K_MAX * K_MAX];
     double net[K_MAX * K_MAX][2] = {{0.0}}, u[2 * K_MAX * K_MAX], N[K_MAX], H[K_MAX];
     size_t n = 0, n_contacts, base[K_MAX];
     for (long s = 0; s < k; s++)
         for (long j = 0; j < up[s]; j++, n++)
-            disks[n] = (dem_pile_disk){((double)s + 0.5 * (double)j) * 2.0 * sin(theta),
-                                       0.5 + (double)j * cos(theta), 0.5, 0.5 + pick(x[4], (long)n)};
-    dem_pile_definition def = dem_pile_definition_default();
+            disks[n] = (statics_disk){((double)s + 0.5 * (double)j) * 2.0 * sin(theta),
+                                      0.5 + (double)j * cos(theta), 0.5, 0.5 + pick(x[4], (long)n)};
+    statics_definition def = statics_definition_default();
     def.n = n;
     def.disks = disks;
     def.eps = eps;
     def.k_x = 0.5 + pick(x[4], -1);
-    dem_pile *pile = NULL;
-    dem_pile_result r;
-    dem_pile_contact *c = NULL;
-    if (dem_pile_create(&def, &pile)) return NAN;
-    const rp_status status = dem_pile_solve(pile, &r);
-    if (status || dem_pile_contacts(pile, &c, &n_contacts)) {
-        dem_pile_free(pile);
+    statics_pile *pile = NULL;
+    statics_result r;
+    statics_contact *c = NULL;
+    if (statics_create(&def, &pile)) return NAN;
+    const rp_status status = statics_solve(pile, &r);
+    if (status || statics_contacts(pile, &c, &n_contacts)) {
+        statics_free(pile);
         return status == RP_NO_RESULT ? 0.0 : NAN;
     }
-    dem_pile_displacements(pile, u);
-    dem_pile_base(pile, base, N, H);
-    dem_pile_free(pile);
+    statics_displacements(pile, u);
+    statics_base(pile, base, N, H);
+    statics_free(pile);
     const bool marked = n_contacts == r.contacts && marks_right(c, n_contacts);
     for (size_t i = 0; i < n_contacts; i++) {
         const double dx = c[i].x_b - c[i].x, dy = c[i].y_b - c[i].y, length = hypot(dx, dy),

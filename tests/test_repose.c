@@ -6,8 +6,8 @@
 #include "angle/angle.h"
 #include "core/table.h"
 #include "dem/scene.h"
-#include "sweeps/box.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/box.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 /* Angles that the same numbers give by another order of additions: some ulp of 30 degrees. */

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "angle/angle.h"
+#include "stress/stress.h"
 #include "core/random.h"
 #include "dem/dem.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 static const double deg = M_PI / 180.0;
@@ -21,14 +21,14 @@ static void test_column(void)
 {
     enum { N = 9, NY = 13 };
     const double d = 0.7, weight = 1.3;
-    ang_contact c[N];
+    stress_contact c[N];
     for (int i = 0; i < N; i++) { /* grain i on the one below, the first on the floor */
         double y = (i + 0.5) * d, below = i > 0 ? y - d : 0.0;
-        c[i] = (ang_contact){0.1, y, 0.1, below, 0.0, (N - i) * weight};
+        c[i] = (stress_contact){0.1, y, 0.1, below, 0.0, (N - i) * weight};
     }
-    const ang_grid grid = {-0.37, 0.0, 0.81, N * d / NY, 1, NY};
-    ang_tensor s[NY];
-    CHECK_OK(ang_stress_cells(N, c, &grid, s));
+    const stress_grid grid = {-0.37, 0.0, 0.81, N * d / NY, 1, NY};
+    stress_tensor s[NY];
+    CHECK_OK(stress_cells(N, c, &grid, s));
     for (int j = 0; j < NY; j++) {
         /* the force through each height, averaged over the cell by a fine sum of its own */
         double lo = j * grid.dy, mean = 0.0;
@@ -49,24 +49,24 @@ static void test_hydrostatic(void)
 {
     enum { SIDE = 12 };
     const double d = 0.31, force = 2.7;
-    ang_contact c[2 * SIDE * SIDE];
+    stress_contact c[2 * SIDE * SIDE];
     size_t n = 0;
     for (int i = 0; i < SIDE; i++)
         for (int j = 0; j < SIDE; j++) {
-            c[n++] = (ang_contact){(i + 1) * d, j * d, i * d, j * d, force, 0.0};
-            c[n++] = (ang_contact){i * d, (j + 1) * d, i * d, j * d, 0.0, force};
+            c[n++] = (stress_contact){(i + 1) * d, j * d, i * d, j * d, force, 0.0};
+            c[n++] = (stress_contact){i * d, (j + 1) * d, i * d, j * d, 0.0, force};
         }
     for (int k = 0; k < 4; k++) { /* the cell's place does not matter, nor which of the two is `a` */
-        const ang_grid grid = {(2.0 + 0.237 * k) * d, (1.0 + 0.411 * k) * d, 3.0 * d, 4.0 * d, 2, 2};
-        ang_tensor s[4];
-        CHECK_OK(ang_stress_cells(n, c, &grid, s));
+        const stress_grid grid = {(2.0 + 0.237 * k) * d, (1.0 + 0.411 * k) * d, 3.0 * d, 4.0 * d, 2, 2};
+        stress_tensor s[4];
+        CHECK_OK(stress_cells(n, c, &grid, s));
         for (int m = 0; m < 4; m++) {
             CHECK_NEAR(s[m].xx, force / d, tight);
             CHECK_NEAR(s[m].yy, force / d, tight);
-            CHECK_NEAR(ang_stress_mohr(&s[m]).mobilised, 0.0, tight);
+            CHECK_NEAR(stress_mohr(&s[m]).mobilised, 0.0, tight);
         }
         for (size_t i = 0; i < n; i += 2)
-            c[i] = (ang_contact){c[i].x_b, c[i].y_b, c[i].x, c[i].y, -c[i].fx, -c[i].fy};
+            c[i] = (stress_contact){c[i].x_b, c[i].y_b, c[i].x, c[i].y, -c[i].fx, -c[i].fy};
     }
 }
 
@@ -75,7 +75,7 @@ static void test_triangle(void)
 {
     enum { K = 9 };
     const double rise = 0.5 * sqrt(3.0);
-    ang_contact c[2 * K * K];
+    stress_contact c[2 * K * K];
     double fx[K][K] = {{0.0}}, fy[K][K] = {{0.0}}; /* load on disk i of row j */
     size_t n = 0;
     for (int j = K - 1; j > 0; j--)
@@ -84,17 +84,17 @@ static void test_triangle(void)
             double down = fy[j][i] + 1.0, right = fx[j][i];
             double l = 0.5 * down / rise - right, r = 0.5 * down / rise + right;
             double x = i + 0.5 * j, y = (j + 0.5) * rise;
-            c[n++] = (ang_contact){x, y, x - 0.5, y - rise, 0.5 * l, rise * l};
-            c[n++] = (ang_contact){x, y, x + 0.5, y - rise, -0.5 * r, rise * r};
+            c[n++] = (stress_contact){x, y, x - 0.5, y - rise, 0.5 * l, rise * l};
+            c[n++] = (stress_contact){x, y, x + 0.5, y - rise, -0.5 * r, rise * r};
             fx[j - 1][i] -= 0.5 * l;
             fy[j - 1][i] += rise * l;
             fx[j - 1][i + 1] += 0.5 * r;
             fy[j - 1][i + 1] += rise * r;
         }
     /* one row of cells between the first two rows of disks */
-    const ang_grid grid = {-0.5, 0.5 * rise, 1.0, rise, K, 1};
-    ang_tensor s[K];
-    CHECK_OK(ang_stress_cells(n, c, &grid, s));
+    const stress_grid grid = {-0.5, 0.5 * rise, 1.0, rise, K, 1};
+    stress_tensor s[K];
+    CHECK_OK(stress_cells(n, c, &grid, s));
     for (int i = 0; i < K; i++) {
         an_force base;
         CHECK_OK(an_lattice_triangle(K, M_PI / 6.0, i + 1, &base));
@@ -125,7 +125,7 @@ static dem_sim *make_box(void)
     return sim;
 }
 
-static size_t read_contacts(const dem_sim *sim, ang_contact **forces)
+static size_t read_contacts(const dem_sim *sim, stress_contact **forces)
 {
     dem_contact *c = NULL;
     size_t n;
@@ -134,12 +134,12 @@ static size_t read_contacts(const dem_sim *sim, ang_contact **forces)
     CU_ASSERT_PTR_NOT_NULL_FATAL(*forces);
     for (size_t k = 0; k < n; k++) {
         double lx = c[k].x - c[k].x_b, ly = c[k].y - c[k].y_b, l = hypot(lx, ly);
-        (*forces)[k] = (ang_contact){c[k].x,
-                                     c[k].y,
-                                     c[k].x_b,
-                                     c[k].y_b,
-                                     (c[k].normal_force * lx + c[k].shear_force * ly) / l,
-                                     (c[k].normal_force * ly - c[k].shear_force * lx) / l};
+        (*forces)[k] = (stress_contact){c[k].x,
+                                        c[k].y,
+                                        c[k].x_b,
+                                        c[k].y_b,
+                                        (c[k].normal_force * lx + c[k].shear_force * ly) / l,
+                                        (c[k].normal_force * ly - c[k].shear_force * lx) / l};
     }
     free(c);
     return n;
@@ -147,7 +147,7 @@ static size_t read_contacts(const dem_sim *sim, ang_contact **forces)
 
 /* Sum over the crossings of a branch with the border of the cell [x, x + w) x [y, y + h), of force times
  * place, positive where the branch leaves on its way from b to a. */
-static void cross(const ang_contact *c, const double lo[2], const double hi[2], double moment[2][2])
+static void cross(const stress_contact *c, const double lo[2], const double hi[2], double moment[2][2])
 {
     const double from[2] = {c->x_b, c->y_b}, step[2] = {c->x - c->x_b, c->y - c->y_b}, f[2] = {c->fx, c->fy};
     for (int axis = 0; axis < 2; axis++)
@@ -169,16 +169,16 @@ static void cross(const ang_contact *c, const double lo[2], const double hi[2], 
 static void test_momentum(void)
 {
     enum { NX = 5, NY = 6 };
-    const ang_grid grid = {-0.05, -0.04, 0.37, 0.41, NX, NY};
+    const stress_grid grid = {-0.05, -0.04, 0.37, 0.41, NX, NY};
     dem_sim *sim = make_box();
-    ang_contact *c;
+    stress_contact *c;
     const size_t n = read_contacts(sim, &c);
     dem_state states[GRAINS];
-    ang_tensor s[NX * NY];
+    stress_tensor s[NX * NY];
     double total[2][2] = {{0.0}}, sum[2][2] = {{0.0}};
     CU_ASSERT_FATAL(dem_count(sim) == GRAINS);
     CHECK_OK(dem_states(sim, states));
-    CHECK_OK(ang_stress_cells(n, c, &grid, s));
+    CHECK_OK(stress_cells(n, c, &grid, s));
     /* forces reach 1e3, places 2, and some 20 terms a cell */
     const double rounding = 1e-9;
     for (int k = 0; k < NX * NY; k++) {
@@ -226,8 +226,8 @@ static void test_mohr(void)
     for (int k = 0; k < 20; k++) {
         double v[4];
         for (int i = 0; i < 4; i++) v[i] = 0.4 * gsl_rng_uniform(rng);
-        const ang_tensor s = {1.0 + v[0], v[1], v[2], 1.0 + v[3]};
-        const ang_mohr m = ang_stress_mohr(&s);
+        const stress_tensor s = {1.0 + v[0], v[1], v[2], 1.0 + v[3]};
+        const stress_circle m = stress_mohr(&s);
         double steepest = 0.0, most = 0.0, at = 0.0;
         for (int i = 0; i < 7200; i++) {
             double a = i * M_PI / 7200.0, nx = cos(a), ny = sin(a);
@@ -243,48 +243,48 @@ static void test_mohr(void)
         CHECK_NEAR(sin(m.direction - at), 0.0, 5e-4);
         CHECK_NEAR(m.couple, 0.5 * (s.xy - s.yx), tight);
     }
-    CU_ASSERT(isnan(ang_stress_mohr(&(ang_tensor){0}).mobilised));
-    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, -0.2}).mobilised, M_PI_2, 0.0);
-    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, 3.0}).mobilised, 30.0 * deg, tight);
-    CHECK_NEAR(ang_stress_mohr(&(ang_tensor){1.0, 0.0, 0.0, 3.0}).direction, M_PI_2, tight);
+    CU_ASSERT(isnan(stress_mohr(&(stress_tensor){0}).mobilised));
+    CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, -0.2}).mobilised, M_PI_2, 0.0);
+    CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).mobilised, 30.0 * deg, tight);
+    CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).direction, M_PI_2, tight);
     gsl_rng_free(rng);
 }
 
 static void test_tilts(void)
 {
     /* a block: all its weight on the floor */
-    const ang_response block = {{1.0, 0.0}, {0.0, 1.0}, {{1.0, 0.0, 0.0, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
-    CHECK_NEAR(ang_floor_tilt(&block, 0.31), atan(0.31), tight);
+    const stress_response block = {{1.0, 0.0}, {0.0, 1.0}, {{1.0, 0.0, 0.0, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
+    CHECK_NEAR(stress_floor_tilt(&block, 0.31), atan(0.31), tight);
     /* its circle: pressure 1, shear t */
-    CHECK_NEAR(ang_bulk_tilt(&block, 0.27), atan(sin(0.27)), 1e-10);
-    CHECK_NEAR(ang_bulk_mobilised(&block, 0.2), asin(tan(0.2)), tight);
+    CHECK_NEAR(stress_bulk_tilt(&block, 0.27), atan(sin(0.27)), 1e-10);
+    CHECK_NEAR(stress_bulk_mobilised(&block, 0.2), asin(tan(0.2)), tight);
     /* beyond the angle already: shear 0.5 + t comes down to it on the other side */
-    ang_response beyond = block;
+    stress_response beyond = block;
     beyond.s[0].xy = beyond.s[0].yx = 0.5;
-    CHECK_NEAR(ang_bulk_tilt(&beyond, asin(0.2)), atan(-0.3), 1e-10);
-    beyond.s[1] = (ang_tensor){0};
-    CU_ASSERT(isnan(ang_bulk_tilt(&beyond, asin(0.2))));
+    CHECK_NEAR(stress_bulk_tilt(&beyond, asin(0.2)), atan(-0.3), 1e-10);
+    beyond.s[1] = (stress_tensor){0};
+    CU_ASSERT(isnan(stress_bulk_tilt(&beyond, asin(0.2))));
     /* a wall takes part of it: friction 0.05 + 0.5 t on 0.8 - 0.1 t */
-    const ang_response walled = {.n = {0.8, -0.1}, .h = {0.05, 0.5}};
-    double t = tan(ang_floor_tilt(&walled, 0.2));
+    const stress_response walled = {.n = {0.8, -0.1}, .h = {0.05, 0.5}};
+    double t = tan(stress_floor_tilt(&walled, 0.2));
     CHECK_NEAR((0.05 + 0.5 * t) / (0.8 - 0.1 * t), 0.2, tight);
-    CU_ASSERT(isnan(ang_floor_tilt(&(ang_response){.n = {1.0, 0.0}, .h = {0.1, 0.0}}, 0.2)));
+    CU_ASSERT(isnan(stress_floor_tilt(&(stress_response){.n = {1.0, 0.0}, .h = {0.1, 0.0}}, 0.2)));
 }
 
 static void test_critical(void)
 {
     enum { N = 50, B = 400 };
     const double mu = 0.2;
-    ang_response r[N];
+    stress_response r[N];
     double theta_t[N];
-    ang_critical c;
+    stress_critical c;
     gsl_rng *rng = rp_random_alloc(1993, 4, RP_PURPOSE_TEST);
     for (int i = 0; i < N; i++) {
         double h = 0.12 + 0.04 * (gsl_rng_uniform(rng) - 0.5);
-        r[i] = (ang_response){{1.0, 0.0}, {h, 0.8}, {{1.0, 0.1, 0.1, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
-        theta_t[i] = 0.02 + ang_floor_tilt(&r[i], mu);
+        r[i] = (stress_response){{1.0, 0.0}, {h, 0.8}, {{1.0, 0.1, 0.1, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
+        theta_t[i] = 0.02 + stress_floor_tilt(&r[i], mu);
     }
-    CHECK_OK(ang_critical_tilts(N, r, theta_t, mu, B, rng, &c));
+    CHECK_OK(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c));
     CHECK_NEAR(c.floor_tilt.value, atan(0.08 / 0.8), 4.0 * 0.04 / sqrt(12.0 * N) / 0.8);
     /* h is uniform: sd 0.04/sqrt 12, over the rise; a bootstrap of 400 knows its error to 4 %, the sd to 7 %
      */
@@ -298,21 +298,21 @@ static void test_critical(void)
     CHECK_NEAR(c.bulk_friction_0.value, tan(asin(0.1)), tight);
     CHECK_NEAR(c.bulk_friction_t.value, tan(asin(0.1 + tan(c.theta_t.value))), tight);
     CHECK_NEAR(c.floor_friction_t.value, c.floor_friction_0.value + 0.8 * tan(c.theta_t.value), tight);
-    CHECK_FAILS(ang_critical_tilts(2, r, theta_t, mu, B, rng, &c), RP_NO_RESULT, "2 piles");
-    CHECK_FAILS(ang_critical_tilts(N, r, theta_t, mu, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(stress_critical_tilts(2, r, theta_t, mu, B, rng, &c), RP_NO_RESULT, "2 piles");
+    CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
     r[4].s[1].yy = NAN;
-    CHECK_FAILS(ang_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 5");
+    CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 5");
     gsl_rng_free(rng);
 }
 
 static void test_bad_grids(void)
 {
-    ang_contact c = {0.0, 1.0, 0.0, NAN, 0.0, 1.0};
-    ang_tensor s[1];
-    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 0.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "0 x 1");
-    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 1.0, 1.0, 0, 1}, s), RP_BAD_INPUT,
+    stress_contact c = {0.0, 1.0, 0.0, NAN, 0.0, 1.0};
+    stress_tensor s[1];
+    CHECK_FAILS(stress_cells(1, &c, &(stress_grid){0.0, 0.0, 0.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "0 x 1");
+    CHECK_FAILS(stress_cells(1, &c, &(stress_grid){0.0, 0.0, 1.0, 1.0, 0, 1}, s), RP_BAD_INPUT,
                 "0 x 1 cells");
-    CHECK_FAILS(ang_stress_cells(1, &c, &(ang_grid){0.0, 0.0, 1.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "contact 1");
+    CHECK_FAILS(stress_cells(1, &c, &(stress_grid){0.0, 0.0, 1.0, 1.0, 1, 1}, s), RP_BAD_INPUT, "contact 1");
 }
 
 /* ---- the protocol ---- */

@@ -16,7 +16,7 @@
 
 #include "core/random.h"
 #include "core/table.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
 /* The toy: y = x + k + noise of the run's own stream. */

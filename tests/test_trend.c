@@ -5,7 +5,7 @@
 #include <gsl/gsl_randist.h>
 #include <string.h>
 
-#include "angle/angle.h"
+#include "stats/stats.h"
 #include "core/random.h"
 #include "tests/check.h"
 
@@ -26,9 +26,9 @@ static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 1
 /* One value an x: the textbook's straight line and parabola. */
 static void test_single_values(void)
 {
-    ang_trend t;
+    stats_trend t;
     double c0, c1, v00, v01, v11, rest, chi2;
-    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 0.0, 1.0, &t));
+    CHECK_OK(stats_trend_fit(N, xs, ys, NULL, 0.0, 1.0, &t));
     gsl_fit_linear(xs, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &rest);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.slope.se, sqrt(v11), sum_error);
@@ -36,7 +36,7 @@ static void test_single_values(void)
     CHECK_NEAR(t.intercept.se, sqrt(v00), sum_error);
     CHECK_NEAR(t.slope.dof, N - 2.0, 0.0);
     CHECK_NEAR(t.change.value, 6.5 * c1, 10.0 * sum_error);
-    CHECK_NEAR(ang_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c1 / sqrt(v11), N - 2.0), sum_error);
+    CHECK_NEAR(stats_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c1 / sqrt(v11), N - 2.0), sum_error);
     gsl_matrix *terms = gsl_matrix_alloc(N, 3), *cov = gsl_matrix_alloc(3, 3);
     gsl_vector *y = gsl_vector_alloc(N), *w = gsl_vector_alloc(N), *c = gsl_vector_alloc(3);
     gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(N, 3);
@@ -50,14 +50,14 @@ static void test_single_values(void)
     gsl_multifit_linear(terms, y, c, cov, &chi2, work);
     CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
     gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
-    ang_contrast bend;
-    CHECK_OK(ang_bend(N, xs, ys, se, &bend));
+    stats_contrast bend;
+    CHECK_OK(stats_bend(N, xs, ys, se, &bend));
     CHECK_NEAR(bend.value, gsl_vector_get(c, 2), sum_error);
     CHECK_NEAR(bend.se, sqrt(gsl_matrix_get(cov, 2, 2)), sum_error);
-    CHECK_NEAR(ang_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
+    CHECK_NEAR(stats_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
     double weights[N];
     for (size_t i = 0; i < N; i++) weights[i] = xs[i] * xs[i];
-    CHECK_OK(ang_trend_fit(N, xs, ys, NULL, 2.0, 1.0, &t));
+    CHECK_OK(stats_trend_fit(N, xs, ys, NULL, 2.0, 1.0, &t));
     gsl_fit_wlinear(xs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.intercept.value, c0, sum_error);
@@ -79,11 +79,11 @@ static void test_two_x(void)
     const double pile[] = {0, 2, 7, 7, 0, 2, 5}; /* 5 has no value at x = 4 */
     const double low[] = {17.2, 16.1, 18.4, 19.3}, high[] = {18.1, 19.9, 18.8};
     const double low_paired[] = {18.4, 17.2, 16.1}, high_paired[] = {18.1, 18.8, 19.9};
-    ang_trend t;
-    ang_stats a, b, d;
-    CHECK_OK(ang_trend_fit(7, x, y, NULL, 0.0, 1.0, &t));
-    CHECK_OK(ang_mean(4, low, &a));
-    CHECK_OK(ang_mean(3, high, &b));
+    stats_trend t;
+    stats_summary a, b, d;
+    CHECK_OK(stats_trend_fit(7, x, y, NULL, 0.0, 1.0, &t));
+    CHECK_OK(stats_mean(4, low, &a));
+    CHECK_OK(stats_mean(3, high, &b));
     const double va = a.se * a.se, vb = b.se * b.se;
     CHECK_NEAR(t.change.value, b.mean - a.mean, sum_error);
     CHECK_NEAR(t.change.se, sqrt(va + vb), sum_error);
@@ -92,13 +92,13 @@ static void test_two_x(void)
     CHECK_NEAR(t.pair.value, t.change.value, sum_error);
     CHECK_NEAR(t.p_pairs, t.p_margin, sum_error);
     CU_ASSERT(t.n == 7 && t.n_x == 2 && t.from == 2.0 && t.to == 4.0 && isnan(t.bend.value));
-    CHECK_OK(ang_trend_fit(7, x, y, pile, 0.0, 1.0, &t));
-    CHECK_OK(ang_paired(3, high_paired, -1.0, low_paired, &d));
+    CHECK_OK(stats_trend_fit(7, x, y, pile, 0.0, 1.0, &t));
+    CHECK_OK(stats_paired(3, high_paired, -1.0, low_paired, &d));
     CHECK_NEAR(t.change.value, d.mean, sum_error);
     CHECK_NEAR(t.change.se, d.se, sum_error);
     CHECK_NEAR(t.change.dof, 2.0, 0.0);
     double lo, hi;
-    ang_contrast_interval(&t.change, 0.95, &lo, &hi);
+    stats_contrast_interval(&t.change, 0.95, &lo, &hi);
     CHECK_NEAR(lo, d.lo, sum_error);
     CHECK_NEAR(hi, d.hi, sum_error);
     CU_ASSERT(t.n == 6);
@@ -109,18 +109,18 @@ static void test_tost_is_interval(void)
 {
     for (double value = -2.1; value < 2.1; value += 0.0385)
         for (double dof = 2.0; dof < 40.0; dof += 7.1) {
-            const ang_contrast c = {value, 0.385, dof};
+            const stats_contrast c = {value, 0.385, dof};
             double lo, hi;
-            ang_contrast_interval(&c, 0.9, &lo, &hi);
-            CU_ASSERT((ang_contrast_p_margin(&c, 1.0) < 0.05) == (lo > -1.0 && hi < 1.0));
-            ang_contrast_interval(&c, 0.95, &lo, &hi);
-            CU_ASSERT((ang_contrast_p(&c) < 0.05) == (lo > 0.0 || hi < 0.0));
+            stats_contrast_interval(&c, 0.9, &lo, &hi);
+            CU_ASSERT((stats_contrast_p_margin(&c, 1.0) < 0.05) == (lo > -1.0 && hi < 1.0));
+            stats_contrast_interval(&c, 0.95, &lo, &hi);
+            CU_ASSERT((stats_contrast_p(&c) < 0.05) == (lo > 0.0 || hi < 0.0));
         }
-    const ang_contrast none = {0.0, 0.0, 3.0}, certain = {-1.2, 0.0, 3.0}; /* no scatter at all */
-    CHECK_NEAR(ang_contrast_p(&none), 1.0, 0.0);
-    CHECK_NEAR(ang_contrast_p_margin(&none, 1.0), 0.0, 0.0);
-    CHECK_NEAR(ang_contrast_p(&certain), 0.0, 0.0);
-    CHECK_NEAR(ang_contrast_p_margin(&certain, 1.0), 1.0, 0.0);
+    const stats_contrast none = {0.0, 0.0, 3.0}, certain = {-1.2, 0.0, 3.0}; /* no scatter at all */
+    CHECK_NEAR(stats_contrast_p(&none), 1.0, 0.0);
+    CHECK_NEAR(stats_contrast_p_margin(&none, 1.0), 0.0, 0.0);
+    CHECK_NEAR(stats_contrast_p(&certain), 0.0, 0.0);
+    CHECK_NEAR(stats_contrast_p_margin(&certain, 1.0), 1.0, 0.0);
 }
 
 enum { X = 4, PILES = 7, CASES = 1000 };
@@ -129,7 +129,7 @@ enum { BY_X, SINGLE, PAIRED, WEIGHTED, N_KINDS };
 /* One planted set: a straight line of the given change over 2..8, scatter that triples from the smallest to
  * the largest x (SINGLE: the same everywhere), and, PAIRED, piles that differ by far more. `hump` is added at
  * x = 4. */
-static void plant(gsl_rng *rng, int kind, double change, double hump, ang_trend *t)
+static void plant(gsl_rng *rng, int kind, double change, double hump, stats_trend *t)
 {
     double x[X * PILES], y[X * PILES], pile[X * PILES];
     const size_t piles = kind == SINGLE ? 2 : PILES;
@@ -143,7 +143,7 @@ static void plant(gsl_rng *rng, int kind, double change, double hump, ang_trend 
             pile[n] = (double)k;
         }
     }
-    CHECK_OK(ang_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, 1.0, t));
+    CHECK_OK(stats_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, 1.0, t));
 }
 
 static void test_coverage(void)
@@ -152,15 +152,15 @@ static void test_coverage(void)
     for (int kind = 0; kind < N_KINDS; kind++) {
         int covered[2] = {0, 0}, found = 0;
         for (int i = 0; i < CASES; i++) {
-            ang_trend t;
+            stats_trend t;
             double lo, hi;
             plant(rng, kind, 1.385, 0.0, &t);
-            ang_contrast_interval(&t.change, 0.95, &lo, &hi);
+            stats_contrast_interval(&t.change, 0.95, &lo, &hi);
             covered[0] += lo <= 1.385 * (t.to - t.from) / 6.0 && hi >= 1.385 * (t.to - t.from) / 6.0;
-            ang_contrast_interval(&t.intercept, 0.95, &lo, &hi);
+            stats_contrast_interval(&t.intercept, 0.95, &lo, &hi);
             covered[1] += lo <= 18.0 - 1.385 / 3.0 && hi >= 18.0 - 1.385 / 3.0;
             plant(rng, kind, 0.0, 0.0, &t);
-            found += ang_contrast_p(&t.change) < 0.05;
+            found += stats_contrast_p(&t.change) < 0.05;
         }
         /* PAIRED: the intercept is known through the piles' offsets only, but covered as well */
         CHECK_NEAR((double)covered[0] / CASES, 0.95, share_error(0.95, CASES));
@@ -174,11 +174,11 @@ static void test_coverage(void)
 static void test_pairs(void)
 {
     const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
-    ang_trend t;
-    CHECK_OK(ang_trend_fit(6, x, y, NULL, 0.0, 1.0, &t));
+    stats_trend t;
+    CHECK_OK(stats_trend_fit(6, x, y, NULL, 0.0, 1.0, &t));
     CHECK_NEAR(t.pair.value, -1.4, sum_error);
     CHECK_NEAR(t.pair.se, sqrt(0.02), sum_error);
-    CHECK_NEAR(t.p_pairs, ang_contrast_p_margin(&t.pair, 1.0), sum_error);
+    CHECK_NEAR(t.p_pairs, stats_contrast_p_margin(&t.pair, 1.0), sum_error);
     CU_ASSERT(t.p_pairs > 0.9 && t.p_margin < 0.05);
 }
 
@@ -189,7 +189,7 @@ static void test_tost_size(void)
     for (int kind = 0; kind < N_KINDS; kind += PAIRED) {
         int trend = 0, pairs = 0, flat = 0;
         for (int i = 0; i < CASES; i++) {
-            ang_trend t;
+            stats_trend t;
             plant(rng, kind, i % 2 ? 1.0 : -1.0, 0.0, &t);
             trend += t.p_margin < 0.05;
             plant(rng, kind, 0.0, 1.0, &t);
@@ -209,13 +209,13 @@ static void test_holm(void)
     const double p[] = {0.01, 0.04, NAN, 0.03, 0.005}, expected[] = {0.03, 0.06, NAN, 0.06, 0.02};
     const double ties[] = {0.02, 0.02, 0.9}, raised[] = {0.06, 0.06, 0.9};
     double corrected[5];
-    ang_holm(5, p, corrected);
+    stats_holm(5, p, corrected);
     for (int i = 0; i < 5; i++)
         if (i == 2)
             CU_ASSERT(isnan(corrected[i]))
         else
             CHECK_NEAR(corrected[i], expected[i], sum_error);
-    ang_holm(3, ties, corrected);
+    stats_holm(3, ties, corrected);
     for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], raised[i], sum_error);
 }
 
@@ -231,8 +231,8 @@ static void test_words(void)
                  {0.1, 0.4, 0.01, "no_dependence_within_margin"},
                  {0.1, 0.4, 0.2, "undecided"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const ang_trend t = {.change = {cases[i].change, 1.0, 9.0}, .p_margin = cases[i].p_margin};
-        CU_ASSERT_STRING_EQUAL(ang_trend_word(&t, cases[i].p, 0.05), cases[i].word);
+        const stats_trend t = {.change = {cases[i].change, 1.0, 9.0}, .p_margin = cases[i].p_margin};
+        CU_ASSERT_STRING_EQUAL(stats_trend_word(&t, cases[i].p, 0.05), cases[i].word);
     }
 }
 
@@ -241,25 +241,25 @@ static void test_trend_errors(void)
     const double twice[] = {2, 2, 4, 4}, same[] = {2, 2, 2, 2}, y[] = {1, 2, 3, 4.5}, piles[] = {0, 1, 0, 1};
     const double repeated[] = {0, 0, 0, 1}, apart[] = {0, 1, 2, 3}, bad[] = {1, INFINITY, 3, 4},
                  se[] = {1, 1, 1, 1};
-    ang_trend t;
-    ang_contrast bend;
-    CHECK_FAILS(ang_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
-    CHECK_FAILS(ang_trend_fit(0, twice, y, piles, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
-    CHECK_FAILS(ang_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
+    stats_trend t;
+    stats_contrast bend;
+    CHECK_FAILS(stats_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(stats_trend_fit(0, twice, y, piles, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(stats_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
     CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
-    CHECK_FAILS(ang_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
-    CHECK_FAILS(ang_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(ang_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
+    CHECK_FAILS(stats_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
+    CHECK_FAILS(stats_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
                 "pile 0: two values at x = 2");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(ang_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
-    CHECK_FAILS(ang_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
-    CHECK_OK(ang_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
-    CHECK_FAILS(ang_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
-    CHECK_FAILS(ang_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
-    CHECK_FAILS(ang_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
+    CHECK_FAILS(stats_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
+    CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
+    CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_OK(stats_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
+    CHECK_FAILS(stats_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
+    CHECK_FAILS(stats_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
+    CHECK_FAILS(stats_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
 }
 
 void suite_trend(void)

@@ -9,8 +9,8 @@
 
 #include "core/table.h"
 #include "dem/sim.h"
-#include "sweeps/protocol.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/protocol.h"
+#include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -9,14 +9,14 @@
 #include "analytic/analytic.h"
 #include "core/clock.h"
 #include "core/table.h"
-#include "dem/equilibrium.h"
+#include "statics/equilibrium.h"
 #include "tests/check.h"
 
 typedef struct {
     size_t n, k;
     an_force *exact; /* by diagonals alone */
     double *N, *H;
-    dem_pile_result result;
+    statics_result result;
     double seconds; /* of processor time, to make the pile and to solve it */
 } solved;
 
@@ -33,32 +33,32 @@ static solved solve(long k, double alpha_deg, double eps, double well)
     long *up = malloc(s.k * sizeof *up);
     CHECK_OK(an_lattice_cut(k, M_PI / 6, alpha_deg * M_PI / 180, up));
     for (size_t i = 0; i < s.k; i++) s.n += (size_t)up[i];
-    dem_pile_disk *disks = malloc(s.n * sizeof *disks);
+    statics_disk *disks = malloc(s.n * sizeof *disks);
     for (size_t i = 0, n = 0; i < s.k; i++)
         for (long j = 0; j < up[i]; j++)
-            disks[n++] = (dem_pile_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
+            disks[n++] = (statics_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
     s.exact = malloc(s.k * sizeof *s.exact);
     s.N = calloc(s.k, sizeof *s.N);
     s.H = calloc(s.k, sizeof *s.H);
     CHECK_OK(an_lattice_counts(k, up, M_PI / 6, s.exact));
-    dem_pile_definition def = dem_pile_definition_default();
+    statics_definition def = statics_definition_default();
     def.n = s.n;
     def.disks = disks;
     def.eps = eps;
     if (well > 0) {
-        def.well = DEM_WELL_FRICTION;
+        def.well = STATICS_WELL_FRICTION;
         def.mu = 1;
         def.a = well;
     }
-    dem_pile *pile = NULL;
+    statics_pile *pile = NULL;
     const double start = rp_cpu_clock();
-    CHECK_OK(dem_pile_create(&def, &pile));
+    CHECK_OK(statics_create(&def, &pile));
     if (pile) {
-        CHECK_OK(dem_pile_solve(pile, &s.result));
+        CHECK_OK(statics_solve(pile, &s.result));
         s.seconds = rp_cpu_clock() - start;
-        dem_pile_base(pile, NULL, s.N, s.H);
+        statics_base(pile, NULL, s.N, s.H);
     }
-    dem_pile_free(pile);
+    statics_free(pile);
     free(disks);
     free(up);
     return s;
@@ -138,7 +138,7 @@ typedef struct {
     double alpha_deg;
     size_t n;
     double seconds, memory;
-    dem_pile_result result;
+    statics_result result;
 } row;
 
 /* In a process of its own, whose peak of memory is that of this pile. */
@@ -179,7 +179,7 @@ static void table_of_sizes(void)
             n[j] = (double)r.n;
             seconds[j] = r.seconds;
             memory[j] = r.memory;
-            CU_ASSERT(r.result.fault == DEM_PILE_OK && r.result.load == 1 && r.result.negative_modes == 0);
+            CU_ASSERT(r.result.fault == STATICS_OK && r.result.load == 1 && r.result.negative_modes == 0);
         }
         char key[32];
         snprintf(key, sizeof key, "seconds_exponent_%g", alpha_deg[i]);
@@ -238,7 +238,7 @@ static void table_of_goals(void)
         for (int kind = 0; kind < (piles[i].soft ? 4 : 2); kind++) {
             const double eps = kind < 2 ? 0 : 1e-4, well = kind % 2;
             const row r = measure_median(piles[i].times, piles[i].alpha_deg, piles[i].base, eps, well);
-            CU_ASSERT(r.result.fault == DEM_PILE_OK && r.result.load == 1);
+            CU_ASSERT(r.result.fault == STATICS_OK && r.result.load == 1);
             rp_table_row_word(out, 9,
                               (double[]){r.alpha_deg, (double)r.n, eps, well, piles[i].goal, r.seconds,
                                          r.memory, (double)r.result.factored,

@@ -17,29 +17,29 @@ heap heap_solved(long k, double alpha_deg, double eps, long load_steps)
     CHECK_OK(an_lattice_cut(k, theta, alpha_deg * (M_PI / 180.0), up));
     for (long s = 0; s < k; s++) h.n += (size_t)up[s];
     h.grains = calloc(h.n, sizeof *h.grains);
-    dem_pile_disk *list = calloc(h.n, sizeof *list);
+    statics_disk *list = calloc(h.n, sizeof *list);
     size_t n = 0;
     for (long s = 0; s < k; s++)
         for (long j = 0; j < up[s]; j++, n++) {
-            list[n] = (dem_pile_disk){(double)s + 0.5 * (double)j, R + (double)j * sqrt(0.75), R, 1.0};
+            list[n] = (statics_disk){(double)s + 0.5 * (double)j, R + (double)j * sqrt(0.75), R, 1.0};
             h.grains[n] = (dem_grain){.x = list[n].x, .y = list[n].y - 1e-13, .r = R, .m = 1.0};
         }
-    dem_pile_definition def = dem_pile_definition_default();
+    statics_definition def = statics_definition_default();
     def.n = h.n;
     def.disks = list;
     def.eps = eps;
-    def.well = DEM_WELL_FRICTION;
+    def.well = STATICS_WELL_FRICTION;
     def.mu = MU;
     def.a = WELL;
     def.load_steps = load_steps;
-    CHECK_OK(dem_pile_create(&def, &h.pile));
-    CHECK_OK(dem_pile_solve(h.pile, &h.result));
+    CHECK_OK(statics_create(&def, &h.pile));
+    CHECK_OK(statics_solve(h.pile, &h.result));
     CU_ASSERT(h.result.wells == h.k && h.result.broken == 0 && h.result.negative_modes == 0);
     h.N = calloc(h.k, sizeof *h.N);
     h.H = calloc(h.k, sizeof *h.H);
     h.u = calloc(2 * h.n, sizeof *h.u);
-    dem_pile_base(h.pile, NULL, h.N, h.H);
-    dem_pile_displacements(h.pile, h.u);
+    statics_base(h.pile, NULL, h.N, h.H);
+    statics_displacements(h.pile, h.u);
     free(list);
     free(up);
     return h;
@@ -47,7 +47,7 @@ heap heap_solved(long k, double alpha_deg, double eps, long load_steps)
 
 void heap_free(heap *h)
 {
-    dem_pile_free(h->pile);
+    statics_free(h->pile);
     free(h->grains), free(h->N), free(h->H), free(h->u);
 }
 

@@ -4,14 +4,14 @@
 #define HEAP_H
 
 #include "dem/dem.h"
-#include "dem/equilibrium.h"
+#include "statics/equilibrium.h"
 
 typedef struct {
     size_t n, k; /* disks; in the base */
     double eps;
-    dem_grain *grains; /* so deep in the ground that the base has its wells from the start */
-    dem_pile *pile;    /* at its equilibrium */
-    dem_pile_result result;
+    dem_grain *grains;  /* so deep in the ground that the base has its wells from the start */
+    statics_pile *pile; /* at its equilibrium */
+    statics_result result;
     double *N, *H, *u;
 } heap;
 

@@ -290,10 +290,10 @@ static heap_difference compare(const heap *h, const dem_sim *sim)
 {
     heap_difference d = {0};
     dem_contact *list;
-    dem_pile_contact *solved;
+    statics_contact *solved;
     size_t n, m, base = 0;
     CHECK_OK(dem_contacts(sim, &list, &n));
-    CHECK_OK(dem_pile_contacts(h->pile, &solved, &m));
+    CHECK_OK(statics_contacts(h->pile, &solved, &m));
     qsort(list, n, sizeof *list, by_id);
     double *force = calloc(h->n * h->n, sizeof *force);
     for (size_t k = 0; k < m; k++) force[solved[k].a * h->n + solved[k].b] = solved[k].force;

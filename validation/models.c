@@ -6,7 +6,7 @@
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "dem/dem.h"
-#include "dem/equilibrium.h"
+#include "statics/equilibrium.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
@@ -245,29 +245,29 @@ static void static_piles(void)
     for (int b = 0; b < (check_fast() ? 4 : check_full() ? 8 : 6); b++) {
         const long k = bases[b];
         const size_t n = (size_t)(k * (k + 1) / 2);
-        dem_pile_disk *disks = calloc(n, sizeof *disks);
+        statics_disk *disks = calloc(n, sizeof *disks);
         double *N = calloc((size_t)k, sizeof *N), *H = calloc((size_t)k, sizeof *H);
         size_t at = 0;
         for (long i = 0; i < k; i++)
             for (long j = 0; j < k - i; j++)
                 disks[at++] =
-                    (dem_pile_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
-        dem_pile_definition def = dem_pile_definition_default();
+                    (statics_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
+        statics_definition def = statics_definition_default();
         def.n = n;
         def.disks = disks;
         def.eps = 0.0;
-        dem_pile *pile = NULL;
-        dem_pile_result result;
-        CHECK_OK(dem_pile_create(&def, &pile));
-        CHECK_OK(dem_pile_solve(pile, &result));
-        dem_pile_base(pile, NULL, N, H);
+        statics_pile *pile = NULL;
+        statics_result result;
+        CHECK_OK(statics_create(&def, &pile));
+        CHECK_OK(statics_solve(pile, &result));
+        statics_base(pile, NULL, N, H);
         for (long i = 0; i < k; i++) {
             an_force exact;
             CHECK_OK(an_lattice_triangle(k, M_PI / 6.0, i + 1, &exact));
             case_near(&static_problem, "N", exact.N, N[i], 1e-14 * (double)n, "base=%ld disk=%ld", k, i + 1);
             case_near(&static_problem, "H", exact.H, H[i], 1e-14 * (double)n, "base=%ld disk=%ld", k, i + 1);
         }
-        dem_pile_free(pile);
+        statics_free(pile);
         free(disks);
         free(N);
         free(H);

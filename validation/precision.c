@@ -96,9 +96,10 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
 {
     FILE *out = check_table(name);
     if (!out) return;
-    rp_table_note(out, "seconds",
-                  "processor time, least of several (of one where that takes 0.5 s or more); front: nothing is "
-                  "as quick and better");
+    rp_table_note(
+        out, "seconds",
+        "processor time, least of several (of one where that takes 0.5 s or more); front: nothing is "
+        "as quick and better");
     note_cheapest(out, o, setting);
     rp_table_columns(
         out, 5,
@@ -546,10 +547,7 @@ static void static_piles(void)
                   60.0,
                   {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 256000, 1e-6},
                    {"implicit", DEM_IMPLICIT, 4.0, 1.0, 500, 256, INFINITY}}},
-                 {"5490",
-                  180,
-                  30.0,
-                  {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 128000, 1e-5}}}};
+                 {"5490", 180, 30.0, {{"verlet", DEM_VERLET, 2.0, 0.2, 40000, 128000, 1e-5}}}};
     outcomes o = {0};
     const size_t first = check_full() ? 1 : 0, last = check_full() ? 3 : 1;
     for (size_t k = first; k < last; k++) {

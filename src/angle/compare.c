@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "angle/angle.h"
+#include "stats/stats.h"
 
 /* Running variance (Welford). */
 typedef struct {
@@ -83,9 +84,9 @@ rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], 
     ang_comparison *c = comparison;
     *c = (ang_comparison){0};
     rp_status status = ang_marginal(mu, phi, &c->theta_ms, NULL);
-    if (!status) status = ang_mean(n, theta_r, &c->theta_r);
-    if (!status) status = ang_mean(n, theta_t, &c->theta_t);
-    if (!status) status = ang_paired(n, theta_r, 1.0, theta_t, &c->theta_rt);
+    if (!status) status = stats_mean(n, theta_r, &c->theta_r);
+    if (!status) status = stats_mean(n, theta_t, &c->theta_t);
+    if (!status) status = stats_paired(n, theta_r, 1.0, theta_t, &c->theta_rt);
     if (!status) status = central_values(mu, phi, c);
     if (!status && n_resamples < 2)
         status = rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "angle/angle.h"
+#include "stats/stats.h"
 #include "cli/cli.h"
 #include "cli/cmd_angle.h"
 #include "core/random.h"
@@ -462,16 +463,16 @@ static const cli_command phi_command = {
 
 /* The measured angle that an equation is fitted to, the mean over piles, and what the equation gives for phi.
  */
-static rp_status angles_of(const ang_piles *piles, ang_against against, double phi_all, ang_stats *measured,
-                           double given[2])
+static rp_status angles_of(const ang_piles *piles, ang_against against, double phi_all,
+                           stats_summary *measured, double given[2])
 {
     const bool marginal = against == ANG_AGAINST_MARGINAL;
     const double phis[2] = {phi_all, 60.0 * deg};
-    ang_stats theta_r;
-    rp_status status = ang_mean(piles->n, piles->theta_r, &theta_r);
+    stats_summary theta_r;
+    rp_status status = stats_mean(piles->n, piles->theta_r, &theta_r);
     if (!status)
-        status = ang_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0, marginal ? piles->theta_r : NULL,
-                            measured);
+        status = stats_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0,
+                              marginal ? piles->theta_r : NULL, measured);
     for (int i = 0; i < 2 && !status; i++) {
         ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
         ang_tilt_result tilt;
@@ -485,7 +486,7 @@ static rp_status angles_of(const ang_piles *piles, ang_against against, double p
 static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
                            const ang_phi *fit, double phi_all)
 {
-    ang_stats measured = {0, NAN, NAN, NAN, NAN, NAN};
+    stats_summary measured = {0, NAN, NAN, NAN, NAN, NAN};
     double given[2] = {NAN, NAN};
     int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
     rp_status status = RP_OK;
@@ -659,8 +660,8 @@ static rp_status sort_points(size_t n, size_t used, double *block)
 }
 
 typedef struct {
-    ang_line line;
-    ang_contrast bend;
+    stats_line line;
+    stats_contrast bend;
     double p_bend;
 } prefix_fit;
 
@@ -669,10 +670,10 @@ static rp_status fit_prefixes(size_t n, const double x[], const double y[], cons
                               prefix_fit fits[])
 {
     for (size_t k = 0; k + 3 <= n; k++) {
-        rp_status status = ang_line_fit(k + 3, x, y, se, false, &fits[k].line);
-        if (!status) status = ang_bend(k + 3, x, y, se, &fits[k].bend);
+        rp_status status = stats_line_fit(k + 3, x, y, se, false, &fits[k].line);
+        if (!status) status = stats_bend(k + 3, x, y, se, &fits[k].bend);
         if (status) return status;
-        fits[k].p_bend = ang_contrast_p(&fits[k].bend);
+        fits[k].p_bend = stats_contrast_p(&fits[k].bend);
     }
     return RP_OK;
 }
@@ -701,8 +702,8 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
         rp_table_columns(stdout, N_OF(columns), columns);
     }
     for (size_t k = 0; k + 3 <= n && !status; k++) {
-        const ang_line *l = &fits[k].line;
-        const ang_contrast *bend = &fits[k].bend;
+        const stats_line *l = &fits[k].line;
+        const stats_contrast *bend = &fits[k].bend;
         rp_table_row_word(stdout, N_OF(columns) - 1,
                           (double[]){x[k + 2], (double)l->n, l->slope, l->slope_se, l->intercept,
                                      l->intercept_se, l->chi2, (double)l->dof, l->p_value, bend->value,
@@ -720,14 +721,14 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
         {"intercept_se", "y"}, {"covariance", "y^2/x"}, {"chi2", ""},
         {"dof", ""},           {"p_value", ""},         {"n", ""},
         {"line", ""}};
-    ang_line lines[2];
+    stats_line lines[2];
     for (int i = 0; i < 2; i++) {
-        rp_status status = ang_line_fit(n, x, y, se, i == 1, &lines[i]);
+        rp_status status = stats_line_fit(n, x, y, se, i == 1, &lines[i]);
         if (status) return status;
     }
     rp_table_columns(stdout, N_OF(columns), columns);
     for (int i = 0; i < 2; i++) {
-        const ang_line *l = &lines[i];
+        const stats_line *l = &lines[i];
         rp_table_row_word(stdout, N_OF(columns) - 1,
                           (double[]){l->slope, l->slope_se, l->intercept, l->intercept_se, l->covariance,
                                      l->chi2, (double)l->dof, l->p_value, (double)l->n},
@@ -797,18 +798,18 @@ static rp_status print_maximum(size_t n, const double v[], double work[], const 
 {
     static const char *const columns[][2] = {{"n", ""},     {"mean", ""},    {"sd", ""},
                                              {"draws", ""}, {"maximum", ""}, {"maximum_se", ""}};
-    ang_stats stats, resampled;
+    stats_summary stats, resampled;
     double largest, *sample = work + n, *maxima = sample + n;
-    rp_status status = ang_mean(n, v, &stats);
-    if (!status) status = ang_expected_maximum(n, v, (size_t)o->draws, work, &largest);
+    rp_status status = stats_mean(n, v, &stats);
+    if (!status) status = stats_expected_maximum(n, v, (size_t)o->draws, work, &largest);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "maximum: out of memory");
     for (long b = 0; !status && b < o->bootstrap; b++) {
         for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
-        status = ang_expected_maximum(n, sample, (size_t)o->draws, work, &maxima[b]);
+        status = stats_expected_maximum(n, sample, (size_t)o->draws, work, &maxima[b]);
     }
     if (rng) gsl_rng_free(rng);
-    if (!status) status = ang_mean((size_t)o->bootstrap, maxima, &resampled);
+    if (!status) status = stats_mean((size_t)o->bootstrap, maxima, &resampled);
     if (status) return status;
     rp_table_columns(stdout, N_OF(columns), columns);
     rp_table_row(stdout, N_OF(columns),

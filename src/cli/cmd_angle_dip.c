@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "angle/dip.h"
+#include "stress/dip.h"
 #include "cli/cli.h"
 #include "cli/cmd_angle.h"
 #include "core/random.h"
@@ -52,7 +52,7 @@ static const cli_command command = {
     1};
 
 /* Profile of the continuum triangle of slope alpha, eqs (50), (54), over its own B. */
-static rp_status triangle_profile(double alpha, double N[ANG_DIP_BINS])
+static rp_status triangle_profile(double alpha, double N[STRESS_DIP_BINS])
 {
     enum { POINTS = 2000 };
     static double x[POINTS], r[POINTS], pressure[POINTS];
@@ -64,35 +64,35 @@ static rp_status triangle_profile(double alpha, double N[ANG_DIP_BINS])
         if (status) return status;
         pressure[i] = force.N;
     }
-    ang_base base;
-    rp_status status = ang_base_profile(POINTS, x, r, pressure, &base);
-    for (int k = 0; k < ANG_DIP_BINS && !status; k++) N[k] = base.N[k];
+    stress_base base;
+    rp_status status = stress_base_profile(POINTS, x, r, pressure, &base);
+    for (int k = 0; k < STRESS_DIP_BINS && !status; k++) N[k] = base.N[k];
     return status;
 }
 
-enum { LEFT = ANG_DIP_BINS, RIGHT, COLUMNS };
+enum { LEFT = STRESS_DIP_BINS, RIGHT, COLUMNS };
 
 /* Profiles of the rows that count, one after the other, and what each has without a dip. */
 static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
 {
 #define NAME(k) "n_" #k,
-    static const char *const columns_of[COLUMNS] = {ANG_DIP_BIN_LIST(NAME) "left_deg", "right_deg"};
+    static const char *const columns_of[COLUMNS] = {STRESS_DIP_BIN_LIST(NAME) "left_deg", "right_deg"};
 #undef NAME
     int columns[COLUMNS], status_column;
     double *block = NULL;
     *n = 0;
-    *profiles = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **profiles);
-    *without = malloc((t->n_rows + 1) * ANG_DIP_BINS * sizeof **without);
+    *profiles = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **profiles);
+    *without = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **without);
     if (!*profiles || !*without) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
     rp_status status = cli_find_columns(t, COLUMNS, columns_of, columns);
     if (!status) status = cli_find_columns(t, 1, (const char *const[]){"status"}, &status_column);
     if (!status) status = cli_read_columns(t, COLUMNS, columns, 1, &block);
     for (size_t i = 0; i < t->n_rows && !status; i++) {
         if (strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") != 0) continue;
-        double *N = *profiles + *n * ANG_DIP_BINS, *flat = *without + *n * ANG_DIP_BINS;
+        double *N = *profiles + *n * STRESS_DIP_BINS, *flat = *without + *n * STRESS_DIP_BINS;
         const double slope = 0.5 * (block[LEFT * t->n_rows + i] + block[RIGHT * t->n_rows + i]);
         if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
-        for (size_t k = 0; k < ANG_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
+        for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
         if (against == TRIANGLE) status = triangle_profile(slope * (M_PI / 180), flat);
         if (status) rp_prefix(status, "%s:%zu: ", t->path, t->lines[i]);
         ++*n;
@@ -101,7 +101,7 @@ static rp_status read_profiles(const rp_table *t, int against, double **profiles
     return status;
 }
 
-static const char *verdict(const ang_dips *d, double level)
+static const char *verdict(const stress_dips *d, double level)
 {
     const bool differs = d->p_value < level, within = d->p_margin < level;
     if (!differs) return within ? "none_within_margin" : "undecided";
@@ -109,7 +109,7 @@ static const char *verdict(const ang_dips *d, double level)
     return within ? "peak_within_margin" : "peak";
 }
 
-static void print_dip(const ang_dips *d, double raw, const options *o)
+static void print_dip(const stress_dips *d, double raw, const options *o)
 {
     static const char *const columns[][2] = {
         {"n", ""},       {"D_raw", ""}, {"D_reference", ""}, {"D", ""},       {"D_se", ""},
@@ -127,25 +127,25 @@ static void print_dip(const ang_dips *d, double raw, const options *o)
                       verdict(d, o->level));
 }
 
-static void print_profile(const ang_dips *d)
+static void print_profile(const stress_dips *d)
 {
     static const char *const columns[][2] = {{"distance", "B"}, {"N", "mean"}, {"N_se", "mean"}};
     rp_table_columns(stdout, N_OF(columns), columns);
-    for (int k = 0; k < ANG_DIP_BINS / 2; k++)
-        rp_table_row(stdout, 3, (double[]){(k + 0.5) / ANG_DIP_BINS, d->N[k], d->N_se[k]});
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
+        rp_table_row(stdout, 3, (double[]){(k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]});
 }
 
 /* D is linear in the profile: that of the excess over a profile without dip, about the same mean of 1. */
 static rp_status measure(const options *o, size_t n, double profiles[], const double without[], double *raw,
-                         ang_dips *dips)
+                         stress_dips *dips)
 {
     double *means = malloc((size_t)o->resamples * sizeof *means);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     rp_status status = means && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "dip: out of memory");
     *raw = 0.0;
-    for (size_t i = 0; i < n; i++) *raw += ang_dip(profiles + i * ANG_DIP_BINS) / (double)n;
-    for (size_t k = 0; k < n * ANG_DIP_BINS && !o->profile; k++) profiles[k] += 1.0 - without[k];
-    if (!status) status = ang_dip_ensemble(n, profiles, o->margin, (size_t)o->resamples, rng, means, dips);
+    for (size_t i = 0; i < n; i++) *raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
+    for (size_t k = 0; k < n * STRESS_DIP_BINS && !o->profile; k++) profiles[k] += 1.0 - without[k];
+    if (!status) status = stress_dip_ensemble(n, profiles, o->margin, (size_t)o->resamples, rng, means, dips);
     if (rng) gsl_rng_free(rng);
     free(means);
     return status;
@@ -156,7 +156,7 @@ static rp_status dip_of_table(rp_table *table, const void *values)
     const options *o = values;
     double *profiles = NULL, *without = NULL, raw;
     size_t n;
-    ang_dips dips;
+    stress_dips dips;
     rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
     if (!status) {
         status = measure(o, n, profiles, without, &raw, &dips);

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "angle/angle.h"
+#include "stats/stats.h"
+#include "stress/stress.h"
 #include "cli/cli.h"
 #include "cli/cmd_angle.h"
 #include "core/random.h"
@@ -55,7 +57,7 @@ static const cli_command stress_command = {"angle stress",
 /* One pile out of its tables. */
 typedef struct {
     size_t n, n_grains;
-    ang_contact *contacts;
+    stress_contact *contacts;
     bool *floor;                /* is it one with the floor? */
     double *grains, *x, *y, *m; /* of the grains: columns of one block */
 } pile;
@@ -102,7 +104,7 @@ static rp_status pile_read(const char *prefix, pile *p)
         const double fn = v[6 * n], fs = v[7 * n];
         if (!(l > 0.0)) status = rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
         /* normal from b to a; shear along the normal turned clockwise */
-        p->contacts[k] = (ang_contact){
+        p->contacts[k] = (stress_contact){
             v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
         p->floor[k] = v[0] == 0.0 && v[n] == 1.0;
     }
@@ -122,14 +124,14 @@ static rp_status print_field(size_t n, const pile piles[], const stress_options 
     double top = 0.0;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < piles[i].n_grains; k++) top = fmax(top, piles[i].y[k]);
-    ang_grid g = {.nx = (size_t)fmax(round(o->width / o->cell), 1.0)};
+    stress_grid g = {.nx = (size_t)fmax(round(o->width / o->cell), 1.0)};
     g.dx = g.dy = o->width / (double)g.nx;
     g.ny = (size_t)ceil(top / g.dy) + 1;
     const size_t cells = g.nx * g.ny;
-    ang_tensor *sum = calloc(2 * cells, sizeof *sum), *one = sum + cells;
+    stress_tensor *sum = calloc(2 * cells, sizeof *sum), *one = sum + cells;
     rp_status status = sum ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu cells: out of memory", cells);
     for (size_t i = 0; i < n && !status; i++) {
-        status = ang_stress_cells(piles[i].n, piles[i].contacts, &g, one);
+        status = stress_cells(piles[i].n, piles[i].contacts, &g, one);
         for (size_t k = 0; k < cells && !status; k++) {
             sum[k].xx += one[k].xx / (double)n;
             sum[k].xy += one[k].xy / (double)n;
@@ -139,7 +141,7 @@ static rp_status print_field(size_t n, const pile piles[], const stress_options 
     }
     if (!status) rp_table_columns(stdout, N_OF(columns), columns);
     for (size_t k = 0; k < cells && !status; k++) {
-        const ang_mohr m = ang_stress_mohr(&sum[k]);
+        const stress_circle m = stress_mohr(&sum[k]);
         rp_table_row(stdout, N_OF(columns),
                      (double[]){((double)(k % g.nx) + 0.5) * g.dx / o->width,
                                 ((double)(k / g.nx) + 0.5) * g.dy / o->width, sum[k].xx, sum[k].xy, sum[k].yx,
@@ -162,7 +164,7 @@ static void add_columns(const pile *p, const stress_options *o, double size, siz
         if (at >= 0.0 && at < (double)n) columns[(size_t)at].weight += p->m[k] * o->g;
     }
     for (size_t k = 0; k < p->n; k++) {
-        const ang_contact *c = &p->contacts[k];
+        const stress_contact *c = &p->contacts[k];
         const double a = floor(c->x / size), b = floor(c->x_b / size);
         const bool in_a = a >= 0.0 && a < (double)n, wall = c->x_b <= 0.0;
         if (p->floor[k] && in_a) {
@@ -219,7 +221,7 @@ static rp_status print_base(size_t n, const pile piles[], const stress_options *
     }
     for (size_t j = 0; j < cells && !status; j++) {
         double weight = 0.0, through = 0.0;
-        ang_stats normal, along;
+        stats_summary normal, along;
         for (size_t i = 0; i < n; i++) {
             const column *c = &all[i * cells + j];
             forces[i] = c->n / size;
@@ -227,8 +229,8 @@ static rp_status print_base(size_t n, const pile piles[], const stress_options *
             weight += c->weight / (size * (double)n);
             through += c->through / (size * (double)n);
         }
-        status = ang_mean(n, forces, &normal);
-        if (!status) status = ang_mean(n, forces + n, &along);
+        status = stats_mean(n, forces, &normal);
+        if (!status) status = stats_mean(n, forces + n, &along);
         const double t = tan(theta), k = tan(o->phi_deg * deg) * tan(o->phi_deg * deg);
         const double by_rays = weight / (1.0 - t * t / k);
         if (!status)
@@ -295,7 +297,7 @@ static const cli_command critical_command = {
     1,
     1};
 
-enum { COLUMN_MU, COLUMN_T, COLUMN_RESPONSE, N_RESPONSE = sizeof(ang_response) / sizeof(double) };
+enum { COLUMN_MU, COLUMN_T, COLUMN_RESPONSE, N_RESPONSE = sizeof(stress_response) / sizeof(double) };
 static const char *const run_columns[] = {"mu",    "theta_t_displacement_deg",
                                           "n_0",   "n_1",
                                           "h_0",   "h_1",
@@ -311,7 +313,7 @@ static void print_critical_header(void)
         bool angle;
     } list[] = {
 #define X(name, angle) {#name, angle},
-        ANG_CRITICAL_LIST(X)
+        STRESS_CRITICAL_LIST(X)
 #undef X
     };
     static const char *const parts[] = {"", "_se", "_lo", "_hi"};
@@ -326,7 +328,7 @@ static void print_critical_header(void)
     rp_table_columns(stdout, N_OF(columns), (const char *const(*)[2])columns);
 }
 
-static void print_critical(double mu, size_t n, const ang_critical *c)
+static void print_critical(double mu, size_t n, const stress_critical *c)
 {
     double v[2 + sizeof *c / sizeof(double)] = {mu, (double)n};
     size_t used = 2;
@@ -335,7 +337,7 @@ static void print_critical(double mu, size_t n, const ang_critical *c)
     v[used++] = c->name.se / (angle ? deg : 1.0);                                                            \
     v[used++] = c->name.lo / (angle ? deg : 1.0);                                                            \
     v[used++] = c->name.hi / (angle ? deg : 1.0);
-    ANG_CRITICAL_LIST(X)
+    STRESS_CRITICAL_LIST(X)
 #undef X
     rp_table_row(stdout, used, v);
 }
@@ -343,7 +345,7 @@ static void print_critical(double mu, size_t n, const ang_critical *c)
 /* A run that counts. */
 typedef struct {
     double mu, theta_t;
-    ang_response response;
+    stress_response response;
 } pile_run;
 
 static int by_mu(const void *a, const void *b)
@@ -355,17 +357,17 @@ static int by_mu(const void *a, const void *b)
 static rp_status critical_groups(size_t n, const pile_run runs[], const critical_options *o)
 {
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    ang_response *responses = malloc((n + 1) * sizeof *responses);
+    stress_response *responses = malloc((n + 1) * sizeof *responses);
     double *theta_t = malloc((n + 1) * sizeof *theta_t);
     rp_status status = rng && responses && theta_t ? RP_OK : rp_fail(RP_NO_MEMORY, "critical: out of memory");
     for (size_t first = 0, end; first < n && !status; first = end) {
-        ang_critical critical;
+        stress_critical critical;
         for (end = first; end < n && runs[end].mu == runs[first].mu; end++) {
             responses[end - first] = runs[end].response;
             theta_t[end - first] = runs[end].theta_t;
         }
-        status = ang_critical_tilts(end - first, responses, theta_t, runs[first].mu, (size_t)o->bootstrap,
-                                    rng, &critical);
+        status = stress_critical_tilts(end - first, responses, theta_t, runs[first].mu, (size_t)o->bootstrap,
+                                       rng, &critical);
         if (status)
             rp_prefix(status, "mu = %g: ", runs[first].mu);
         else

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "angle/angle.h"
+#include "stats/stats.h"
 #include "cli/cli.h"
 #include "cli/cmd_angle.h"
 
@@ -224,11 +224,11 @@ static double unscaled(int scale, double u)
     return scale == SCALE_LOG ? pow(10.0, u) : scale == SCALE_INVERSE ? 1.0 / u : u;
 }
 
-static void print_trend(const ang_trend *t, size_t n_rows, double p_holm, const options *o)
+static void print_trend(const stats_trend *t, size_t n_rows, double p_holm, const options *o)
 {
     double lo[2], hi[2];
-    ang_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
-    ang_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
+    stats_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
+    stats_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
     rp_table_row_word(stdout, N_OF(trend_columns),
                       (double[]){(double)t->n,
                                  (double)(n_rows - t->n),
@@ -242,29 +242,29 @@ static void print_trend(const ang_trend *t, size_t n_rows, double p_holm, const 
                                  t->change.se,
                                  lo[0],
                                  hi[0],
-                                 ang_contrast_p(&t->change),
+                                 stats_contrast_p(&t->change),
                                  p_holm,
                                  t->bend.value,
                                  t->bend.se,
-                                 ang_contrast_p(&t->bend),
+                                 stats_contrast_p(&t->bend),
                                  lo[1],
                                  hi[1],
                                  t->p_margin,
                                  t->pair.value,
                                  t->pair.se,
                                  t->p_pairs},
-                      isnan(p_holm) ? "no_result" : ang_trend_word(t, p_holm, o->level));
+                      isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level));
 }
 
-static void print_size(const ang_trend *t, double p_holm)
+static void print_size(const stats_trend *t, double p_holm)
 {
     double lo[2], hi[2];
-    ang_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
-    ang_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
+    stats_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
+    stats_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
     rp_table_row_word(stdout, N_OF(size_columns),
                       (double[]){(double)t->n, (double)t->n_x, 1.0 / t->to, 1.0 / t->from, t->intercept.value,
                                  t->intercept.se, lo[0], hi[0], t->slope.value, t->slope.se, lo[1], hi[1],
-                                 ang_contrast_p(&t->slope), p_holm, ang_contrast_p(&t->bend)},
+                                 stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend)},
                       isnan(p_holm) ? "no_result" : "ok");
 }
 
@@ -285,23 +285,23 @@ static void print_header(const rows *r, const options *o, bool size)
 
 static rp_status fit_groups(const rows *r, const options *o, bool size)
 {
-    ang_trend *trends = malloc((r->n_groups + 1) * sizeof *trends);
+    stats_trend *trends = malloc((r->n_groups + 1) * sizeof *trends);
     double *p = malloc((2 * r->n_groups + 1) * sizeof *p);
     rp_status status = trends && p ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory"), group = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < r->n_groups && !status; g++) {
         const size_t first = r->first[g];
-        group = ang_trend_fit(r->first[g + 1] - first, r->x + first, r->y + first,
-                              r->pile ? r->pile + first : NULL, size ? -o->power : o->power, o->margin,
-                              &trends[g]);
+        group = stats_trend_fit(r->first[g + 1] - first, r->x + first, r->y + first,
+                                r->pile ? r->pile + first : NULL, size ? -o->power : o->power, o->margin,
+                                &trends[g]);
         with_result += group == RP_OK;
-        p[g] = group ? NAN : ang_contrast_p(&trends[g].change);
+        p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
             status = rp_prefix(group, "%s%s", r->words[g], grouped(o) ? ": " : "");
     }
     if (!status && with_result == 0) status = r->n_groups ? group : rp_fail(RP_NO_RESULT, "no rows");
     if (!status) {
-        ang_holm(r->n_groups, p, p + r->n_groups);
+        stats_holm(r->n_groups, p, p + r->n_groups);
         print_header(r, o, size);
     }
     for (size_t g = 0; g < r->n_groups && !status; g++) {

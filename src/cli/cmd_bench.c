@@ -43,13 +43,16 @@ static const rp_param options[] = {
 
 static const cli_command command = {
     "bench",
-    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps N] "
+    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps "
+    "N] "
     "[--kernel NAME] [--repeat N] [-o TABLE]",
     "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
     "and time the simulator on one core: million particle-steps a second of processor time, the best and "
     "the\n"
-    "median of some runs. A further run, with clocks around its phases, which then come one after another in\n"
-    "large piles too, gives the shares of contacts, neighbour lists, integration and walls, and `bound`, the\n"
+    "median of some runs. A further run, with clocks around its phases, which then come one after another "
+    "in\n"
+    "large piles too, gives the shares of contacts, neighbour lists, integration and walls, and `bound`, "
+    "the\n"
     "rate without lists and walls. Contacts and\n"
     "listed pairs are those of the end, a grain; `bytes` are held by a grain, `peak_bytes` the most that "
     "the\n"

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "angle/calibrate.h"
+#include "stats/calibrate.h"
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "core/random.h"
@@ -25,7 +25,7 @@ static const rp_param params[] = {
      "its standard error"},
     {"fit", "", RP_TEXT, offsetof(options, fit), "mu", "",
      "parameter sought, or two (mu,mu_roll); the piles must vary these and no others"},
-    {"sweep", "", RP_TEXT, offsetof(options, sweep), "sweeps/calibrate.cfg", "",
+    {"sweep", "", RP_TEXT, offsetof(options, sweep), "sweeps/studies/calibrate.cfg", "",
      "sweep file of the piles that give the response"},
     {"o", "", RP_TEXT, offsetof(options, o), "build/sweeps/calibrate", "",
      "folder of that sweep; runs that it holds are not made again"},
@@ -37,7 +37,7 @@ static const rp_param params[] = {
      "resamples of the piles, to check error and interval"},
     {"verify", "", RP_INT, offsetof(options, verify), "0", "[0, 100000]",
      "in place of a measurement, so many cases whose truth is known"},
-    {"planted", "", RP_TEXT, offsetof(options, planted), "sweeps/calibrate_planted.cfg", "",
+    {"planted", "", RP_TEXT, offsetof(options, planted), "sweeps/studies/calibrate_planted.cfg", "",
      "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "
      "half of the response's own"},
     {"seed", "", RP_INT, offsetof(options, seed), "1993", "[0, 2147483647]",
@@ -79,7 +79,7 @@ typedef struct {
     char path[4096];
     double *block;
     size_t n_angles, angle[N_ANGLES]; /* angles that there are */
-    ang_ensemble piles;               /* all of them, with result */
+    stats_ensemble piles;             /* all of them, with result */
 } source;
 
 static void source_free(source *s)
@@ -102,12 +102,13 @@ static rp_status run_sweep(const char *file, const char *folder, long workers, c
 }
 
 /* The names under --fit, one or two, as column numbers. */
-static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int columns[ANG_MAX_PARAMS])
+static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int columns[STATS_MAX_PARAMS])
 {
     char name[64];
     *n = 0;
     for (const char *p = fit; *p; p += strcspn(p, ","), p += *p == ',') {
-        if (*n == ANG_MAX_PARAMS) return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": at most two parameters", fit);
+        if (*n == STATS_MAX_PARAMS)
+            return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": at most two parameters", fit);
         snprintf(name, sizeof name, "%.*s", (int)strcspn(p, ","), p);
         columns[*n] = rp_table_column(t, name);
         if (columns[*n] < 0)
@@ -137,7 +138,7 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
 static rp_status read_piles(source *s, const char *fit)
 {
     const rp_table *t = &s->table;
-    int columns[ANG_MAX_PARAMS + N_ANGLES], status_column = rp_table_column(t, "status");
+    int columns[STATS_MAX_PARAMS + N_ANGLES], status_column = rp_table_column(t, "status");
     size_t n_params, n_columns;
     if (status_column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"status\"", t->path);
     rp_status status = find_fit(t, fit, &n_params, columns);
@@ -169,7 +170,7 @@ static rp_status read_piles(source *s, const char *fit)
 }
 
 /* Is an angle in the table for any pile? A protocol that did not measure it leaves nan. */
-static bool has_values(const ang_ensemble *piles, size_t a)
+static bool has_values(const stats_ensemble *piles, size_t a)
 {
     for (size_t i = 0; i < piles->n; i++)
         if (!isnan(piles->angle[a][i])) return true;
@@ -177,7 +178,7 @@ static bool has_values(const ang_ensemble *piles, size_t a)
 }
 
 /* The piles with the angles of `mask` (bit a for angle a); false if one of them is missing. */
-static bool choose_angles(const source *s, unsigned mask, ang_ensemble *piles)
+static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
 {
     *piles = s->piles;
     piles->n_angles = 0;
@@ -232,15 +233,15 @@ static void note_scope(const source *s)
                   "other models, protocols or sizes: the answer does not carry over to them");
 }
 
-static void note_responses(const ang_calibration *c, unsigned mask)
+static void note_responses(const stats_calibration *c, unsigned mask)
 {
     for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
         if (!(mask & 1u << angle)) continue;
-        const ang_response_fit *r = &c->response[a++];
+        const stats_response_fit *r = &c->response[a++];
         rp_table_note(stdout, "response",
                       "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
                       "discrepancy %.2g deg%s",
-                      angle_names[angle], ang_shape_word(r->shape), r->degree[0],
+                      angle_names[angle], stats_shape_word(r->shape), r->degree[0],
                       r->degree[1] == 1   ? " and 1"
                       : r->degree[1] == 2 ? " and 2"
                                           : "",
@@ -261,7 +262,7 @@ static const char *fit_name(const char *fit, size_t p, char name[64])
 
 /* ---- a measurement ---- */
 
-static void print_found(const options *o, size_t n_params, const ang_calibrated found[])
+static void print_found(const options *o, size_t n_params, const stats_calibrated found[])
 {
     static const char *const columns[][2] = {{"parameter", ""},  {"value", ""},      {"se", ""},
                                              {"lower", ""},      {"upper", ""},      {"boot_se", ""},
@@ -270,24 +271,24 @@ static void print_found(const options *o, size_t n_params, const ang_calibrated 
     rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
     for (size_t p = 0; p < n_params; p++)
         for (size_t k = 0; k < (found[p].n_solutions ? found[p].n_solutions : 1); k++) {
-            const ang_calibrated *f = &found[p];
+            const stats_calibrated *f = &found[p];
             bool none = f->n_solutions == 0;
             printf("%s\t", fit_name(o->fit, p, name));
             rp_table_row_word(
                 stdout, 7,
                 (double[]){none ? NAN : f->solutions[k].value, f->se, none ? NAN : f->solutions[k].lower,
                            none ? NAN : f->solutions[k].upper, f->boot_se, f->boot_lower, f->boot_upper},
-                ang_calibrated_word(f->status));
+                stats_calibrated_word(f->status));
         }
 }
 
 /* Exit status 1 and what is known, for the first parameter that is not found. */
-static rp_status conclude(const options *o, size_t n_params, const ang_calibrated found[])
+static rp_status conclude(const options *o, size_t n_params, const stats_calibrated found[])
 {
     char name[64], text[128] = "";
     for (size_t p = 0; p < n_params; p++) {
-        const ang_calibrated *f = &found[p];
-        if (f->status == ANG_CALIBRATED_OK) continue;
+        const stats_calibrated *f = &found[p];
+        if (f->status == STATS_CALIBRATED_OK) continue;
         double lower = f->n_solutions ? f->solutions[0].lower : NAN;
         double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
         fit_name(o->fit, p, name);
@@ -297,8 +298,8 @@ static rp_status conclude(const options *o, size_t n_params, const ang_calibrate
             snprintf(text, sizeof text, "; %s >= %g", name, lower);
         else if (!isnan(upper))
             snprintf(text, sizeof text, "; %s <= %g", name, upper);
-        return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, ang_calibrated_word(f->status),
-                       ang_calibrated_meaning(f->status), text);
+        return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, stats_calibrated_word(f->status),
+                       stats_calibrated_meaning(f->status), text);
     }
     return RP_OK;
 }
@@ -306,7 +307,7 @@ static rp_status conclude(const options *o, size_t n_params, const ang_calibrate
 static rp_status fail_angle(const source *s, unsigned mask)
 {
     for (size_t a = 0; a < N_ANGLES; a++) {
-        ang_ensemble unused;
+        stats_ensemble unused;
         if (mask & 1u << a && !choose_angles(s, 1u << a, &unused))
             return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[a]);
     }
@@ -318,7 +319,7 @@ static rp_status calibrate(const source *s, const options *o)
     const double angles[N_ANGLES] = {o->theta_r_deg, o->theta_t_deg};
     const double errors[N_ANGLES] = {o->error_deg, o->theta_t_error_deg};
     unsigned mask = 0;
-    ang_measured m;
+    stats_measured m;
     size_t n = 0;
     for (size_t a = 0; a < N_ANGLES; a++)
         if (!isinf(angles[a])) {
@@ -326,16 +327,16 @@ static rp_status calibrate(const source *s, const options *o)
             m.angle[n] = angles[a];
             m.error[n++] = errors[a];
         }
-    ang_ensemble piles;
+    stats_ensemble piles;
     if (!choose_angles(s, mask, &piles)) return fail_angle(s, mask);
-    ang_calibration c;
-    ang_calibrated found[ANG_MAX_PARAMS];
-    rp_status status = ang_calibration_fit(&piles, &c);
+    stats_calibration c;
+    stats_calibrated found[STATS_MAX_PARAMS];
+    rp_status status = stats_calibration_fit(&piles, &c);
     if (status) rp_prefix(status, "%s: ", s->path);
-    if (!status) status = ang_calibration_invert(&c, &m, found);
+    if (!status) status = stats_calibration_invert(&c, &m, found);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    if (!status) status = ang_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
+    if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
     if (!status) {
         cli_table(stdout, params, o);
         note_piles("piles", s);
@@ -345,7 +346,7 @@ static rp_status calibrate(const source *s, const options *o)
         status = conclude(o, piles.n_params, found);
     }
     gsl_rng_free(rng);
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
     return status;
 }
 
@@ -354,7 +355,7 @@ static rp_status calibrate(const source *s, const options *o)
 typedef struct {
     size_t n, n_params;
     unsigned mask;
-    ang_case *cases;
+    stats_case *cases;
 } trial;
 
 static const char *mask_word(unsigned mask)
@@ -365,8 +366,8 @@ static const char *mask_word(unsigned mask)
 static rp_status make_trial(const source *response, const source *planted, const options *o, unsigned mask,
                             trial *t)
 {
-    ang_ensemble fit, piles;
-    ang_calibration c = {0};
+    stats_ensemble fit, piles;
+    stats_calibration c = {0};
     *t = (trial){.mask = mask, .n_params = response->piles.n_params};
     bool whole = choose_angles(response, mask, &fit) && (!planted || choose_angles(planted, mask, &piles));
     if (!whole || t->n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
@@ -374,23 +375,23 @@ static rp_status make_trial(const source *response, const source *planted, const
     if (!t->cases) return rp_fail(RP_NO_MEMORY, "verify: out of memory");
     rp_status status;
     if (planted) {
-        status = ang_calibration_fit(&fit, &c);
+        status = stats_calibration_fit(&fit, &c);
         if (!status) note_responses(&c, mask);
-        if (!status) status = ang_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
+        if (!status) status = stats_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
     } else {
         gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, mask, RP_PURPOSE_BOOTSTRAP);
-        status = rng ? ang_calibration_holdout(&fit, (size_t)o->verify, rng, t->cases)
+        status = rng ? stats_calibration_holdout(&fit, (size_t)o->verify, rng, t->cases)
                      : rp_fail(RP_NO_MEMORY, "verify: out of memory");
         t->n = (size_t)o->verify;
         gsl_rng_free(rng);
     }
-    ang_calibration_free(&c);
+    stats_calibration_free(&c);
     return status;
 }
 
-static double width(const ang_calibrated *f)
+static double width(const stats_calibrated *f)
 {
-    return f->status == ANG_CALIBRATED_OK ? f->solutions[0].upper - f->solutions[0].lower : NAN;
+    return f->status == STATS_CALIBRATED_OK ? f->solutions[0].upper - f->solutions[0].lower : NAN;
 }
 
 /* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
@@ -399,13 +400,13 @@ static bool note_coverage(const trial *t, const options *o)
     bool good = true;
     char name[64], key[128];
     for (size_t p = 0; p < t->n_params && t->n > 0; p++) {
-        size_t covered = 0, ok = 0, ok_covered = 0, counts[ANG_CALIBRATED_NO_MATCH + 1] = {0};
+        size_t covered = 0, ok = 0, ok_covered = 0, counts[STATS_CALIBRATED_NO_MATCH + 1] = {0};
         double sum = 0.0;
         for (size_t k = 0; k < t->n; k++) {
-            const ang_calibrated *f = &t->cases[k].found[p];
+            const stats_calibrated *f = &t->cases[k].found[p];
             covered += t->cases[k].covered[p];
             counts[f->status]++;
-            if (f->status != ANG_CALIBRATED_OK) continue;
+            if (f->status != STATS_CALIBRATED_OK) continue;
             ok++;
             ok_covered += t->cases[k].covered[p];
             sum += width(f);
@@ -415,9 +416,9 @@ static bool note_coverage(const trial *t, const options *o)
         snprintf(key, sizeof key, "found_%s_%s", mask_word(t->mask), name);
         rp_table_note(stdout, key, "%zu of %zu with two limits, %zu of them cover; mean width %.3g", ok, t->n,
                       ok_covered, sum / (double)ok);
-        for (int i = 1; i <= ANG_CALIBRATED_NO_MATCH; i++)
+        for (int i = 1; i <= STATS_CALIBRATED_NO_MATCH; i++)
             if (counts[i] > 0) {
-                snprintf(key, sizeof key, "%s_%s_%s", ang_calibrated_word((ang_calibrated_status)i),
+                snprintf(key, sizeof key, "%s_%s_%s", stats_calibrated_word((stats_calibrated_status)i),
                          mask_word(t->mask), name);
                 rp_table_note(stdout, key, "%zu of %zu", counts[i], t->n);
             }
@@ -431,8 +432,8 @@ static void print_cases(const trial *t, const options *o)
     char name[64];
     for (size_t k = 0; k < t->n; k++)
         for (size_t p = 0; p < t->n_params; p++) {
-            const ang_case *c = &t->cases[k];
-            const ang_calibrated *f = &c->found[p];
+            const stats_case *c = &t->cases[k];
+            const stats_calibrated *f = &c->found[p];
             double lower = f->n_solutions ? f->solutions[0].lower : NAN;
             double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
             const double *m = c->measured.angle, *e = c->measured.error;
@@ -447,7 +448,7 @@ static void print_cases(const trial *t, const options *o)
                                          : r  ? NAN
                                               : e[0],
                                          f->value, f->se, lower, upper, c->covered[p]},
-                              ang_calibrated_word(f->status));
+                              stats_calibrated_word(f->status));
         }
 }
 

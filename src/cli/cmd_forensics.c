@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "angle/angle.h"
+#include "stats/stats.h"
+#include "stats/forensics.h"
 #include "cli/cli.h"
 #include "core/random.h"
 
@@ -92,7 +94,7 @@ typedef struct {
         char name[40];
         bool held_out;
     } about[MAX_CLAIMS];
-    ang_claim claims[MAX_CLAIMS];
+    stats_claim claims[MAX_CLAIMS];
     claim_term terms[MAX_TERMS];
     size_t *level;  /* [combination][factor] */
     size_t *of_run; /* combination of each run */
@@ -206,10 +208,10 @@ static rp_status read_term(study *s, const rp_table *t, size_t row, const int co
                        kind);
     for (term->claim = 0; term->claim < s->n_claims; term->claim++)
         if (strcmp(s->about[term->claim].name, name) == 0) break;
-    const ang_claim stated = {sign ? ANG_CLAIM_SIGN : ANG_CLAIM_VALUE, sign ? value : value * deg,
-                              error * deg};
+    const stats_claim stated = {sign ? STATS_CLAIM_SIGN : STATS_CLAIM_VALUE, sign ? value : value * deg,
+                                error * deg};
     if (term->claim < s->n_claims) {
-        const ang_claim *known = &s->claims[term->claim];
+        const stats_claim *known = &s->claims[term->claim];
         if (known->kind != stated.kind || known->value != stated.value || known->error != stated.error ||
             s->about[term->claim].held_out != (held_out != 0.0))
             return rp_fail(RP_BAD_INPUT,
@@ -325,11 +327,11 @@ static rp_status read_numbers(study *s)
 /* ---- judging ---- */
 
 /* Judge all combinations and variants by the claims that are held out, or that are not. */
-static rp_status judge(const study *s, bool held_out, const forensics_options *o, ang_agreement agreement[],
-                       ang_chance *chance)
+static rp_status judge(const study *s, bool held_out, const forensics_options *o, stats_agreement agreement[],
+                       stats_chance *chance)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
-    ang_claim claims[MAX_CLAIMS];
+    stats_claim claims[MAX_CLAIMS];
     size_t n = 0;
     double *y = malloc((m * s->n_claims + 1) * sizeof *y), *se = malloc((m * s->n_claims + 1) * sizeof *se);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, held_out, RP_PURPOSE_BOOTSTRAP);
@@ -343,17 +345,17 @@ static rp_status judge(const study *s, bool held_out, const forensics_options *o
             se[c * n + i++] = s->se[c * s->n_claims + k];
         }
     if (!status && n > 0)
-        status = ang_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
-                                  held_out ? 0 : (size_t)o->draws, rng, agreement, chance);
+        status = stats_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
+                                    held_out ? 0 : (size_t)o->draws, rng, agreement, chance);
     if (!status && n == 0)
-        for (size_t c = 0; c < m; c++) agreement[c] = (ang_agreement){false, true, NAN, NAN, NAN};
+        for (size_t c = 0; c < m; c++) agreement[c] = (stats_agreement){false, true, NAN, NAN, NAN};
     if (rng) gsl_rng_free(rng);
     free(y);
     free(se);
     return status;
 }
 
-static const char *verdict(const ang_agreement *a)
+static const char *verdict(const stats_agreement *a)
 {
     return !a->complete ? "incomplete" : a->excluded ? "excluded" : "not_excluded";
 }
@@ -380,7 +382,7 @@ static void print_combination_header(const study *s)
     printf("\tstatus\n");
 }
 
-static rp_status print_combinations(const study *s, const ang_agreement *main, const ang_agreement *held)
+static rp_status print_combinations(const study *s, const stats_agreement *main, const stats_agreement *held)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
     size_t *order = malloc((m + 1) * sizeof *order);
@@ -418,7 +420,7 @@ static rp_status print_combinations(const study *s, const ang_agreement *main, c
 }
 
 /* Each level of each factor, and each way to read the surface: how much of it is left. */
-static void print_levels(const study *s, const ang_agreement *a)
+static void print_levels(const study *s, const stats_agreement *a)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
     double top = -INFINITY, total = 0.0;
@@ -455,7 +457,7 @@ static void print_levels(const study *s, const ang_agreement *a)
 /* ---- effects ---- */
 
 static void print_effect(const char *claim, const char *factor, const char *level, const char *reference,
-                         const ang_effect *e, size_t n, double residual)
+                         const stats_effect *e, size_t n, double residual)
 {
     printf("%s\t%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%zu\t%.17g\n", claim, factor, level, reference,
            e->effect / deg, e->se / deg, e->lo / deg, e->hi / deg, e->p_value, n, residual / deg);
@@ -465,7 +467,7 @@ static void print_effect(const char *claim, const char *factor, const char *leve
 static rp_status factor_effects(const study *s, size_t k, double y[], size_t level[])
 {
     size_t n = 0, n_levels[MAX_FACTORS];
-    ang_effect effects[MAX_FACTORS * MAX_LEVELS];
+    stats_effect effects[MAX_FACTORS * MAX_LEVELS];
     double residual;
     for (size_t c = 0; c < s->n_combinations; c++) {
         double value = s->y[c * N_VARIANTS * s->n_claims + k];
@@ -474,13 +476,13 @@ static rp_status factor_effects(const study *s, size_t k, double y[], size_t lev
         y[n++] = value;
     }
     for (size_t f = 0; f < s->n_factors; f++) n_levels[f] = s->factor[f].n_levels;
-    rp_status status = ang_effects(n, s->n_factors, level, n_levels, y, effects, &residual);
+    rp_status status = stats_effects(n, s->n_factors, level, n_levels, y, effects, &residual);
     if (status == RP_NO_RESULT) { /* a number that too few combinations have: no row, and it is said */
         fprintf(stderr, "%s: %s\n", s->about[k].name, rp_message());
         return RP_OK;
     }
     if (status) return status;
-    const ang_effect *e = effects;
+    const stats_effect *e = effects;
     for (size_t f = 0; f < s->n_factors; f++)
         for (size_t l = 1; l < n_levels[f]; l++)
             print_effect(s->about[k].name, s->factor[f].name, s->factor[f].levels[l], s->factor[f].levels[0],
@@ -497,11 +499,11 @@ static rp_status surface_effects(const study *s, size_t k, double difference[])
             double d = s->y[(c * N_VARIANTS + v) * s->n_claims + k] - s->y[c * N_VARIANTS * s->n_claims + k];
             if (isfinite(d)) difference[n++] = d;
         }
-        ang_stats stats;
-        rp_status status = ang_mean(n, difference, &stats);
+        stats_summary stats;
+        rp_status status = stats_mean(n, difference, &stats);
         if (status == RP_NO_RESULT) return RP_OK;
         if (status) return status;
-        ang_effect e = {stats.mean, stats.se, stats.lo, stats.hi, NAN};
+        stats_effect e = {stats.mean, stats.se, stats.lo, stats.hi, NAN};
         print_effect(s->about[k].name, "surface", variants[v], variants[0], &e, n, stats.sd);
     }
     return RP_OK;
@@ -537,13 +539,13 @@ static rp_status print_effects(const study *s)
 /* ---- command ---- */
 
 /* The same counts of the combinations that were simulated, whatever the reading of their surface. */
-static void note_simulated(const study *s, const ang_agreement *a)
+static void note_simulated(const study *s, const stats_agreement *a)
 {
     size_t complete = 0, passed = 0;
     for (size_t c = 0; c < s->n_combinations; c++) {
         bool any_complete = false, any_passed = false;
         for (size_t v = 0; v < N_VARIANTS; v++) {
-            const ang_agreement *one = &a[c * N_VARIANTS + v];
+            const stats_agreement *one = &a[c * N_VARIANTS + v];
             any_complete |= one->complete;
             any_passed |= one->complete && !one->excluded;
         }
@@ -557,8 +559,8 @@ static void note_simulated(const study *s, const ang_agreement *a)
 static rp_status print_report(const study *s, const forensics_options *o)
 {
     const size_t m = s->n_combinations * N_VARIANTS;
-    ang_chance chance = {NAN, NAN}, unused;
-    ang_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
+    stats_chance chance = {NAN, NAN}, unused;
+    stats_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
     rp_status status = main && held ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     if (!status && o->report != REPORT_EFFECTS) {
         status = judge(s, false, o, main, &chance);

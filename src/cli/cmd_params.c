@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dem/scene.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 
 static const char *type_word(rp_type type)
 {

@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include "analytic/analytic.h"
-#include "angle/angle.h"
+#include "stats/stats.h"
 #include "cli/cli.h"
 #include "core/clock.h"
-#include "sweeps/heap.h"
+#include "sweeps/driver/outline.h"
 
 typedef struct {
     long base, load_steps, seed, piles, leave;
@@ -125,7 +125,7 @@ static rp_status read_outline(const char *path, an_point **v, size_t *n)
     return status;
 }
 
-static rp_status make_outline(const options *o, sweep_heap *h)
+static rp_status make_outline(const options *o, sweep_outline *h)
 {
     const double deg = M_PI / 180;
     an_point tent[5], *v = NULL;
@@ -133,17 +133,17 @@ static rp_status make_outline(const options *o, sweep_heap *h)
     rp_status status = RP_OK;
     if (*o->outline) {
         status = read_outline(o->outline, &v, &n);
-        if (!status) status = sweep_heap_polygon(h, o->base, o->gap, v, n);
+        if (!status) status = sweep_outline_polygon(h, o->base, o->gap, v, n);
     } else if (o->outer_deg > 0) {
         status = an_tent(o->outer_deg * deg, o->inner_deg * deg, o->x_1, tent);
-        if (!status) status = sweep_heap_polygon(h, o->base, o->gap, tent, 5);
+        if (!status) status = sweep_outline_polygon(h, o->base, o->gap, tent, 5);
     } else
-        status = sweep_heap_slope(h, o->base, o->gap, o->alpha_deg > 0 ? o->alpha_deg * deg : 0);
+        status = sweep_outline_slope(h, o->base, o->gap, o->alpha_deg > 0 ? o->alpha_deg * deg : 0);
     free(v);
     return status;
 }
 
-static rp_status read_disks(const char *path, sweep_heap *h)
+static rp_status read_disks(const char *path, sweep_outline *h)
 {
     static const char *const names[] = {"x", "y"};
     rp_table table;
@@ -158,7 +158,7 @@ static rp_status read_disks(const char *path, sweep_heap *h)
     if (!status && !h->disks) status = no_memory();
     for (size_t i = 0; !status && i < h->n; i++) {
         const double r = columns[2] >= 0 ? block[2 * h->n + i] : 0.5;
-        h->disks[i] = (dem_pile_disk){block[i], block[h->n + i], r, 4 * r * r};
+        h->disks[i] = (statics_disk){block[i], block[h->n + i], r, 4 * r * r};
     }
     h->B = NAN;
     free(block);
@@ -166,15 +166,15 @@ static rp_status read_disks(const char *path, sweep_heap *h)
     return status;
 }
 
-static dem_pile_definition define(const options *o, const sweep_heap *h)
+static statics_definition define(const options *o, const sweep_outline *h)
 {
-    dem_pile_definition def = dem_pile_definition_default();
+    statics_definition def = statics_definition_default();
     def.n = h->n;
     def.disks = h->disks;
     def.eps = o->linear ? 0 : o->eps;
     if (o->k_x > 0) def.k_x = o->k_x;
     if (o->well > 0) {
-        def.well = DEM_WELL_FRICTION;
+        def.well = STATICS_WELL_FRICTION;
         def.a = o->well;
         if (o->mu > 0) def.mu = o->mu;
     }
@@ -188,12 +188,12 @@ static dem_pile_definition define(const options *o, const sweep_heap *h)
 
 /* ---- Output ---- */
 
-static void write_header(FILE *out, const options *o, const sweep_heap *h, const dem_pile_result *r)
+static void write_header(FILE *out, const options *o, const sweep_outline *h, const statics_result *r)
 {
     cli_table(out, schema, o);
     rp_table_note(out, "n_disks", "%zu", h->n);
     rp_table_note(out, "B", "%.17g sigma", h->B);
-    rp_table_note(out, "status", "%s", dem_pile_fault_text(r->fault));
+    rp_table_note(out, "status", "%s", statics_fault_text(r->fault));
     rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
     if (r->fault)
         rp_table_note(out, "state", "no equilibrium: where the solve was given up, at eps = %g", r->eps);
@@ -215,7 +215,7 @@ static void write_header(FILE *out, const options *o, const sweep_heap *h, const
     rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
 }
 
-static void write_base(const sweep_heap *h, const size_t *disk, const double *N, const double *H, size_t k)
+static void write_base(const sweep_outline *h, const size_t *disk, const double *N, const double *H, size_t k)
 {
     static const char *const columns[][2] = {{"i", ""},    {"x", "sigma"},         {"N/mg", ""},
                                              {"H/mg", ""}, {"N_diagonals/mg", ""}, {"H_diagonals/mg", ""},
@@ -233,32 +233,32 @@ static void write_base(const sweep_heap *h, const size_t *disk, const double *N,
 
 /* What the loads of the base are summed up to; NAN where it is not known. */
 typedef struct {
-    sweep_heap_error error;
+    sweep_outline_error error;
     double friction, friction_diagonals, centre, dip;
 } base_summary;
 
-static rp_status sum_up(const sweep_heap *h, const size_t *disk, const double *N, const double *H, size_t k,
-                        base_summary *b)
+static rp_status sum_up(const sweep_outline *h, const size_t *disk, const double *N, const double *H,
+                        size_t k, base_summary *b)
 {
     double *x = malloc((3 * k + 1) * sizeof *x), *exact_N = x ? x + k : NULL, *exact_H = x ? x + 2 * k : NULL;
     if (!x) return no_memory();
     for (size_t i = 0; i < k; i++) x[i] = h->disks[disk[i]].x;
-    b->friction = sweep_heap_friction(k, N, H);
-    b->centre = sweep_heap_centre(k, N);
-    b->dip = sweep_heap_dip(k, x, N);
+    b->friction = sweep_outline_friction(k, N, H);
+    b->centre = sweep_outline_centre(k, N);
+    b->dip = sweep_outline_dip(k, x, N);
     if (h->exact) {
         for (size_t i = 0; i < k; i++) {
             exact_N[i] = h->exact[i].N;
             exact_H[i] = h->exact[i].H;
         }
-        b->error = sweep_heap_compare(h, N, H);
-        b->friction_diagonals = sweep_heap_friction(k, exact_N, exact_H);
+        b->error = sweep_outline_compare(h, N, H);
+        b->friction_diagonals = sweep_outline_friction(k, exact_N, exact_H);
     }
     free(x);
     return RP_OK;
 }
 
-static void write_summary(const options *o, const sweep_heap *h, const dem_pile_result *r,
+static void write_summary(const options *o, const sweep_outline *h, const statics_result *r,
                           const base_summary *b)
 {
     static const char *const columns[][2] = {{"eps", ""},
@@ -290,8 +290,8 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
                                              {"seconds", "s"},
                                              {"memory", "MB"},
                                              {"status", ""}};
-    const dem_pile_definition def = define(o, h);
-    const bool friction = def.well == DEM_WELL_FRICTION;
+    const statics_definition def = define(o, h);
+    const bool friction = def.well == STATICS_WELL_FRICTION;
     const double alpha_deg = o->outer_deg > 0 ? o->outer_deg : o->alpha_deg;
     rp_table_columns(stdout, 29, columns);
     rp_table_row_word(stdout, 28,
@@ -323,27 +323,27 @@ static void write_summary(const options *o, const sweep_heap *h, const dem_pile_
                                  r->released,
                                  rp_cpu_clock(),
                                  rp_peak_memory()},
-                      dem_pile_fault_text(r->fault));
+                      statics_fault_text(r->fault));
 }
 
-static rp_status write_contacts(const options *o, const sweep_heap *h, const dem_pile *pile,
-                                const dem_pile_result *r)
+static rp_status write_contacts(const options *o, const sweep_outline *h, const statics_pile *pile,
+                                const statics_result *r)
 {
     static const char *const columns[][2] = {
         {"a", ""},        {"b", ""},        {"x", "sigma"},     {"y", "sigma"},    {"x_b", "sigma"},
         {"y_b", "sigma"}, {"force", "m g"}, {"horizontal", ""}, {"strongest", ""}, {"weakest", ""}};
     char path[4096];
     FILE *out;
-    dem_pile_contact *list;
+    statics_contact *list;
     size_t n;
-    rp_status status = dem_pile_contacts(pile, &list, &n);
+    rp_status status = statics_contacts(pile, &list, &n);
     if (status) return status;
     snprintf(path, sizeof path, "%s/contacts.tsv", o->directory);
     status = rp_file_open(path, &out);
     if (!status) {
         write_header(out, o, h, r);
         rp_table_columns(out, 10, columns);
-        for (const dem_pile_contact *c = list; c < list + n; c++)
+        for (const statics_contact *c = list; c < list + n; c++)
             rp_table_row(out, 10,
                          (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
                                     c->horizontal, c->strongest, c->weakest});
@@ -353,8 +353,8 @@ static rp_status write_contacts(const options *o, const sweep_heap *h, const dem
     return status;
 }
 
-static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pile *pile,
-                             const dem_pile_result *r)
+static rp_status write_disks(const options *o, const sweep_outline *h, const statics_pile *pile,
+                             const statics_result *r)
 {
     static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
                                              {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
@@ -363,7 +363,7 @@ static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pi
     double *u = malloc(2 * h->n * sizeof *u);
     if (!u) return no_memory();
     const double eps = r->eps;
-    dem_pile_displacements(pile, u);
+    statics_displacements(pile, u);
     snprintf(path, sizeof path, "%s/disks.tsv", o->directory);
     rp_status status = rp_file_open(path, &out);
     if (!status) {
@@ -380,27 +380,26 @@ static rp_status write_disks(const options *o, const sweep_heap *h, const dem_pi
     return status;
 }
 
-static rp_status write_wells(const options *o, const sweep_heap *h, const dem_pile *pile,
-                             const dem_pile_result *r)
+static rp_status write_wells(const options *o, const sweep_outline *h, const statics_pile *pile,
+                             const statics_result *r)
 {
     static const char *const columns[][2] = {{"disk", ""},           {"x", "sigma"}, {"x_0", "sigma"},
                                              {"x-x_0", "eps sigma"}, {"N", "m g"},   {"H", "m g"},
                                              {"state", ""}};
-    static const char *const states[] = {[DEM_PILE_WELL_HOLDS] = "holds",
-                                         [DEM_PILE_WELL_BROKEN] = "broken",
-                                         [DEM_PILE_WELL_ANEW] = "set_anew"};
+    static const char *const states[] = {
+        [STATICS_WELL_HOLDS] = "holds", [STATICS_WELL_BROKEN] = "broken", [STATICS_WELL_ANEW] = "set_anew"};
     char path[4096];
     FILE *out;
-    dem_pile_well *wells = malloc((r->wells + 1) * sizeof *wells);
+    statics_well *wells = malloc((r->wells + 1) * sizeof *wells);
     if (!wells) return no_memory();
-    dem_pile_wells(pile, wells);
+    statics_wells(pile, wells);
     snprintf(path, sizeof path, "%s/wells.tsv", o->directory);
     rp_status status = rp_file_open(path, &out);
     if (!status) {
         write_header(out, o, h, r);
         rp_table_note(out, "x_0", "where a well rests; of a broken one where it gave way");
         rp_table_columns(out, 7, columns);
-        for (const dem_pile_well *w = wells; w < wells + r->wells; w++) {
+        for (const statics_well *w = wells; w < wells + r->wells; w++) {
             const double x = h->disks[w->disk].x;
             rp_table_row_word(out, 6,
                               (double[]){(double)w->disk + 1, x + r->eps * w->x, x + r->eps * w->x_0,
@@ -415,7 +414,8 @@ static rp_status write_wells(const options *o, const sweep_heap *h, const dem_pi
 
 /* The tables of a pile. Without an equilibrium N and H are no result: those of the state where the solve was
  * given up are in the folder's tables alone. */
-static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *pile, const dem_pile_result *r)
+static rp_status write_tables(const options *o, sweep_outline *h, const statics_pile *pile,
+                              const statics_result *r)
 {
     const size_t k = r->wells;
     size_t *disk = malloc((k + 1) * sizeof *disk);
@@ -423,7 +423,7 @@ static rp_status write_tables(const options *o, sweep_heap *h, const dem_pile *p
     base_summary b = {{NAN, NAN, NAN, NAN}, NAN, NAN, NAN, NAN};
     rp_status status = disk && N ? RP_OK : no_memory();
     if (!status) {
-        dem_pile_base(pile, disk, N, H);
+        statics_base(pile, disk, N, H);
         if (!r->fault) status = sum_up(h, disk, N, H, k, &b);
     }
     if (!status) {
@@ -493,21 +493,21 @@ static rp_status check_usage(const options *o)
 
 /* ---- Threshold of stability ---- */
 
-static rp_status is_stable(const options *o, const sweep_heap *h, double eps, bool *stable)
+static rp_status is_stable(const options *o, const sweep_outline *h, double eps, bool *stable)
 {
-    dem_pile *pile = NULL;
-    dem_pile_result result;
-    dem_pile_definition def = define(o, h);
+    statics_pile *pile = NULL;
+    statics_result result;
+    statics_definition def = define(o, h);
     def.eps = eps;
-    rp_status status = dem_pile_create(&def, &pile);
-    if (!status) status = dem_pile_solve(pile, &result);
+    rp_status status = statics_create(&def, &pile);
+    if (!status) status = statics_solve(pile, &result);
     if (!status) *stable = result.negative_modes == 0;
-    dem_pile_free(pile);
+    statics_free(pile);
     return status;
 }
 
 /* eps_c by halving an interval that is first widened until it holds the threshold. */
-static rp_status find_threshold(const options *o, const sweep_heap *h)
+static rp_status find_threshold(const options *o, const sweep_outline *h)
 {
     static const char *const columns[][2] = {
         {"base", ""}, {"n_disks", ""}, {"eps_c", ""}, {"eps_c*base^3", ""}};
@@ -533,7 +533,7 @@ static rp_status find_threshold(const options *o, const sweep_heap *h)
 }
 
 /* One line on a terminal, drawn over and over, once it takes long. */
-static void draw(size_t n, const dem_pile_result *r, void *context)
+static void draw(size_t n, const statics_result *r, void *context)
 {
     const double LONG = 1;
     const double elapsed = rp_clock() - *(double *)context;
@@ -551,17 +551,17 @@ static void tell_unstable(size_t modes)
                 modes, modes == 1 ? "" : "s");
 }
 
-static rp_status solve(const options *o, sweep_heap *h)
+static rp_status solve(const options *o, sweep_outline *h)
 {
-    dem_pile *pile = NULL;
-    dem_pile_result result;
+    statics_pile *pile = NULL;
+    statics_result result;
     double start = rp_clock();
-    dem_pile_definition def = define(o, h);
+    statics_definition def = define(o, h);
     def.watch = isatty(STDERR_FILENO) ? draw : NULL;
     def.context = &start;
-    rp_status status = dem_pile_create(&def, &pile);
+    rp_status status = statics_create(&def, &pile);
     if (status) return status;
-    status = dem_pile_solve(pile, &result);
+    status = statics_solve(pile, &result);
     if (def.watch) fputs("\r\033[K", stderr);
     if (!status || status == RP_NO_RESULT) {
         char why[1024];
@@ -570,35 +570,36 @@ static rp_status solve(const options *o, sweep_heap *h)
         rp_status written = write_tables(o, h, pile, &result);
         status = status ? rp_fail(status, "%s", why) : written;
     }
-    dem_pile_free(pile);
+    statics_free(pile);
     return status;
 }
 
 /* ---- An ensemble of unequal disks ---- */
 
 /* N and H of pile number `run` at its base disks i, to N[i * piles + column], and the same of H. */
-static rp_status solve_one(const options *o, sweep_heap *h, unsigned long run, size_t column, double *N,
+static rp_status solve_one(const options *o, sweep_outline *h, unsigned long run, size_t column, double *N,
                            double *H, size_t *unstable)
 {
-    dem_pile *pile = NULL;
-    dem_pile_result result;
+    statics_pile *pile = NULL;
+    statics_result result;
     double *base = malloc(2 * h->k * sizeof *base);
-    rp_status status = base ? sweep_heap_disorder(h, o->disorder, (unsigned long)o->seed, run) : no_memory();
-    const dem_pile_definition def = define(o, h);
-    if (!status) status = dem_pile_create(&def, &pile);
-    if (!status) status = dem_pile_solve(pile, &result);
-    if (!status) dem_pile_base(pile, NULL, base, base + h->k);
+    rp_status status =
+        base ? sweep_outline_disorder(h, o->disorder, (unsigned long)o->seed, run) : no_memory();
+    const statics_definition def = define(o, h);
+    if (!status) status = statics_create(&def, &pile);
+    if (!status) status = statics_solve(pile, &result);
+    if (!status) statics_base(pile, NULL, base, base + h->k);
     for (size_t i = 0; !status && i < h->k; i++) {
         N[i * (size_t)o->piles + column] = base[i];
         H[i * (size_t)o->piles + column] = base[h->k + i];
     }
     *unstable += !status && result.negative_modes;
-    dem_pile_free(pile);
+    statics_free(pile);
     free(base);
     return status;
 }
 
-static rp_status write_means(const options *o, const sweep_heap *h, size_t solved, size_t unstable,
+static rp_status write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
                              const double *N, const double *H)
 {
     static const char *const columns[][2] = {
@@ -623,9 +624,9 @@ static rp_status write_means(const options *o, const sweep_heap *h, size_t solve
     rp_table_columns(stdout, 12, columns);
     rp_status status = RP_OK;
     for (size_t i = 0; !status && i < h->k; i++) {
-        ang_stats n, f;
-        status = ang_mean(solved, N + i * piles, &n);
-        if (!status) status = ang_mean(solved, H + i * piles, &f);
+        stats_summary n, f;
+        status = stats_mean(solved, N + i * piles, &n);
+        if (!status) status = stats_mean(solved, H + i * piles, &f);
         const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->gap) / h->B;
         if (!status)
             rp_table_row(stdout, 12,
@@ -636,7 +637,7 @@ static rp_status write_means(const options *o, const sweep_heap *h, size_t solve
 }
 
 /* Means over the piles that have an equilibrium; the others are told on the way. */
-static rp_status solve_ensemble(const options *o, sweep_heap *h)
+static rp_status solve_ensemble(const options *o, sweep_outline *h)
 {
     const size_t room = h->k * (size_t)o->piles;
     double *N = malloc(2 * room * sizeof *N);
@@ -663,15 +664,15 @@ static rp_status solve_any(const void *values)
     const options *o = values;
     rp_status status = check_usage(o);
     if (status) return status;
-    sweep_heap h = {0};
+    sweep_outline h = {0};
     status = *o->disks ? read_disks(o->disks, &h) : make_outline(o, &h);
     if (!status && o->piles > 1)
         status = solve_ensemble(o, &h);
     else if (!status) {
-        if (o->disorder > 0) status = sweep_heap_disorder(&h, o->disorder, (unsigned long)o->seed, 0);
+        if (o->disorder > 0) status = sweep_outline_disorder(&h, o->disorder, (unsigned long)o->seed, 0);
         if (!status) status = o->threshold ? find_threshold(o, &h) : solve(o, &h);
     }
-    sweep_heap_free(&h);
+    sweep_outline_free(&h);
     return status;
 }
 

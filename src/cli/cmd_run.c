@@ -8,7 +8,7 @@
 #include "cli/cli.h"
 #include "core/clock.h"
 #include "dem/scene.h"
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 
 typedef struct {
     rp_texts set;

@@ -47,7 +47,7 @@ static rp_status plan(int argc, char **argv)
         "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
         "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
         "  piles = \"own\";                                      # shared: every grid point the same piles",
-        "repose sweep plan sweeps/lh3.cfg -o build/sweeps/lh3",
+        "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
         schema,
         1,
         1};

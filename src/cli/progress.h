@@ -2,7 +2,7 @@
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
-#include "sweeps/sweep.h"
+#include "sweeps/driver/sweep.h"
 
 /* sweep_run with so many workers, below 1: one a processor; its errors. */
 rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);

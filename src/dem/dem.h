@@ -150,15 +150,16 @@ typedef enum {
 const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of where a
- * packing's fastest mode becomes unstable, and 0.95 of it, 3.8, with Verlet and the linear law. omega^2 = k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n
- * sqrt(overlap) for Hertz at the overlap that an impact from the start's height and speed makes, and the
- * largest of k_eff + k_s/3 (or the other way round), 3/4 (k_eff + k_s) and, where grains rotate,
- * (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger than others, but not heavier, has more
- * neighbours than six, and omega^2 and gamma grow with them. A single pair becomes unstable at about twice
- * the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega here of a contact at rest under a
- * column of the start's height: where boxes begin to rattle for ever. `what` (may be NULL) names the contact
- * that sets it. INFINITY without contacts to come, and for the implicit integrator. dem_create also looks at
- * overlaps of the start, with Gear for 0.85/hypot(18.4 gamma, 3 omega). Measured in validation/stability.c.
+ * packing's fastest mode becomes unstable, and 0.95 of it, 3.8, with Verlet and the linear law. omega^2 =
+ * k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz at the overlap that an impact
+ * from the start's height and speed makes, and the largest of k_eff + k_s/3 (or the other way round), 3/4
+ * (k_eff + k_s) and, where grains rotate, (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger
+ * than others, but not heavier, has more neighbours than six, and omega^2 and gamma grow with them. A single
+ * pair becomes unstable at about twice the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega
+ * here of a contact at rest under a column of the start's height: where boxes begin to rattle for ever.
+ * `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come, and for the
+ * implicit integrator. dem_create also looks at overlaps of the start, with Gear for 0.85/hypot(18.4 gamma, 3
+ * omega). Measured in validation/stability.c.
  */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
@@ -178,10 +179,11 @@ void dem_free(dem_sim *sim);
  * changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
-/* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors: RP_BROKEN with step and grain in the message (dem_sim_fault says which kind; of
- * the implicit integrator too a step that is not solved, or in which a grain moves by more than skin/2),
- * RP_NO_MEMORY, RP_BAD_INPUT (a box that turns with fixed grains or the implicit integrator). After an error
- * the simulation can only be read and freed. */
+/* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors:
+ * RP_BROKEN with step and grain in the message (dem_sim_fault says which kind; of the implicit integrator too
+ * a step that is not solved, or in which a grain moves by more than skin/2), RP_NO_MEMORY, RP_BAD_INPUT (a
+ * box that turns with fixed grains or the implicit integrator). After an error the simulation can only be
+ * read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
@@ -272,14 +274,15 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
  * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
  * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
- * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back counts
- * as negative. */
+ * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back
+ * counts as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -)                                                                                          \
     X(gravity_turn, +)                                                                                       \
-    X(wall_work, +) X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -)         \
-        X(hard, -) X(integration, +)
+    X(wall_work, +)                                                                                          \
+    X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -)              \
+        X(integration, +)
 typedef struct {
     double start;
 #define X(channel, sign) double channel;
@@ -332,9 +335,9 @@ double dem_mass(int shape, double density, double r);
 double dem_inertia(int shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
- * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4 of
- * the spring's rate, the limit of no spring, good to 1e-6. A pair that never parts has restitution 0 and time
- * INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+ * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4
+ * of the spring's rate, the limit of no spring, good to 1e-6. A pair that never parts has restitution 0 and
+ * time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;

@@ -221,7 +221,8 @@ static size_t next_closing(const dem_sim *sim, size_t k, size_t end, bool apart)
 /* The same of grains one of which has collided in this step. */
 static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->n_hit > DEM_HITS) return next_closing(sim, k, end, false); /* others do once more what they did */
+    if (sim->n_hit > DEM_HITS)
+        return next_closing(sim, k, end, false); /* others do once more what they did */
     if (sim->deflected) return sim->deflected(sim, k, end);
     while (k < end &&
            !((deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k])) && may_touch(sim, k)))

@@ -25,7 +25,7 @@
 
 #include "dem/law_normal.h"
 #include "dem/sim.h"
-#include "dem/stiffness.h"
+#include "core/stiffness.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
 typedef struct {
@@ -34,7 +34,7 @@ typedef struct {
 } contact;
 
 typedef struct {
-    dem_pair ends; /* a < b */
+    rp_pair ends; /* a < b */
     uint32_t pair;
 } bond;
 
@@ -46,7 +46,7 @@ struct dem_implicit {
     contact *contact;
     long list; /* number of the neighbour list that all below is of; -1: none */
     bond *bond;
-    dem_stiffness *matrix;
+    rp_stiffness *matrix;
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
 };
 
@@ -104,7 +104,7 @@ void dem_implicit_free(dem_sim *sim)
 {
     struct dem_implicit *m = sim->implicit;
     if (!m) return;
-    dem_stiffness_free(m->matrix);
+    rp_stiffness_free(m->matrix);
     free(m->u), free(m->force), free(m->residual), free(m->stiffness), free(m->step), free(m->next),
         free(m->first);
     free(m->contact), free(m->bond), free(m->of), free(m);
@@ -341,9 +341,9 @@ static rp_status make_matrix(dem_sim *sim)
 {
     struct dem_implicit *m = sim->implicit;
     const size_t n = sim->n_pairs;
-    dem_stiffness_free(m->matrix);
+    rp_stiffness_free(m->matrix);
     m->matrix = NULL;
-    dem_pair *ends = malloc((n + 1) * sizeof *ends);
+    rp_pair *ends = malloc((n + 1) * sizeof *ends);
     free(m->bond);
     m->bond = malloc((n + 1) * sizeof *m->bond);
     if (!ends || !m->bond) {
@@ -356,7 +356,7 @@ static rp_status make_matrix(dem_sim *sim)
     }
     qsort(m->bond, n, sizeof *m->bond, by_ends);
     for (size_t k = 0; k < n; k++) ends[k] = m->bond[k].ends;
-    rp_status status = dem_stiffness_create(sim->n, n, ends, &m->matrix);
+    rp_status status = rp_stiffness_create(sim->n, n, ends, &m->matrix);
     free(ends);
     return status;
 }
@@ -365,18 +365,18 @@ static void assemble(dem_sim *sim)
 {
     struct dem_implicit *m = sim->implicit;
     const double c = 0.5 * sim->def.dt * sim->def.dt;
-    dem_stiffness_clear(m->matrix, 0.0);
+    rp_stiffness_clear(m->matrix, 0.0);
     for (size_t i = 0; i < sim->n; i++) {
         const double mass = is_fixed(sim, i) ? 1e30 * sim->mass[i] : sim->mass[i]; /* as good as infinite */
-        dem_stiffness_add_site(m->matrix, i, mass, 0.0, mass);
+        rp_stiffness_add_site(m->matrix, i, mass, 0.0, mass);
     }
     for (size_t k = 0; k < sim->n_pairs; k++) {
         const contact *f = &m->contact[m->bond[k].pair];
-        dem_stiffness_add_bond(m->matrix, k, m->bond[k].ends, c * f->xx, c * f->xy, c * f->yy);
+        rp_stiffness_add_bond(m->matrix, k, m->bond[k].ends, c * f->xx, c * f->xy, c * f->yy);
     }
     for (size_t s = 0; s < sim->n_wall_slots; s++) {
         const contact *f = &m->contact[sim->n_pairs + s];
-        dem_stiffness_add_site(m->matrix, sim->wall_slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
+        rp_stiffness_add_site(m->matrix, sim->wall_slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
     }
 }
 
@@ -387,7 +387,7 @@ static rp_status newton_step(dem_sim *sim, double *step, double *size, double *f
     struct dem_implicit *m = sim->implicit;
     for (size_t i = 0; i < sim->n; i++)
         for (size_t a = 0; a < 2; a++) step[2 * i + a] = m->residual[i][a];
-    rp_status status = dem_stiffness_solve(m->matrix, step, step);
+    rp_status status = rp_stiffness_solve(m->matrix, step, step);
     *size = *far = 0.0;
     for (size_t i = 0; i < sim->n && !status; i++) {
         const double square = step[2 * i] * step[2 * i] + step[2 * i + 1] * step[2 * i + 1];
@@ -435,10 +435,10 @@ static rp_status solve_direct(dem_sim *sim)
     const dem_implicit_solver *how = &sim->def.implicit;
     lack l = evaluate(sim);
     for (long k = 0; !(l.largest <= how->tolerance); k++) {
-        dem_pivots pivots;
+        rp_pivots pivots;
         if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
         assemble(sim);
-        rp_status status = dem_stiffness_factorise(sim->implicit->matrix, &pivots);
+        rp_status status = rp_stiffness_factorise(sim->implicit->matrix, &pivots);
         if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
         if (!status) status = improve(sim, &l);
         if (status) return status;

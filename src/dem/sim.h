@@ -86,13 +86,13 @@ struct dem_sim {
     dem_fault fault;
     char kernel_name[40];
     dem_kernel *kernel;
-    dem_line *line;                 /* NULL for none */
-    dem_advance *advance;           /* the same */
-    dem_stray *stray;               /* the same */
-    dem_near *near;                 /* NULL for that of neighbours.c */
-    dem_foresee *foresee;           /* NULL for none */
-    dem_closing *closing;           /* NULL for that of impact.c */
-    dem_deflected *deflected;       /* NULL for that of impact.c */
+    dem_line *line;           /* NULL for none */
+    dem_advance *advance;     /* the same */
+    dem_stray *stray;         /* the same */
+    dem_near *near;           /* NULL for that of neighbours.c */
+    dem_foresee *foresee;     /* NULL for none */
+    dem_closing *closing;     /* NULL for that of impact.c */
+    dem_deflected *deflected; /* NULL for that of impact.c */
     dem_vec gravity;
     double gravity_norm, turn_cos, turn_sin;
     /* walls that turn: the turn of a step and in all (cosine, sine); what a point of theirs moved in the last
@@ -147,8 +147,8 @@ struct dem_sim {
     size_t chunk, n_chunks, chunk_room;
     uint32_t *done;
 
-    /* hard collisions: what the coming step makes of the grains; NULL without. `hit` are those that have collided in it,
-     * up to DEM_HITS, beyond which it may have been any */
+    /* hard collisions: what the coming step makes of the grains; NULL without. `hit` are those that have
+     * collided in it, up to DEM_HITS, beyond which it may have been any */
     dem_record *next;
     double *next_angle, *next_omega;
     uint32_t hit[DEM_HITS];

@@ -75,8 +75,7 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
 /* Which of WIDTH numbers are this one? */
 static inline unsigned wide_is(const uint32_t *list, uint32_t number)
 {
-    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)list),
-                                   _mm256_set1_epi32((int)number));
+    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)list), _mm256_set1_epi32((int)number));
 }
 
 /* from[stride index[]] */

@@ -1,0 +1,228 @@
+/* Neighbours by bands as high as the longest bond: within a band, and from each band to the one above, disks
+ * are met in the order of x. See bonds.h. */
+#include "statics/bonds.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct {
+    double band, x;
+    uint32_t disk;
+} place;
+
+static int by_band(const void *left, const void *right)
+{
+    const place *p = left, *q = right;
+    if (p->band != q->band) return p->band < q->band ? -1 : 1;
+    if (p->x != q->x) return p->x < q->x ? -1 : 1;
+    return (p->disk > q->disk) - (p->disk < q->disk);
+}
+
+static int by_ends(const void *left, const void *right)
+{
+    const rp_pair *p = left, *q = right;
+    if (p->a != q->a) return p->a < q->a ? -1 : 1;
+    return (p->b > q->b) - (p->b < q->b);
+}
+
+typedef struct {
+    rp_pair *pairs;
+    size_t n, room;
+} pair_list;
+
+static bool add_if_near(pair_list *list, const statics_disk *disks, double reach, uint32_t a, uint32_t b)
+{
+    const statics_disk *p = &disks[a], *q = &disks[b];
+    const double dx = p->x - q->x, dy = p->y - q->y, limit = reach * (p->r + q->r);
+    if (!(dx * dx + dy * dy < limit * limit)) return true;
+    if (list->n == list->room) {
+        size_t room = 2 * list->room + 64;
+        rp_pair *more = realloc(list->pairs, room * sizeof *more);
+        if (!more) return false;
+        list->pairs = more;
+        list->room = room;
+    }
+    list->pairs[list->n++] = a < b ? (rp_pair){a, b} : (rp_pair){b, a};
+    return true;
+}
+
+static bool search(size_t n, const place *places, const statics_disk *disks, double reach, double height,
+                   pair_list *list)
+{
+    size_t above = 0; /* first disk of the band above that is not too far to the left */
+    for (size_t i = 0; i < n; i++) {
+        const place *p = &places[i];
+        for (size_t j = i + 1; j < n && places[j].band == p->band && places[j].x - p->x < height; j++)
+            if (!add_if_near(list, disks, reach, p->disk, places[j].disk)) return false;
+        while (above < n && (places[above].band <= p->band ||
+                             (places[above].band == p->band + 1 && places[above].x <= p->x - height)))
+            above++;
+        for (size_t j = above; j < n && places[j].band == p->band + 1 && places[j].x - p->x < height; j++)
+            if (!add_if_near(list, disks, reach, p->disk, places[j].disk)) return false;
+    }
+    return true;
+}
+
+rp_status statics_bonds_find(size_t n, const statics_disk *disks, double reach, rp_pair **bonds,
+                             size_t *n_bonds)
+{
+    double r_max = 0;
+    for (size_t i = 0; i < n; i++) r_max = fmax(r_max, disks[i].r);
+    const double height = 2 * reach * r_max;
+    place *places = malloc((n + 1) * sizeof *places);
+    pair_list list = {0};
+    bool good = places != NULL;
+    if (good) {
+        for (size_t i = 0; i < n; i++)
+            places[i] = (place){floor(disks[i].y / height), disks[i].x, (uint32_t)i};
+        qsort(places, n, sizeof *places, by_band);
+        good = search(n, places, disks, reach, height, &list);
+    }
+    free(places);
+    if (!good) {
+        free(list.pairs);
+        return rp_fail(RP_NO_MEMORY, "neighbours of %zu disks: out of memory", n);
+    }
+    if (list.n) qsort(list.pairs, list.n, sizeof *list.pairs, by_ends);
+    *bonds = list.pairs;
+    *n_bonds = list.n;
+    return RP_OK;
+}
+
+/* Steepest push to the right and to the left on each disk, as slopes n_y/|n_x|: two pushes can add up to one
+ * upwards if their slopes have a positive sum. */
+static void push(double lean[2], double nx, double ny)
+{
+    const double slope = fabs(nx) > 0 ? ny / fabs(nx) : copysign(INFINITY, ny);
+    if (nx >= 0) lean[0] = fmax(lean[0], slope);
+    if (nx <= 0) lean[1] = fmax(lean[1], slope);
+}
+
+size_t statics_bonds_unsupported(size_t n, const statics_disk *disks, const rp_pair *bonds, size_t n_bonds,
+                                 double reach, double *lean, size_t room, size_t *which)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double hold = disks[i].y < reach * disks[i].r ? INFINITY : -INFINITY;
+        lean[2 * i] = lean[2 * i + 1] = hold;
+    }
+    for (size_t k = 0; k < n_bonds; k++) {
+        const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
+        push(&lean[2 * bonds[k].a], p->x - q->x, p->y - q->y);
+        push(&lean[2 * bonds[k].b], q->x - p->x, q->y - p->y);
+    }
+    for (size_t i = 0; i < n; i++)
+        if (!(lean[2 * i] + lean[2 * i + 1] > 1e-9) && ++found <= room) which[found - 1] = i;
+    return found;
+}
+
+/* ---- The pile of half the size ---- */
+
+/* Place on a lattice: number `along` of row `row`, in columns that lean to the right. */
+typedef struct {
+    long along, row;
+} lattice_place;
+
+typedef struct {
+    double right[2], up[2]; /* from a place to the next of its row, of its column */
+    long first[2], size[2]; /* of the grid around all places, with a margin: along, row */
+    lattice_place *places;
+    uint32_t *half; /* [size[0] size[1]] the disk there in the pile of half the size, counted from 1 */
+} lattice;
+
+/* Steps from a bond that leans to the right and one that leans to the left; false if there is none. */
+static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_t n_bonds, lattice *l)
+{
+    const double LEANS = 0.25; /* of a bond's length: less is level, or upright */
+    double left[2] = {0, 0};
+    for (size_t k = 0; k < n_bonds && !(l->up[0] > 0 && left[0] < 0); k++) {
+        const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
+        const double sign = q->y > p->y ? 1 : -1, dx = sign * (q->x - p->x), dy = sign * (q->y - p->y);
+        if (!(dy > LEANS * fabs(dx) && fabs(dx) > LEANS * dy)) continue;
+        double *side = dx > 0 ? l->up : left;
+        side[0] = dx;
+        side[1] = dy;
+    }
+    for (int c = 0; c < 2; c++) l->right[c] = l->up[c] - left[c];
+    return l->up[0] > 0 && left[0] < 0;
+}
+
+/* The disks' places, counted from a lowest one; false if one is off the lattice, or the grid mostly empty. */
+static bool lattice_places(size_t n, const statics_disk *disks, lattice *l)
+{
+    const double OFF = 0.1; /* of a step */
+    const double det = l->right[0] * l->up[1] - l->right[1] * l->up[0];
+    const statics_disk *origin = disks;
+    long last[2] = {0, 0};
+    for (size_t i = 0; i < n; i++)
+        if (disks[i].y < origin->y) origin = &disks[i];
+    for (size_t i = 0; i < n; i++) {
+        const double dx = disks[i].x - origin->x, dy = disks[i].y - origin->y;
+        const double at[2] = {(dx * l->up[1] - dy * l->up[0]) / det,
+                              (dy * l->right[0] - dx * l->right[1]) / det};
+        for (int c = 0; c < 2; c++) {
+            if (!(fabs(at[c] - rint(at[c])) < OFF)) return false;
+            const long whole = lrint(at[c]);
+            *(c ? &l->places[i].row : &l->places[i].along) = whole;
+            if (whole < l->first[c]) l->first[c] = whole;
+            if (whole > last[c]) last[c] = whole;
+        }
+    }
+    for (int c = 0; c < 2; c++) {
+        l->first[c]--;
+        l->size[c] = last[c] - l->first[c] + 2;
+    }
+    return (double)l->size[0] * (double)l->size[1] < 16 * (double)n + 64;
+}
+
+static uint32_t *half_at(const lattice *l, long along, long row)
+{
+    return &l->half[(along - l->first[0]) + l->size[0] * (row - l->first[1])];
+}
+
+static size_t take_half(size_t n, const statics_disk *disks, const lattice *l, statics_disk *half)
+{
+    size_t n_half = 0;
+    for (size_t i = 0; i < n; i++) {
+        const lattice_place at = l->places[i];
+        if (at.along % 2 || at.row % 2) continue;
+        half[n_half] = disks[i];
+        half[n_half].x = disks[i].x / 2;
+        half[n_half].y = disks[i].r + (disks[i].y - disks[i].r) / 2;
+        *half_at(l, at.along, at.row) = (uint32_t)++n_half;
+    }
+    return n_half;
+}
+
+static void find_parents(size_t n, const lattice *l, rp_pair *parents)
+{
+    for (size_t i = 0; i < n; i++) {
+        const lattice_place at = l->places[i];
+        const long x = at.along % 2 != 0, y = at.row % 2 == 0 ? 0 : x ? -1 : 1;
+        parents[i].a = *half_at(l, at.along - x, at.row - y) - 1; /* 0, none, becomes the largest number */
+        parents[i].b = *half_at(l, at.along + x, at.row + y) - 1;
+    }
+}
+
+rp_status statics_bonds_halve(size_t n, const statics_disk *disks, const rp_pair *bonds, size_t n_bonds,
+                              statics_disk **half, size_t *n_half, rp_pair *parents)
+{
+    lattice l = {0};
+    *n_half = 0;
+    *half = NULL;
+    if (!lattice_steps(disks, bonds, n_bonds, &l)) return RP_OK;
+    l.places = malloc(n * sizeof *l.places);
+    bool good = l.places != NULL;
+    if (good && lattice_places(n, disks, &l)) {
+        l.half = calloc((size_t)(l.size[0] * l.size[1]), sizeof *l.half);
+        *half = malloc(n * sizeof **half);
+        good = l.half && *half;
+        if (good) {
+            *n_half = take_half(n, disks, &l, *half);
+            find_parents(n, &l, parents);
+        }
+    }
+    free(l.places);
+    free(l.half);
+    return good ? RP_OK : rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+}

@@ -1,0 +1,481 @@
+/* The response of an angle to parameters: points from piles, and the form that fits them; see calibrate.h. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_multifit.h>
+#include <gsl/gsl_sf_psi.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stats/calibrate_private.h"
+
+/* How much better, in AIC, a form must be that does not rise or fall throughout. */
+static const double monotone_credit = 6.0;
+
+const char *stats_shape_word(stats_shape shape)
+{
+    static const char *const words[] = {"powers", "exponential", "tanh"};
+    return words[shape];
+}
+
+rp_status stats_descend(nlopt_func f, void *data, unsigned n, const double lo[], const double hi[],
+                        double x[], double *value)
+{
+    double step[STATS_MAX_PARAMS], tolerance[STATS_MAX_PARAMS];
+    nlopt_opt o = nlopt_create(NLOPT_LN_SBPLX, n);
+    if (!o) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (unsigned i = 0; i < n; i++) {
+        step[i] = hi[i] > lo[i] ? 0.25 * (hi[i] - lo[i]) : 1.0;
+        tolerance[i] = 1e-10 * step[i];
+    }
+    nlopt_set_min_objective(o, f, data);
+    nlopt_set_lower_bounds(o, lo);
+    nlopt_set_upper_bounds(o, hi);
+    nlopt_set_initial_step(o, step);
+    nlopt_set_xtol_abs(o, tolerance);
+    nlopt_set_maxeval(o, 2000);
+    nlopt_result result = nlopt_optimize(o, x, value);
+    nlopt_destroy(o);
+    return result > 0 || result == NLOPT_ROUNDOFF_LIMITED
+               ? RP_OK
+               : rp_fail(RP_BROKEN, "calibrate: minimum not found: %s", nlopt_result_to_string(result));
+}
+
+/* ---- points ---- */
+
+static size_t find_point(const stats_calibration *c, const stats_ensemble *piles, size_t pile)
+{
+    size_t g = 0;
+    for (; g < c->n_points; g++) {
+        bool same = true;
+        for (size_t p = 0; p < c->n_params; p++) same = same && c->x[p][g] == piles->x[p][pile];
+        if (same) break;
+    }
+    return g;
+}
+
+/* Means, then standard deviations about them, then the correlation of the deviations. */
+static void point_moments(const stats_ensemble *piles, const size_t point_of[], stats_calibration *c)
+{
+    double product = 0.0, squares[STATS_MAX_ANGLES] = {0.0, 0.0};
+    for (size_t a = 0; a < c->n_angles; a++) {
+        for (size_t i = 0; i < piles->n; i++)
+            if (!isnan(piles->angle[a][i])) {
+                c->number[a][point_of[i]] += 1.0;
+                c->mean[a][point_of[i]] += piles->angle[a][i];
+            }
+        for (size_t g = 0; g < c->n_points; g++) c->mean[a][g] /= c->number[a][g];
+        for (size_t i = 0; i < piles->n; i++) {
+            double d = piles->angle[a][i] - c->mean[a][point_of[i]];
+            if (!isnan(d)) c->sd[a][point_of[i]] += d * d;
+        }
+        for (size_t g = 0; g < c->n_points; g++) c->sd[a][g] = sqrt(c->sd[a][g] / (c->number[a][g] - 1.0));
+    }
+    for (size_t i = 0; c->n_angles == 2 && i < piles->n; i++) {
+        double d[2];
+        for (size_t a = 0; a < 2; a++)
+            d[a] = (piles->angle[a][i] - c->mean[a][point_of[i]]) / c->sd[a][point_of[i]];
+        if (isnan(d[0] * d[1]) || isinf(d[0] * d[1])) continue;
+        product += d[0] * d[1];
+        for (size_t a = 0; a < 2; a++) squares[a] += d[a] * d[a];
+    }
+    c->correlation = product != 0.0 ? product / sqrt(squares[0] * squares[1]) : 0.0;
+}
+
+static rp_status check_piles(const stats_ensemble *piles)
+{
+    if (piles->n_params < 1 || piles->n_params > STATS_MAX_PARAMS)
+        return rp_fail(RP_BAD_INPUT, "parameters = %zu: out of range, allowed: [1, %d]", piles->n_params,
+                       STATS_MAX_PARAMS);
+    if (piles->n_angles < 1 || piles->n_angles > STATS_MAX_ANGLES)
+        return rp_fail(RP_BAD_INPUT, "angles = %zu: out of range, allowed: [1, %d]", piles->n_angles,
+                       STATS_MAX_ANGLES);
+    for (size_t i = 0; i < piles->n; i++) {
+        for (size_t p = 0; p < piles->n_params; p++)
+            if (!isfinite(piles->x[p][i]))
+                return rp_fail(RP_BAD_INPUT, "pile %zu: parameter = %g: not finite", i + 1, piles->x[p][i]);
+        for (size_t a = 0; a < piles->n_angles; a++)
+            if (isinf(piles->angle[a][i]))
+                return rp_fail(RP_BAD_INPUT, "pile %zu: angle = %g: not finite", i + 1, piles->angle[a][i]);
+    }
+    return RP_OK;
+}
+
+rp_status stats_points_make(const stats_ensemble *piles, size_t point_of[], stats_calibration *c)
+{
+    *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
+    rp_status status = check_piles(piles);
+    if (status) return status;
+    size_t *points = point_of ? point_of : malloc((piles->n + 1) * sizeof *points);
+    bool room = points != NULL;
+    for (size_t p = 0; p < STATS_MAX_PARAMS; p++)
+        room = (c->x[p] = calloc(piles->n + 1, sizeof *c->x[p])) != NULL && room;
+    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) {
+        room = (c->mean[a] = calloc(piles->n + 1, sizeof *c->mean[a])) != NULL && room;
+        room = (c->sd[a] = calloc(piles->n + 1, sizeof *c->sd[a])) != NULL && room;
+        room = (c->number[a] = calloc(piles->n + 1, sizeof *c->number[a])) != NULL && room;
+    }
+    if (!room) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t i = 0; !status && i < piles->n; i++) {
+        size_t g = points[i] = find_point(c, piles, i);
+        if (g < c->n_points) continue;
+        for (size_t p = 0; p < c->n_params; p++) c->x[p][g] = piles->x[p][i];
+        c->n_points++;
+    }
+    if (!status) point_moments(piles, points, c);
+    if (points != point_of) free(points);
+    return status;
+}
+
+void stats_calibration_free(stats_calibration *c)
+{
+    for (size_t p = 0; p < STATS_MAX_PARAMS; p++) free(c->x[p]);
+    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) {
+        free(c->mean[a]);
+        free(c->sd[a]);
+        free(c->number[a]);
+    }
+    *c = (stats_calibration){0};
+}
+
+static rp_status check_spread(const stats_calibration *c)
+{
+    for (size_t a = 0; a < c->n_angles; a++)
+        for (size_t g = 0; g < c->n_points; g++) {
+            if (c->number[a][g] < 2.0)
+                return rp_fail(RP_BAD_INPUT, "parameter %g: angle %zu of %g piles, at least 2 needed",
+                               c->x[0][g], a + 1, c->number[a][g]);
+            if (!(c->sd[a][g] > 0.0))
+                return rp_fail(RP_BAD_INPUT, "parameter %g: angle %zu is the same in all piles", c->x[0][g],
+                               a + 1);
+        }
+    return RP_OK;
+}
+
+/* Two parameters: as many points as pairs of their values. */
+static rp_status check_rectangle(const stats_calibration *c)
+{
+    size_t n[2] = {0, 0};
+    if (c->n_params == 1) return RP_OK;
+    for (size_t p = 0; p < 2; p++)
+        for (size_t g = 0, before; g < c->n_points; g++) {
+            for (before = 0; before < g && c->x[p][before] != c->x[p][g]; before++) continue;
+            n[p] += before == g;
+        }
+    return n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%zu x %zu values of two parameters in %zu points: a full grid needed",
+                         n[0], n[1], c->n_points);
+}
+
+/* ---- scatter of piles ---- */
+
+static void set_range(stats_calibration *c)
+{
+    for (size_t p = 0; p < c->n_params; p++) {
+        c->lo[p] = c->hi[p] = c->x[p][0];
+        for (size_t g = 1; g < c->n_points; g++) {
+            c->lo[p] = fmin(c->lo[p], c->x[p][g]);
+            c->hi[p] = fmax(c->hi[p], c->x[p][g]);
+        }
+    }
+}
+
+/* 1, x, x^2 and, with two parameters, y, y^2, each parameter from -1 to 1. */
+static size_t scatter_terms(const stats_calibration *c, const double x[], double terms[STATS_SD_TERMS])
+{
+    size_t n = 1;
+    terms[0] = 1.0;
+    for (size_t p = 0; p < c->n_params; p++) {
+        double unit = (2.0 * x[p] - c->lo[p] - c->hi[p]) / (c->hi[p] - c->lo[p]);
+        terms[n++] = unit;
+        terms[n++] = unit * unit;
+    }
+    return n;
+}
+
+/* The variance of n normal values has a logarithm with mean log(sigma^2) + psi(v/2) - log(v/2) and variance
+ * psi'(v/2), v = n - 1. */
+static rp_status fit_scatter(stats_calibration *c, size_t angle)
+{
+    double terms[STATS_SD_TERMS], x[STATS_MAX_PARAMS], chi2;
+    const size_t n = 2 * c->n_params + 1;
+    gsl_matrix *design = gsl_matrix_alloc(c->n_points, n), *covariance = gsl_matrix_alloc(n, n);
+    gsl_vector *y = gsl_vector_alloc(c->n_points), *weights = gsl_vector_alloc(c->n_points);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(c->n_points, n);
+    rp_status status = RP_OK;
+    if (!design || !covariance || !y || !weights || !work)
+        status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t g = 0; !status && g < c->n_points; g++) {
+        double half = 0.5 * (c->number[angle][g] - 1.0);
+        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
+        scatter_terms(c, x, terms);
+        for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, terms[i]);
+        gsl_vector_set(y, g, 2.0 * log(c->sd[angle][g]) - gsl_sf_psi(half) + log(half));
+        gsl_vector_set(weights, g, 1.0 / gsl_sf_psi_1(half));
+    }
+    if (!status) {
+        gsl_vector_view solution = gsl_vector_view_array(c->log_variance[angle], n);
+        int state = gsl_multifit_wlinear(design, weights, y, &solution.vector, covariance, &chi2, work);
+        if (state) status = rp_fail(RP_BROKEN, "calibrate: least squares failed: %s", gsl_strerror(state));
+    }
+    gsl_matrix_free(design);
+    gsl_matrix_free(covariance);
+    gsl_vector_free(y);
+    gsl_vector_free(weights);
+    if (work) gsl_multifit_linear_free(work);
+    return status;
+}
+
+double stats_calibration_sd(const stats_calibration *c, size_t angle, const double x[])
+{
+    double terms[STATS_SD_TERMS], sum = 0.0;
+    size_t n = scatter_terms(c, x, terms);
+    for (size_t i = 0; i < n; i++) sum += c->log_variance[angle][i] * terms[i];
+    return exp(0.5 * sum);
+}
+
+/* ---- forms ---- */
+
+/* f_1 of a saturating shape and its derivative by the scale. */
+static double saturation(const stats_response_fit *r, double x, double *by_scale)
+{
+    double t = (r->shape == STATS_TANH ? x : x - r->lo[0]) / r->scale;
+    double f = r->shape == STATS_TANH ? tanh(t) : exp(-t);
+    *by_scale = r->shape == STATS_TANH ? -t / r->scale * (1.0 - f * f) : t / r->scale * f;
+    return f;
+}
+
+/* The terms at x, and for a saturating shape one more, the derivative of the sum by the scale. */
+static void terms_at(const stats_response_fit *r, const double x[], double terms[STATS_MAX_TERMS])
+{
+    double unit[STATS_MAX_PARAMS] = {0.0, 0.0}, first = 1.0, by_scale = 0.0;
+    size_t n = 0, n_second = r->degree[1] + 1;
+    for (size_t p = 0; p < r->n_params; p++)
+        unit[p] = (2.0 * x[p] - r->lo[p] - r->hi[p]) / (r->hi[p] - r->lo[p]);
+    for (size_t i = 0; i <= r->degree[0]; i++) {
+        double term = first;
+        for (size_t j = 0; j < n_second; j++, term *= unit[1]) terms[n++] = term;
+        first = r->shape == STATS_POWERS ? first * unit[0]
+                : i == 0                 ? saturation(r, x[0], &by_scale)
+                                         : unit[0];
+    }
+    if (r->shape == STATS_POWERS) return;
+    double term = by_scale;
+    terms[n] = 0.0;
+    for (size_t j = 0; j < n_second; j++, term *= unit[1]) terms[n] += r->coefficients[n_second + j] * term;
+}
+
+static size_t n_linear(const stats_response_fit *r)
+{
+    return (r->degree[0] + 1) * (r->degree[1] + 1);
+}
+
+double stats_response_value(const stats_response_fit *r, const double x[], double *variance)
+{
+    double terms[STATS_MAX_TERMS], value = 0.0;
+    terms_at(r, x, terms);
+    for (size_t i = 0; i < n_linear(r); i++) value += r->coefficients[i] * terms[i];
+    *variance = r->discrepancy;
+    for (size_t i = 0; i < r->n_terms; i++)
+        for (size_t j = 0; j < r->n_terms; j++)
+            *variance += terms[i] * terms[j] * r->covariance[i * STATS_MAX_TERMS + j];
+    return value;
+}
+
+/* ---- least squares ---- */
+
+typedef struct {
+    stats_response_fit *r;
+    size_t n;
+    gsl_matrix *design, *covariance;
+    gsl_vector *y, *weights, *solution;
+    gsl_multifit_linear_workspace *work;
+    const stats_calibration *c;
+    double chi2;
+} problem;
+
+static rp_status problem_make(problem *s, stats_response_fit *r, const stats_calibration *c, size_t angle,
+                              const double y[], size_t n_terms)
+{
+    *s = (problem){.r = r, .n = n_terms, .c = c};
+    s->design = gsl_matrix_alloc(c->n_points, n_terms);
+    s->covariance = gsl_matrix_alloc(n_terms, n_terms);
+    s->y = gsl_vector_alloc(c->n_points);
+    s->weights = gsl_vector_alloc(c->n_points);
+    s->solution = gsl_vector_alloc(n_terms);
+    s->work = gsl_multifit_linear_alloc(c->n_points, n_terms);
+    if (!s->design || !s->covariance || !s->y || !s->weights || !s->solution || !s->work)
+        return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t g = 0; g < c->n_points; g++) {
+        double x[STATS_MAX_PARAMS];
+        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
+        double sd = stats_calibration_sd(c, angle, x);
+        gsl_vector_set(s->y, g, y[g]);
+        gsl_vector_set(s->weights, g, c->number[angle][g] / (sd * sd));
+    }
+    return RP_OK;
+}
+
+static void problem_free(problem *s)
+{
+    gsl_matrix_free(s->design);
+    gsl_matrix_free(s->covariance);
+    gsl_vector_free(s->y);
+    gsl_vector_free(s->weights);
+    gsl_vector_free(s->solution);
+    if (s->work) gsl_multifit_linear_free(s->work);
+}
+
+/* Coefficients at the present scale. */
+static rp_status solve_linear(problem *s)
+{
+    double terms[STATS_MAX_TERMS], x[STATS_MAX_PARAMS];
+    for (size_t g = 0; g < s->c->n_points; g++) {
+        for (size_t p = 0; p < s->c->n_params; p++) x[p] = s->c->x[p][g];
+        terms_at(s->r, x, terms);
+        for (size_t i = 0; i < s->n; i++) gsl_matrix_set(s->design, g, i, terms[i]);
+    }
+    int state =
+        gsl_multifit_wlinear(s->design, s->weights, s->y, s->solution, s->covariance, &s->chi2, s->work);
+    return state ? rp_fail(RP_BROKEN, "calibrate: least squares failed: %s", gsl_strerror(state)) : RP_OK;
+}
+
+static void take_coefficients(problem *s)
+{
+    for (size_t i = 0; i < n_linear(s->r); i++) s->r->coefficients[i] = gsl_vector_get(s->solution, i);
+}
+
+static double chi2_of_scale(unsigned n, const double *log_scale, double *gradient, void *data)
+{
+    (void)n, (void)gradient;
+    problem *s = data;
+    s->r->scale = exp(*log_scale);
+    return solve_linear(s) ? HUGE_VAL : s->chi2;
+}
+
+/* The scale is sought from a twentieth of the range to three ranges: beyond these the form is a step or a
+ * straight line, and a scale that ends there is not determined. */
+static rp_status find_scale(problem *s)
+{
+    const double range = s->r->hi[0] - s->r->lo[0];
+    const double lo = log(0.05 * range), hi = log(3.0 * range);
+    double best = HUGE_VAL, at = lo, value;
+    for (int i = 0; i <= 12; i++) {
+        double x = lo + (hi - lo) * i / 12.0;
+        value = chi2_of_scale(1, &x, NULL, s);
+        if (value < best) best = value, at = x;
+    }
+    double from = fmax(lo, at - (hi - lo) / 12.0), to = fmin(hi, at + (hi - lo) / 12.0);
+    rp_status status = stats_descend(chi2_of_scale, s, 1, &from, &to, &at, &value);
+    if (status) return status;
+    if (!(isfinite(value) && at > lo + 1e-6 && at < hi - 1e-6))
+        return rp_fail(RP_NO_RESULT, "scale: not determined by the points");
+    chi2_of_scale(1, &at, NULL, s);
+    return RP_OK;
+}
+
+/* Errors of the fit: the covariance of all coefficients, the scale among them. */
+static void take_errors(problem *s)
+{
+    stats_response_fit *r = s->r;
+    r->n_terms = s->n;
+    r->n_points = s->c->n_points;
+    r->dof = r->n_points - r->n_terms;
+    double n = (double)r->n_points, dof = (double)r->dof;
+    r->aic = r->chi2 + 2.0 * (double)r->n_terms;
+    r->p_value = gsl_cdf_chisq_Q(r->chi2, dof);
+    r->inflation = fmax(1.0, r->chi2 / dof);
+    double sum = 0.0;
+    for (size_t g = 0; g < r->n_points; g++) sum += gsl_vector_get(s->weights, g);
+    r->discrepancy = (r->inflation - 1.0) * n / sum;
+    for (size_t i = 0; i < s->n; i++)
+        for (size_t j = 0; j < s->n; j++)
+            r->covariance[i * STATS_MAX_TERMS + j] = r->inflation * gsl_matrix_get(s->covariance, i, j);
+}
+
+rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
+                               const double y[])
+{
+    problem s;
+    const bool saturating = r->shape != STATS_POWERS;
+    rp_status status = problem_make(&s, r, c, angle, y, n_linear(r));
+    if (!status) status = saturating ? find_scale(&s) : solve_linear(&s);
+    if (!status) {
+        take_coefficients(&s);
+        r->chi2 = s.chi2;
+    }
+    if (!status && saturating) { /* the same minimum, with the scale as one more term */
+        problem_free(&s);
+        status = problem_make(&s, r, c, angle, y, n_linear(r) + 1);
+        if (!status) status = solve_linear(&s);
+    }
+    if (!status) take_errors(&s);
+    problem_free(&s);
+    return status;
+}
+
+/* ---- choice of the form ---- */
+
+static bool is_monotone(const stats_response_fit *r)
+{
+    const int n = 200;
+    bool up = true, down = true;
+    double last = 0.0, variance;
+    for (int i = 0; i <= n && r->n_params == 1; i++) {
+        double x = r->lo[0] + (r->hi[0] - r->lo[0]) * i / n;
+        double value = stats_response_value(r, &x, &variance);
+        up = up && (i == 0 || value > last);
+        down = down && (i == 0 || value < last);
+        last = value;
+    }
+    return up || down;
+}
+
+/* Keep `r` where it is better than what is there. */
+static void consider(const stats_response_fit *r, stats_response_fit *best, stats_response_fit *best_monotone)
+{
+    if (r->aic < best->aic) *best = *r;
+    if (r->monotone && r->aic < best_monotone->aic) *best_monotone = *r;
+}
+
+static rp_status choose_form(stats_calibration *c, size_t angle)
+{
+    stats_response_fit blank = {.n_params = c->n_params, .aic = HUGE_VAL};
+    memcpy(blank.lo, c->lo, sizeof blank.lo);
+    memcpy(blank.hi, c->hi, sizeof blank.hi);
+    stats_response_fit best = blank, best_monotone = blank;
+    for (int shape = STATS_POWERS; shape <= STATS_TANH; shape++)
+        for (size_t i = 1; i <= (shape == STATS_POWERS ? 4 : 2); i++)
+            for (size_t j = c->n_params - 1; j <= 2 * (c->n_params - 1); j++) {
+                stats_response_fit r = blank;
+                r.shape = (stats_shape)shape;
+                r.degree[0] = i;
+                r.degree[1] = j;
+                if (n_linear(&r) + (shape != STATS_POWERS) + 2 > c->n_points)
+                    continue; /* a point at least beyond those that any form meets */
+                rp_status status = stats_response_solve(&r, c, angle, c->mean[angle]);
+                if (status == RP_NO_RESULT) continue;
+                if (status) return status;
+                r.monotone = is_monotone(&r);
+                consider(&r, &best, &best_monotone);
+            }
+    c->response[angle] = best_monotone.aic <= best.aic + monotone_credit ? best_monotone : best;
+    return RP_OK;
+}
+
+rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c)
+{
+    rp_status status = stats_points_make(piles, NULL, c);
+    if (!status && c->n_points < 4 * c->n_params)
+        status = rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response",
+                         c->n_points, 4 * c->n_params);
+    if (!status) status = check_spread(c);
+    if (!status) status = check_rectangle(c);
+    if (!status) set_range(c);
+    for (size_t a = 0; !status && a < c->n_angles; a++) {
+        status = fit_scatter(c, a);
+        if (!status) status = choose_form(c, a);
+    }
+    return status;
+}

@@ -1,0 +1,124 @@
+/* Statistics of plain arrays of numbers: ensembles, straight lines, series in time, trends and equivalence.
+ */
+#ifndef STATS_STATS_H
+#define STATS_STATS_H
+
+#include <gsl/gsl_rng.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/status.h"
+
+/* ---- ensembles (ensemble.c) ---- */
+
+/* sd, se and the 95 % interval (Student's t) are NaN for n = 1. */
+typedef struct {
+    size_t n;
+    double mean, sd, se, lo, hi;
+} stats_summary;
+
+/* Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT for a value that is not finite; then every field is NaN. */
+rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
+
+/* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
+rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats);
+
+/* Percentile bootstrap interval of the mean at `level` in (0, 1), from n_resamples >= 2 resamples;
+ * means[n_resamples] is work space. NaN for n = 1. Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT. */
+rp_status stats_bootstrap(size_t n, const double v[], double level, size_t n_resamples, gsl_rng *rng,
+                          double means[], double *lo, double *hi);
+
+/* y = intercept + slope x with weights 1/se^2; the se are taken at their word, not rescaled by chi2.
+ * p_value: chance of a larger chi2; NaN without degrees of freedom. */
+typedef struct {
+    size_t n, dof;
+    double slope, intercept, slope_se, intercept_se, covariance, chi2, p_value;
+} stats_line;
+
+/* Straight line, or with `origin` the line through (0, 0), whose intercept and its errors are 0.
+ * se > 0. Errors: RP_NO_RESULT for fewer points than coefficients or no spread in x, RP_BAD_INPUT. */
+rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
+                         stats_line *line);
+
+/* ---- one series in time (series.c) ---- */
+
+typedef struct {
+    size_t n;
+    double mean, sd;
+    double se, se_error; /* standard error of the mean, and the standard error of that */
+    double tau;          /* integrated correlation time in samples; 1/2 if uncorrelated: n/(2 tau) count */
+    size_t block;        /* samples in a block on the plateau */
+} stats_series;
+
+/* Mean of a correlated series by blocking (Flyvbjerg & Petersen 1989): neighbours are averaged, again and
+ * again, until the blocks' scatter gives a standard error that no longer grows. That plateau is taken to be
+ * the first block length B with B^3 > 2 n (se_B/se_1)^4, where the error that is left in se_B by correlation
+ * between blocks equals its statistical one (Lee et al. 2011). work[n] is work space.
+ * Errors: RP_BAD_INPUT for a value that is not finite; RP_NO_RESULT for n < 4 and where fewer than four
+ * blocks of such a length fit in (mean and sd are set): the series is too short for its correlation. */
+rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series);
+
+/* Where a series levels off: the start `from`, 0 <= from < n/2, that makes the standard error of the mean of
+ * the rest smallest as if it were uncorrelated, sum (v - mean)^2/(n - from)^2 (MSER, White 1997).
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for n < 4, and for one that still goes at half its length. */
+rp_status stats_level_off(size_t n, const double v[], size_t *from);
+
+/* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
+ * values, so that ensembles of different size can be compared. work[n] is work space.
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
+rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
+
+/* ---- trends, and that there is none (trend.c) ---- */
+
+/* An estimate with its standard error and the degrees of freedom of that; infinite: the error is known. */
+typedef struct {
+    double value, se, dof;
+} stats_contrast;
+
+/* Interval that covers the truth in the share `level` of all cases. */
+void stats_contrast_interval(const stats_contrast *c, double level, double *lo, double *hi);
+
+/* Two-sided chance of such a value, or a larger one, if the truth is 0. */
+double stats_contrast_p(const stats_contrast *c);
+
+/* Two one-sided tests (TOST): chance of a value as small if the truth is `margin` or more, either way. Below
+ * 0.05 just where the interval of 90 % lies within the margin. */
+double stats_contrast_p_margin(const stats_contrast *c, double margin);
+
+/* y against x. NaN where there are too few values; `bend` needs three different x. */
+typedef struct {
+    size_t n, n_x;            /* values used, different x */
+    double from, to;          /* least and largest x */
+    stats_contrast slope;     /* of the straight line of least squares */
+    stats_contrast intercept; /* of the same, at x = 0 */
+    stats_contrast bend;      /* coefficient of x^2 of the parabola of least squares */
+    stats_contrast change;    /* of the line over the whole range of x */
+    stats_contrast pair;      /* the largest difference between the means at two x: larger x less smaller x */
+    double p_margin;          /* stats_contrast_p_margin of the change */
+    double p_pairs;           /* the largest stats_contrast_p_margin over all pairs of x */
+} stats_trend;
+
+/* Least squares on n values at two different x or more; errors from the scatter at each x
+ * (Welch-Satterthwaite), so that it may differ between the x, and a curve does not count as scatter. Where
+ * an x has one value only, from the scatter about the line. With `pile` (else NULL), values of the same
+ * pile are compared: each contrast is taken pile by pile and then averaged. Piles that lack a value at one
+ * of the x are left out. Each value has the weight x^power, 0 for ordinary least squares: fixed weights, so
+ * that errors stay exact. margin > 0: the largest change that counts as none.
+ * Errors: RP_NO_RESULT (fewer than 3 values, 2 x, or 2 whole piles), RP_BAD_INPUT (a value that is not
+ * finite, x <= 0 with a power, two values of a pile at one x), RP_NO_MEMORY. */
+rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
+                          double margin, stats_trend *trend);
+
+/* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
+ * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
+ * if none. p_pairs, which asks for far more, has no part in it. */
+const char *stats_trend_word(const stats_trend *trend, double p_value, double level);
+
+/* Holm's correction for n tests; NaN is no test. */
+void stats_holm(size_t n, const double p[], double corrected[]);
+
+/* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
+ * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */
+rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend);
+
+#endif

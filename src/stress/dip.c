@@ -1,0 +1,143 @@
+/* Pressure on the base of piles; see dip.h. */
+#include "stress/dip.h"
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct {
+    double distance, N;
+} load;
+
+static int by_distance(const void *a, const void *b)
+{
+    const double p = ((const load *)a)->distance, q = ((const load *)b)->distance;
+    return (p > q) - (p < q);
+}
+
+/* Twice the distance from the centroid within which 98 % of the load is. */
+static rp_status base_width(size_t n, const double x[], const double N[], double total, stress_base *base)
+{
+    load *loads = malloc(n * sizeof *loads);
+    if (!loads) return rp_fail(RP_NO_MEMORY, "base: out of memory");
+    for (size_t i = 0; i < n; i++) loads[i] = (load){fabs(x[i] - base->centroid), N[i]};
+    qsort(loads, n, sizeof *loads, by_distance);
+    double sum = 0.0;
+    for (size_t i = 0; i < n && sum < 0.98 * total; i++) {
+        sum += loads[i].N;
+        base->width = 2.0 * loads[i].distance;
+    }
+    free(loads);
+    return RP_OK;
+}
+
+rp_status stress_base_profile(size_t n, const double x[], const double r[], const double N[],
+                              stress_base *base)
+{
+    double total = 0.0, moment = 0.0, inside = 0.0;
+    *base = (stress_base){0};
+    for (size_t i = 0; i < n; i++) {
+        total += N[i];
+        moment += N[i] * x[i];
+    }
+    if (!(total > 0.0)) return rp_fail(RP_NO_RESULT, "base: no load on it");
+    base->centroid = moment / total;
+    rp_status status = base_width(n, x, N, total, base);
+    if (status) return status;
+    if (!(base->width > 0.0)) return rp_fail(RP_NO_RESULT, "base: all the load is on one place");
+    const double bin = base->width / STRESS_DIP_BINS, left = base->centroid - 0.5 * base->width;
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < STRESS_DIP_BINS; k++) {
+            const double lo = fmax(x[i] - r[i], left + k * bin), hi = fmin(x[i] + r[i], left + (k + 1) * bin);
+            if (hi > lo) base->N[k] += N[i] * (hi - lo) / (2.0 * r[i]);
+        }
+    for (int k = 0; k < STRESS_DIP_BINS; k++) inside += base->N[k];
+    for (int k = 0; k < STRESS_DIP_BINS; k++) base->N[k] *= STRESS_DIP_BINS / inside;
+    return RP_OK;
+}
+
+double stress_dip(const double N[STRESS_DIP_BINS])
+{
+    double centre = 0.0, shoulders = 0.0, mean = 0.0;
+    for (int k = 0; k < STRESS_DIP_BINS; k++) {
+        const int from_middle =
+            k < STRESS_DIP_BINS / 2 ? STRESS_DIP_BINS / 2 - 1 - k : k - STRESS_DIP_BINS / 2;
+        mean += N[k] / STRESS_DIP_BINS;
+        if (from_middle < 2)
+            centre += N[k] / 4.0;
+        else if (from_middle < 6)
+            shoulders += N[k] / 8.0;
+    }
+    return (centre - shoulders) / mean;
+}
+
+/* Mean D of n piles drawn with replacement, each mirrored or not. */
+static double resampled_dip(size_t n, const double profiles[], gsl_rng *rng)
+{
+    double sum[STRESS_DIP_BINS] = {0.0};
+    for (size_t i = 0; i < n; i++) {
+        const double *N = profiles + STRESS_DIP_BINS * gsl_rng_uniform_int(rng, n);
+        const int mirror = gsl_rng_uniform(rng) < 0.5;
+        for (int k = 0; k < STRESS_DIP_BINS; k++) sum[k] += N[mirror ? STRESS_DIP_BINS - 1 - k : k];
+    }
+    return stress_dip(sum);
+}
+
+static rp_status mean_profile(size_t n, const double profiles[], stress_dips *dips)
+{
+    double *half = malloc(n * sizeof *half);
+    if (!half) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
+    rp_status status = RP_OK;
+    for (int k = 0; k < STRESS_DIP_BINS / 2 && !status; k++) {
+        stats_summary stats;
+        for (size_t i = 0; i < n; i++) {
+            const double *N = profiles + STRESS_DIP_BINS * i;
+            half[i] = 0.5 * (N[STRESS_DIP_BINS / 2 - 1 - k] + N[STRESS_DIP_BINS / 2 + k]);
+        }
+        status = stats_mean(n, half, &stats);
+        dips->N[k] = stats.mean;
+        dips->N_se[k] = stats.se;
+    }
+    free(half);
+    return status;
+}
+
+static rp_status dip_statistics(size_t n, const double profiles[], stats_summary *stats)
+{
+    double *D = malloc(n * sizeof *D);
+    if (!D) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
+    for (size_t i = 0; i < n; i++) D[i] = stress_dip(profiles + STRESS_DIP_BINS * i);
+    rp_status status = stats_mean(n, D, stats);
+    free(D);
+    return status;
+}
+
+rp_status stress_dip_ensemble(size_t n, const double profiles[], double margin, size_t resamples,
+                              gsl_rng *rng, double means[], stress_dips *dips)
+{
+    *dips = (stress_dips){0};
+    if (n < 3) return rp_fail(RP_NO_RESULT, "dip: %zu piles, at least 3 expected", n);
+    if (!(margin > 0.0)) return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
+    if (resamples < 2)
+        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", resamples);
+    rp_status status = dip_statistics(n, profiles, &dips->dip);
+    if (!status) status = mean_profile(n, profiles, dips);
+    if (status) return status;
+    const double mean = dips->dip.mean, se = dips->dip.se, dof = (double)n - 1.0;
+    double low = 0.0, far = 0.0;
+    for (size_t b = 0; b < resamples; b++) {
+        means[b] = resampled_dip(n, profiles, rng) - mean;
+        low += means[b] <= mean;
+        far += fabs(means[b]) >= fabs(mean);
+    }
+    gsl_sort(means, 1, resamples);
+    dips->null_lo = gsl_stats_quantile_from_sorted_data(means, 1, resamples, 0.025);
+    dips->null_hi = gsl_stats_quantile_from_sorted_data(means, 1, resamples, 0.975);
+    dips->p_dip = (low + 1.0) / ((double)resamples + 1.0);
+    dips->p_value = (far + 1.0) / ((double)resamples + 1.0);
+    dips->p_margin =
+        fmax(gsl_cdf_tdist_Q((mean + margin) / se, dof), gsl_cdf_tdist_P((mean - margin) / se, dof));
+    return RP_OK;
+}

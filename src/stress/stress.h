@@ -1,0 +1,93 @@
+/* Stress in a pile from its contact forces, and the tilt at which Coulomb's law is reached from it. */
+#ifndef STRESS_STRESS_H
+#define STRESS_STRESS_H
+
+#include <gsl/gsl_rng.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/status.h"
+
+/* The force (fx, fy) on a grain with centre (x, y), by a grain with centre (x_b, y_b) or at that point of a
+ * wall. */
+typedef struct {
+    double x, y, x_b, y_b, fx, fy;
+} stress_contact;
+
+/* s_ab, compression positive; the force that the side of a plane to which its normal n points puts on the
+ * other is -s_ab n_b. Grains that cannot turn need no balance of torques: xy and yx differ. */
+typedef struct {
+    double xx, xy, yx, yy;
+} stress_tensor;
+
+/* nx times ny cells of width dx and height dy, from (x0, y0); cell (i, j) has number j nx + i. */
+typedef struct {
+    double x0, y0, dx, dy;
+    size_t nx, ny;
+} stress_grid;
+
+/* Mean stress of each cell, force/length: the sum over contacts of force times branch, as far as the branch
+ * lies in the cell, over the cell's area (Goldhirsch 2010 with the cell as the kernel; branches end at
+ * walls). Summed over cells that hold all branches, area times stress is the sum of force times branch.
+ * Errors: RP_BAD_INPUT (a grid without cells, a number that is not finite). */
+rp_status stress_cells(size_t n, const stress_contact contacts[], const stress_grid *grid,
+                       stress_tensor stress[]);
+
+/* Mohr's circle of a stress. */
+typedef struct {
+    double pressure;  /* its centre: mean of the principal stresses of the symmetric part */
+    double shear;     /* its radius */
+    double couple;    /* (xy - yx)/2, which shifts it: traction without torque balance */
+    double direction; /* of the largest compression, from x, in (-pi/2, pi/2] */
+    double mobilised; /* greatest angle between traction and normal over all planes, see stress.c; pi/2 where
+                         a plane pulls, NaN without stress */
+} stress_circle;
+stress_circle stress_mohr(const stress_tensor *stress);
+
+/* Response of a pile to tilt, per weight of the pile normal to the floor. With t = tan of the tilt: floor
+ * forces n[0] + n[1] t (normal) and h[0] + h[1] t (along it, by the pile, down the tilt), and the stress
+ * s[0] + s[1] t in the pile, up to a factor. */
+typedef struct {
+    double n[2], h[2];
+    stress_tensor s[2];
+} stress_response;
+
+/* Tilt at which the floor has to give the friction mu, h = mu n; negative if it already does more. NaN if it
+ * never comes to that below pi/2. */
+double stress_floor_tilt(const stress_response *response, double mu);
+
+/* Tilt nearest to 0 at which the stress mobilises the angle `friction`, with this sign; within +-pi/4, NaN if
+ * there is none. */
+double stress_bulk_tilt(const stress_response *response, double friction);
+
+/* Mobilised angle at a tilt. */
+double stress_bulk_mobilised(const stress_response *response, double tilt);
+
+typedef struct {
+    double value, se, lo, hi; /* error and 95 % interval by bootstrap over piles; NaN if a tenth of it is */
+} stress_interval;
+
+/* Critical tilts of the mean response of n piles of one mu, beside the tilt at which they moved. Frictions
+ * are the tangents of mobilised angles. */
+#define STRESS_CRITICAL_LIST(X)                                                                              \
+    X(floor_friction_0, false) /* on the floor, without tilt */                                              \
+    X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
+    X(floor_tilt, true)        /* the floor's friction comes to mu */                                        \
+    X(bulk_tilt, true)         /* that inside comes to mu; negative: is beyond it without tilt */            \
+    X(theta_t, true)           /* measured */                                                                \
+    X(floor_less, true)        /* floor_tilt less measured */                                                \
+    X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \
+    X(bulk_friction_t, false)  /* inside, at the measured theta_t */                                         \
+    X(rank, false)             /* Spearman's correlation of the piles' own floor_tilt and theta_t */
+typedef struct {
+#define X(name, angle) stress_interval name;
+    STRESS_CRITICAL_LIST(X)
+#undef X
+} stress_critical;
+
+/* Errors: RP_NO_RESULT for n < 3, RP_BAD_INPUT for a number that is not finite or n_resamples < 2,
+ * RP_NO_MEMORY. */
+rp_status stress_critical_tilts(size_t n, const stress_response responses[], const double theta_t[],
+                                double mu, size_t n_resamples, gsl_rng *rng, stress_critical *critical);
+
+#endif

@@ -1,0 +1,331 @@
+/* The box that protocols share; see box.h. */
+#include "sweeps/driver/box.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "core/table.h"
+#include "angle/angle.h"
+
+double sweep_degrees(double radians)
+{
+    return radians * (180.0 / M_PI);
+}
+
+void sweep_states_digits(size_t n, const dem_state states[], char digits[33])
+{
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    for (const dem_state *s = states; s < states + n; s++)
+        XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
+    rp_hash_digits(XXH3_128bits_digest(hash), digits);
+    XXH3_freeState(hash);
+}
+
+void sweep_box_scene(const sweep_box *b, dem_scene *scene)
+{
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -b->g;
+    def.dt = b->dt;
+    def.integrator = b->integrator;
+    def.slip = b->slip;
+    def.tension = b->tension;
+    def.damping = b->damping;
+    def.rotation = b->rotation;
+    def.shape = b->shape;
+    const double gamma_s = b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s;
+    def.material = (dem_material){.k_n = b->k_n,
+                                  .gamma_n = b->gamma_n,
+                                  .k_s = b->k_s,
+                                  .gamma_s = gamma_s,
+                                  .mu = b->mu,
+                                  .mu_roll = b->mu_roll,
+                                  .k_roll = b->k_s,
+                                  .gamma_roll = gamma_s};
+    dem_material wall = def.material;
+    wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
+    wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
+    dem_box_walls(&def, b->W, &wall);
+    def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor < 0.0 ? b->mu : b->mu_floor;
+    def.walls[DEM_BOX_RIGHT].open_speed = b->open;
+    if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
+    def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;
+    if (b->floor == SWEEP_FLOOR_ENDS) {
+        def.walls[DEM_BOX_FLOOR].extent[1] = b->W;
+        def.y_min = -4.0 * b->radius_mean;
+    }
+    if (b->floor_grains) def.walls[DEM_BOX_FLOOR].point[1] = -2.0 * b->radius_mean;
+    *scene = (dem_scene){.def = def};
+}
+
+size_t sweep_box_floor(const sweep_box *b, dem_grain *grains)
+{
+    if (!b->floor_grains) return 0;
+    const double r = b->radius_mean, reach = b->floor == SWEEP_FLOOR_EXTENDS ? 3.0 * b->W : b->W;
+    const size_t n = (size_t)lround(reach / (2.0 * r));
+    for (size_t i = 0; grains && i < n; i++)
+        grains[i] = (dem_grain){.x = (2.0 * (double)i + 1.0) * r,
+                                .y = -r,
+                                .r = r,
+                                .m = dem_mass(b->shape, b->density, r),
+                                .fixed = true};
+    return n;
+}
+
+rp_status sweep_box_check(const sweep_box *b, double drop)
+{
+    if (!(b->radius_min <= b->radius_mean && b->radius_mean <= b->radius_max))
+        return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                       b->radius_mean, b->radius_min, b->radius_max);
+    if (b->W < 10.0 * b->radius_mean)
+        return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
+                       10.0 * b->radius_mean);
+    if (b->rotation && b->integrator == DEM_GEAR5)
+        return rp_fail(RP_BAD_INPUT, "rotation = true: needs integrator = \"verlet\"");
+    if (b->mu_roll > 0.0 && !b->rotation)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", b->mu_roll);
+    if (b->floor_grains && b->mu_floor >= 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_floor = %g: a floor of grains has their friction mu = %g",
+                       b->mu_floor, b->mu);
+    /* the lightest grain that can be drawn, falling from the top */
+    dem_scene scene;
+    sweep_box_scene(b, &scene);
+    double m = dem_mass(b->shape, b->density, b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
+    dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
+    scene.def.grains = two;
+    scene.def.n_grains = 2;
+    const char *what;
+    double limit = dem_time_step_limit(&scene.def, &what);
+    if (b->dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", b->dt, what, limit);
+    return RP_OK;
+}
+
+rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
+                          sweep_result *result)
+{
+    *result = (sweep_result){.status = ""};
+    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+    *run = (sweep_box_run){
+        .box = box, .tables = tables, .result = result, .d = 2.0 * box->radius_mean, .cells = NAN};
+    sweep_box_scene(box, &run->scene);
+    run->mg = dem_mass(box->shape, box->density, box->radius_mean) * box->g;
+    run->states = malloc(most * sizeof *run->states);
+    run->work = malloc(3 * most * sizeof *run->work);
+    if (!run->states || !run->work) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    if (!tables) return RP_OK;
+    run->scene.def.ledger = tables->ledger;
+    rp_status status = rp_make_directory(tables->directory);
+    if (!status)
+        status =
+            sweep_box_table(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
+    if (!status) dem_write_energy_columns(tables->ledger, run->energy);
+    return status;
+}
+
+rp_status sweep_box_end(sweep_box_run *run, rp_status status)
+{
+    dem_free(run->sim);
+    free(run->scene.grains);
+    free(run->states);
+    free(run->work);
+    /* a status word was given: physics without a result, which is an answer */
+    if (status == RP_NO_RESULT) status = RP_OK;
+    return run->energy ? rp_file_close(run->energy_path, run->energy, status) : status;
+}
+
+void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message)
+{
+    sweep_result *r = run->result;
+    snprintf(r->status, sizeof r->status, "%s", status);
+    if (message != r->message) snprintf(r->message, sizeof r->message, "%s", message);
+}
+
+rp_status sweep_box_advance(sweep_box_run *run, long steps)
+{
+    const long every = run->tables ? run->tables->every : 0;
+    while (steps > 0) {
+        long part = steps;
+        long to_next = every > 0 ? every - dem_step(run->sim) % every : steps;
+        if (to_next < part) part = to_next;
+        rp_status status = dem_run(run->sim, part);
+        if (status == RP_BROKEN) {
+            sweep_box_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), rp_message());
+            return RP_NO_RESULT;
+        }
+        if (status) return status;
+        steps -= part;
+        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy);
+    }
+    return RP_OK;
+}
+
+rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
+{
+    rp_status status = dem_rest_state(run->sim, 0.0, run->box->W, rest);
+    *quiet = !status && rest->kinetic_energy < run->box->rest_energy * run->mg * run->d &&
+             rest->net_force < run->box->rest_force * run->mg;
+    return status;
+}
+
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context)
+{
+    const long every = 500;
+    const int in_a_row = 10;
+    for (long steps = 0, passed = 0; passed < in_a_row; steps += every) {
+        if (steps >= run->max_steps) {
+            char text[96];
+            snprintf(text, sizeof text, "%s: not at rest after %ld further steps", phase, steps);
+            sweep_box_conclude(run, "not_at_rest", text);
+            return RP_NO_RESULT;
+        }
+        dem_rest rest;
+        bool quiet = false;
+        rp_status status = sweep_box_advance(run, every);
+        if (!status) status = sweep_box_rest(run, &rest, &quiet);
+        if (!status && watch) status = watch(run, &rest, context);
+        if (status) return status;
+        passed = quiet ? passed + 1 : 0;
+    }
+    return RP_OK;
+}
+
+ang_options sweep_box_options(const sweep_box *b)
+{
+    return (ang_options){2.0 * b->radius_mean, (ang_height)b->height, (ang_empty)b->empty,
+                         (ang_parabola)b->parabola};
+}
+
+rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface)
+{
+    const size_t n_all = dem_count(run->sim);
+    double *x = run->work, *y = x + n_all, *r = y + n_all;
+    *surface = (ang_surface){0};
+    rp_status status = dem_states(run->sim, run->states);
+    if (status) return status;
+    size_t n = 0;
+    for (size_t i = 0; i < n_all; i++) {
+        if (run->states[i].fixed) continue;
+        x[n] = run->states[i].x;
+        y[n] = run->states[i].y;
+        r[n++] = run->states[i].r;
+    }
+    status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
+    run->cells = (double)surface->n_occupied;
+    if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_pile", rp_message());
+    return status;
+}
+
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
+{
+    const ang_options options = sweep_box_options(run->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(run, &options, &s);
+    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes);
+    ang_surface_free(&s);
+    return status;
+}
+
+rp_status sweep_box_table(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+{
+    snprintf(path, size, "%s/%s", t->directory, name);
+    rp_status status = rp_file_open(path, out);
+    if (!status) t->header(*out);
+    return status;
+}
+
+rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage)
+{
+    char name[64], path[4096];
+    FILE *out;
+    if (!run->tables) return RP_OK;
+    snprintf(name, sizeof name, "%s_grains.tsv", stage);
+    rp_status status = sweep_box_table(run->tables, name, path, sizeof path, &out);
+    if (status) return status;
+    dem_write_state_columns(out);
+    status = rp_file_close(path, out, dem_write_states(run->sim, out));
+    snprintf(name, sizeof name, "%s_contacts.tsv", stage);
+    if (!status) status = sweep_box_table(run->tables, name, path, sizeof path, &out);
+    if (status) return status;
+    return rp_file_close(path, out, dem_write_contacts(run->sim, out));
+}
+
+long sweep_box_grains(const sweep_box *box)
+{
+    const double r = box->radius_mean;
+    return box->N > 0 ? box->N : lround(box->W * box->H / (4.0 * r * r));
+}
+
+rp_status sweep_box_check_fill(const sweep_box *box)
+{
+    rp_status status = sweep_box_check(box, 2.0 * box->H);
+    if (!status && sweep_box_grains(box) < 1)
+        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, box->H);
+    return status;
+}
+
+void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
+{
+    const sweep_box *b = run->box;
+    run->scene.has_fill = true;
+    run->scene.fill = (dem_fill){.N = sweep_box_grains(b),
+                                 .W = b->W,
+                                 .H = 2.0 * b->H,
+                                 .radius_mean = b->radius_mean,
+                                 .radius_width = b->radius_width,
+                                 .radius_min = b->radius_min,
+                                 .radius_max = b->radius_max,
+                                 .density = b->density,
+                                 .shape = b->shape,
+                                 .seed = (long)seed,
+                                 .run = (long)stream};
+    const double rows = b->H / (20.0 * run->d);
+    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
+    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
+}
+
+rp_status sweep_places_note(sweep_box_run *run, sweep_places *at)
+{
+    const size_t n_all = (size_t)run->scene.fill.N + sweep_box_floor(run->box, NULL);
+    at->n = 0;
+    at->x = malloc((n_all + 1) * sizeof *at->x);
+    at->y = malloc((n_all + 1) * sizeof *at->y);
+    if (!at->x || !at->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
+    for (size_t id = 0; id <= n_all; id++) at->x[id] = NAN;
+    rp_status status = dem_states(run->sim, run->states);
+    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+        const dem_state *s = &run->states[i];
+        if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
+        at->x[s->id] = s->x;
+        at->y[s->id] = s->y;
+        at->n++;
+    }
+    return status;
+}
+
+void sweep_places_free(sweep_places *at)
+{
+    free(at->x);
+    free(at->y);
+}
+
+rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
+                             size_t *moved)
+{
+    rp_status status = dem_states(run->sim, run->states);
+    size_t seen = 0;
+    *moved = 0;
+    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+        const dem_state *s = &run->states[i];
+        if (isnan(at->x[s->id])) continue;
+        seen++;
+        double x = s->x, y = s->y;
+        dem_box_frame(run->sim, &x, &y);
+        double dx = x - at->x[s->id], dy = y - at->y[s->id];
+        *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
+    }
+    *moved += at->n - seen;
+    return status;
+}

@@ -1,0 +1,185 @@
+/* The box of Lee & Herrmann 1993 as protocols share it: parameters of materials, grains, walls and surface,
+ * the scene that they make, and a run in it: advance, test for rest, measure the surface, write tables. */
+#ifndef SWEEP_BOX_H
+#define SWEEP_BOX_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "angle/angle.h"
+#include "dem/scene.h"
+#include "sweeps/driver/protocol.h"
+
+enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
+
+/* cgs; a negative value stands for "auto". */
+typedef struct {
+    double W, mu, mu_wall, mu_floor, mu_roll, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
+    double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
+    double rest_energy, rest_force;
+    int shape, integrator, slip, damping, floor, height, empty, parabola;
+    double H; /* of the boxes that a fill makes: height that the grains are counted for, */
+    long N, fill_steps, max_steps; /* their number, least steps of filling, most steps of a phase */
+    bool tension, rotation, floor_grains;
+} sweep_box;
+
+/* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
+ * hold a sweep_box `box` takes those it offers with R = SWEEP_BOX_ROW(its structure, ...), and sets the
+ * fields of the others itself. */
+#define SWEEP_BOX_ROW(T, field, unit, type, fallback, range, meaning)                                        \
+    {#field, unit, type, offsetof(T, box.field), fallback, range, meaning},
+
+#define SWEEP_BOX_WIDTH_ROW(R) R(W, "cm", RP_REAL, "4.0", "(0, 1000]", "width of the box")
+
+#define SWEEP_BOX_COUNT_ROWS(R)                                                                              \
+    R(H, "cm", RP_REAL, "4.0", "(0, 1000]", "height that the grains are counted for")                        \
+    R(N, "", RP_INT, "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2")
+
+#define SWEEP_BOX_FILL_STEPS_ROW(R)                                                                          \
+    R(fill_steps, "", RP_INT, "30000", "[1, 1000000000]", "least steps of filling")
+
+#define SWEEP_BOX_MAX_STEPS_ROW(R)                                                                           \
+    R(max_steps, "", RP_INT, "auto", "[5000, 2000000000] | auto",                                            \
+      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1")
+
+#define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
+    R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the side walls; auto: mu")             \
+    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu")                 \
+    R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
+    R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
+    R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
+    R(gamma_n, "1/s", RP_REAL, "500.0", "[0, inf)", "normal damping")                                        \
+    R(gamma_s, "1/s", RP_REAL, "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100")                \
+    R(density, "g/cm^3", RP_REAL, "1.0", "(0, inf)", "of the grains (disk: g/cm^2)")                         \
+    R(shape, "", RP_CHOICE, "sphere", "sphere | disk",                                                       \
+      "gives mass (from the density) and moment of inertia")                                                 \
+    R(radius_mean, "cm", RP_REAL, "0.1", "(0, inf)", "of the Gaussian; d is twice this")                     \
+    R(radius_width, "cm", RP_REAL, "0.02", "[0, inf)", "standard deviation before the cut")                  \
+    R(radius_min, "cm", RP_REAL, "0.07", "(0, inf)", "drawn again below")                                    \
+    R(radius_max, "cm", RP_REAL, "0.13", "(0, inf)", "drawn again above")                                    \
+    R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")                                                  \
+    R(dt, "s", RP_REAL, "5e-5", "(0, inf)", "time step")                                                     \
+    R(integrator, "", RP_CHOICE, "verlet", "verlet | gear5",                                                 \
+      "velocity Verlet, or Gear's predictor-corrector of fifth order")                                       \
+    R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
+      "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
+    R(damping, "", RP_CHOICE, "outside", "outside | inside",                                                 \
+      "whether the Coulomb limit leaves the shear dashpot out, as printed, or holds it with the spring")     \
+    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")              \
+    R(rotation, "", RP_BOOL, "false", "", "whether grains rotate; in the paper they do not")                 \
+    R(mu_roll, "", RP_REAL, "0.0", "[0, inf)",                                                               \
+      "rolling resistance, grains and walls; its stiffness is k_s, its damping gamma_s")
+
+#define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
+    R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
+      "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")           \
+    R(floor_grains, "", RP_BOOL, "false", "",                                                                \
+      "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")     \
+    R(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant", "speed at which the right wall is lifted")
+
+#define SWEEP_BOX_REST_ROWS(R)                                                                               \
+    R(rest_energy, "m g d", RP_REAL, "1e-7", "(0, inf)", "at rest: mean kinetic energy below")               \
+    R(rest_force, "m g", RP_REAL, "1e-2", "(0, inf)", "at rest: largest net force below")
+
+#define SWEEP_BOX_SURFACE_ROWS(R)                                                                            \
+    R(height, "", RP_CHOICE, "centre", ANG_HEIGHT_WORDS,                                                     \
+      "h of a cell: highest centre less d/2, highest centre, highest point")                                 \
+    R(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")                   \
+    R(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
+
+/* The scene of the box, closed, empty and without a fill. Where the floor is of grains, its wall lies below
+ * them; the protocol adds them. */
+void sweep_box_scene(const sweep_box *box, dem_scene *scene);
+
+/* The grains of such a floor, from x = 0 to where it ends, as many as fit to the nearest; 0 without.
+ * `grains` may be NULL, to count them. */
+size_t sweep_box_floor(const sweep_box *box, dem_grain *grains);
+
+/* Refuse a box that cannot work. `drop`: greatest height that a grain falls from.
+ * Errors: RP_BAD_INPUT. */
+rp_status sweep_box_check(const sweep_box *box, double drop);
+
+/* One run in the making. */
+typedef struct {
+    const sweep_box *box;
+    const sweep_tables *tables; /* NULL: none */
+    sweep_result *result;
+    dem_scene scene;   /* from sweep_box_scene; the protocol adds fill or grains, freed by sweep_box_end */
+    dem_sim *sim;      /* NULL until the protocol starts it */
+    double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
+    long max_steps;    /* most steps that sweep_box_settle waits */
+    double cells;      /* occupied when the surface was looked at last; NaN before */
+    dem_state *states; /* room for the most grains */
+    double *work;      /* and for 3 numbers each */
+    FILE *energy;
+    char energy_path[4096];
+} sweep_box_run;
+
+/* Clear the result, make the scene and room for `most` grains at a time. Afterwards sweep_box_end with what
+ * came of the run, also after an error; it returns RP_OK for RP_NO_RESULT, whose word is in the result.
+ * Errors: RP_NO_MEMORY, RP_IO. */
+rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
+                          sweep_result *result);
+rp_status sweep_box_end(sweep_box_run *run, rp_status status);
+
+/* Give the result its status word and message. */
+void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message);
+
+/* Advance. Errors: RP_NO_RESULT, with its word, for a fault of the simulation. */
+rp_status sweep_box_advance(sweep_box_run *run, long steps);
+
+/* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
+rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
+
+/* Test for rest every 500 steps until 10 tests in a row pass; `watch` (may be NULL) is called at each test.
+ * `phase` is for the message. Errors: RP_NO_RESULT with the word not_at_rest; what `watch` returns. */
+typedef rp_status sweep_box_watch(sweep_box_run *run, const dem_rest *rest, void *context);
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context);
+
+/* How the box's parameters say that a surface is measured. */
+ang_options sweep_box_options(const sweep_box *box);
+
+/* The surface of the present state, fixed grains left out. Afterwards ang_surface_free, also after an error.
+ * Errors: RP_NO_RESULT with the word no_pile. */
+rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface);
+
+/* The slopes of the present state, by the box's options. Errors: as sweep_box_surface. */
+rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
+
+/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
+ * Errors: RP_IO. */
+rp_status sweep_box_table(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+
+/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state, if the run leaves tables. */
+rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage);
+
+/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. Check a box that
+ * they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream), and its
+ * max_steps; for less than 1: 4e5, times 500/gamma_n and the square of the number of rows over 20 where these
+ * exceed 1. */
+long sweep_box_grains(const sweep_box *box);
+rp_status sweep_box_check_fill(const sweep_box *box);
+void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream);
+
+/* Where the grains of the pile, 0 < x < W, were. Free with sweep_places_free, also after an error. */
+typedef struct {
+    size_t n;      /* grains in the pile */
+    double *x, *y; /* in the box's frame, by id, from 1; NaN for grains outside the pile */
+} sweep_places;
+
+/* Errors: RP_NO_MEMORY. */
+rp_status sweep_places_note(sweep_box_run *run, sweep_places *at);
+void sweep_places_free(sweep_places *at);
+
+/* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
+ * places; grains that have left the scene count. Errors: RP_NO_MEMORY. */
+rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
+                             size_t *moved);
+
+double sweep_degrees(double radians);
+
+/* Hash of all places and velocities. */
+void sweep_states_digits(size_t n, const dem_state states[], char digits[33]);
+
+#endif

@@ -1,0 +1,194 @@
+/* Close-packed heaps of disks; see heap.h. */
+#include "sweeps/driver/outline.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/random.h"
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+}
+
+/* Rows of the lattice that stay below an outline over its base, from the centre of the first base disk to
+ * that of the last: the rule of an_lattice_cut for any polygon. */
+static rp_status cut_profile(const an_profile *profile, long k, double theta, long up[])
+{
+    const double TIE = 1e-9, left = profile->v[0].x, width = profile->v[profile->n - 1].x - left;
+    const double unit = k > 1 ? width / (double)(k - 1) : width, height = unit / (2 * tan(theta));
+    for (long s = 0; s < k; s++)
+        for (up[s] = 1; s + up[s] < k; up[s]++) {
+            double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
+            rp_status status = an_profile_height(profile, x, &top);
+            if (status) return status;
+            if (!((double)up[s] * height <= top + TIE * unit)) break;
+        }
+    return RP_OK;
+}
+
+/* Over the square of the base. */
+static double area(const an_profile *p)
+{
+    double sum = 0;
+    for (size_t i = 1; i < p->n; i++) sum += (p->v[i].x - p->v[i - 1].x) * (p->v[i].y + p->v[i - 1].y) / 2;
+    const double width = p->v[p->n - 1].x - p->v[0].x;
+    return sum / (width * width);
+}
+
+/* Disks of a stepped outline, and their exact forces. */
+static rp_status fill_outline(sweep_outline *h, const long up[], double theta)
+{
+    h->n = 0;
+    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
+    if (h->n > STATICS_MAX) /* before there is memory for them */
+        return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
+                       STATICS_MAX);
+    h->disks = malloc(h->n * sizeof *h->disks);
+    h->exact = malloc(h->k * sizeof *h->exact);
+    if (!h->disks || !h->exact) return no_memory();
+    size_t n = 0;
+    for (size_t s = 0; s < h->k; s++)
+        for (long j = 0; j < up[s]; j++)
+            h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
+                                           0.5 + (double)j * cos(theta), 0.5, 1};
+    return an_lattice_counts((long)h->k, up, theta, h->exact);
+}
+
+/* Angle of the diagonals to the vertical. */
+static double lattice_angle(double gap)
+{
+    return asin((1 + gap) / 2);
+}
+
+rp_status sweep_outline_slope(sweep_outline *h, long k, double gap, double alpha)
+{
+    const double theta = lattice_angle(gap);
+    if (!(alpha > 0)) alpha = M_PI / 2 - theta;
+    long *up = malloc((size_t)k * sizeof *up);
+    if (!up) return no_memory();
+    h->k = (size_t)k;
+    rp_status status = an_lattice_cut(k, theta, alpha, up);
+    if (!status) status = fill_outline(h, up, theta);
+    if (!status) h->B = an_lattice_base((double)h->n, theta, alpha);
+    free(up);
+    return status;
+}
+
+rp_status sweep_outline_polygon(sweep_outline *h, long k, double gap, const an_point *v, size_t n)
+{
+    const double theta = lattice_angle(gap);
+    an_profile profile;
+    long *up = malloc((size_t)k * sizeof *up);
+    if (!up) return no_memory();
+    h->k = (size_t)k;
+    rp_status status = an_profile_set(&profile, v, n);
+    if (!status) status = cut_profile(&profile, k, theta, up);
+    if (!status) status = fill_outline(h, up, theta);
+    if (!status) h->B = sqrt((double)h->n * sin(2 * theta) / area(&profile));
+    free(up);
+    return status;
+}
+
+void sweep_outline_free(sweep_outline *h)
+{
+    free(h->disks);
+    free(h->exact);
+}
+
+rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed, unsigned long run)
+{
+    const double CUT = 3;
+    gsl_rng *radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
+    if (!radii) return no_memory();
+    for (size_t i = 0; i < h->n; i++) {
+        statics_disk *p = &h->disks[i];
+        if (p->y <= p->r) continue; /* on the ground */
+        const double size = 1 + S * rp_random_cut_normal(radii, 0, 1, -CUT, CUT);
+        p->r = size / 2;
+        p->weight = size * size;
+    }
+    gsl_rng_free(radii);
+    return RP_OK;
+}
+
+sweep_outline_error sweep_outline_compare(const sweep_outline *h, const double N[], const double H[])
+{
+    double sum = 0, most = 0, H_most = 0, exact_most = 0, thrust = 0, exact_thrust = 0;
+    for (size_t i = 0; i < h->k; i++) {
+        const double e = N[i] / h->exact[i].N - 1;
+        sum += e * e;
+        most = fmax(most, fabs(e));
+        H_most = fmax(H_most, fabs(H[i]));
+        exact_most = fmax(exact_most, fabs(h->exact[i].H));
+        const double side = 2 * i + 1 > h->k ? 1 : 2 * i + 1 < h->k ? -1 : 0;
+        thrust += side * H[i];
+        exact_thrust += side * h->exact[i].H;
+    }
+    return (sweep_outline_error){sqrt(sum / (double)h->k), most, H_most / exact_most, thrust / exact_thrust};
+}
+
+/* Loads of which each is even over its disk's share of the base, which ends half-way to the neighbours. */
+typedef struct {
+    size_t k;
+    const double *x, *N;
+} base_load;
+
+static double edge(const base_load *b, size_t i)
+{
+    const double *x = b->x;
+    if (i == 0) return x[0] - (x[1] - x[0]) / 2;
+    return i == b->k ? x[i - 1] + (x[i - 1] - x[i - 2]) / 2 : (x[i - 1] + x[i]) / 2;
+}
+
+/* Where `part` of the load lies to the left. */
+static double quantile(const base_load *b, double load, double part)
+{
+    double left = part * load;
+    size_t i = 0;
+    while (i + 1 < b->k && left > b->N[i]) left -= b->N[i++];
+    return edge(b, i) + left / b->N[i] * (edge(b, i + 1) - edge(b, i));
+}
+
+/* Mean N of a disk over from..to, weighted with its share. */
+static double mean_between(const base_load *b, double from, double to)
+{
+    double sum = 0, width = 0;
+    for (size_t i = 0; i < b->k; i++) {
+        const double w = fmax(fmin(edge(b, i + 1), to) - fmax(edge(b, i), from), 0);
+        sum += w * b->N[i];
+        width += w;
+    }
+    return sum / width;
+}
+
+double sweep_outline_dip(size_t k, const double x[], const double N[])
+{
+    const double OUT = 0.01, INNER = 0.1, OUTER = 0.3;
+    const base_load b = {k, x, N};
+    double load = 0, moment = 0;
+    if (k < 2) return NAN;
+    for (size_t i = 0; i < k; i++) {
+        load += N[i];
+        moment += N[i] * x[i];
+    }
+    const double c = moment / load, from = quantile(&b, load, OUT), to = quantile(&b, load, 1 - OUT),
+                 inner = INNER * (to - from), outer = OUTER * (to - from);
+    const double sides =
+        (mean_between(&b, c - outer, c - inner) + mean_between(&b, c + inner, c + outer)) / 2;
+    return (mean_between(&b, c - inner, c + inner) - sides) / mean_between(&b, from, to);
+}
+
+double sweep_outline_centre(size_t k, const double N[])
+{
+    double most = 0;
+    for (size_t i = 0; i < k; i++) most = fmax(most, N[i]);
+    return (N[(k - 1) / 2] + N[k / 2]) / 2 / most;
+}
+
+double sweep_outline_friction(size_t k, const double N[], const double H[])
+{
+    double most = 0;
+    for (size_t i = 0; i < k; i++) most = fmax(most, fabs(H[i]) / N[i]); /* 0/0 asks for none */
+    return most;
+}

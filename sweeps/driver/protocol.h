@@ -1,0 +1,73 @@
+/* A protocol: one kind of numerical experiment that a sweep repeats over a grid of parameters.
+ * A new protocol is one file protocol_<name>.c and one line in the list SWEEP_PROTOCOLS. */
+#ifndef SWEEP_PROTOCOL_H
+#define SWEEP_PROTOCOL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "core/params.h"
+#include "stress/dip.h"
+
+enum { SWEEP_MAX_OUTPUTS = 64 };
+
+/* One number that a run yields, a column of the store. */
+typedef struct {
+    const char *name;
+    const char *unit; /* "" where there is none */
+    const char *meaning;
+} sweep_output;
+
+/* That of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
+#define SWEEP_BASE_BIN(k)                                                                                    \
+    {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+
+/* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
+ * run has no result for are NaN. Wall time is kept apart, by the caller. */
+typedef struct {
+    char status[24];
+    char message[232]; /* empty, or why there is no result */
+    double values[SWEEP_MAX_OUTPUTS];
+} sweep_result;
+
+/* Where a traced run leaves tables of its states. */
+typedef struct {
+    const char *directory;
+    long every;             /* steps from one row of energies to the next; 0: none */
+    void (*header)(FILE *); /* writes the first lines of each table */
+    bool ledger;            /* the energies with the ledger */
+} sweep_tables;
+
+typedef struct {
+    const char *name;
+    const char *about;           /* one line */
+    const rp_param *schema;      /* of the structure below */
+    size_t params_size;          /* bytes of the structure that the schema fills */
+    const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
+
+    /* Refuse combinations of parameters that can't work, before anything runs: a time step too large, a
+     * box without grains. Errors: RP_BAD_INPUT. */
+    rp_status (*check)(const void *params);
+
+    /* 32 hexadecimal digits and NUL that change with the bits of a short run: part of every key, so that
+     * results of changed physics are never reused, even if RP_MODEL_VERSION was forgotten. May be NULL. */
+    rp_status (*fingerprint)(char digits[33]);
+
+    /* One run with the random streams (seed, run, purpose). Physics without a result (a leak, a pile that
+     * never rests) is RP_OK with its status word; an error is for what stops the whole sweep. */
+    rp_status (*run)(const void *params, unsigned long seed, unsigned long run, sweep_result *result);
+
+    /* The same run, to the same bits, which leaves tables in a folder. May be NULL. Errors: also RP_IO. */
+    rp_status (*trace)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *result);
+} sweep_protocol;
+
+/* One list: every protocol. */
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)
+
+#define X(name) extern const sweep_protocol sweep_protocol_##name;
+SWEEP_PROTOCOLS(X)
+#undef X
+
+#endif

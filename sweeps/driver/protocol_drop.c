@@ -1,0 +1,594 @@
+/* Protocol `drop`: a pile of disks that are dropped one at a time, from two diameters above its highest point
+ * (Liffman, Chan & Hughes 1992, fig 20), each once the last has come to rest.
+ *
+ * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
+ * resistance to rolling, without which disks roll away; the places, uniform over the source's width; when a
+ * disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a pile
+ * creeps for as long as one waits, so that K_slip and the waiting time decide how steep it stands. The
+ * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
+ * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough to shorten the time step by no more than 3 %; eps
+ * = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder contacts, K_slip
+ * and rolling resistance change in piles of 150, and sweeps/studies/li20_rest.cfg what the waiting does. The
+ * fall itself is not simulated: a disk starts just above what it will hit, with the speed of its fall. The
+ * next falls when no disk is fast or far from balance, though the pile may still sway (twice as near to
+ * balance takes a fifth more steps for piles that are the same within their scatter); after the last it comes
+ * to rest entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy
+ * has a maximum.
+ *
+ * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
+ * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
+ * outputs are kept.
+ *
+ * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
+ * saves most of the time, but its weight and its blows make whole flanks slip: held, piles stand 2 or 3
+ * degrees steeper. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "stress/dip.h"
+#include "core/random.h"
+#include "core/table.h"
+#include "dem/scene.h"
+#include "sweeps/driver/box.h"
+
+typedef struct {
+    double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
+    double damping_shear, rest_speed, rest_force, x_limit;
+    long N, max_steps;
+    int law;
+} drop_params;
+
+#define AT(field) offsetof(drop_params, field)
+
+enum { LAW_SLIP_ROLL, LAW_SPRING };
+
+/* clang-format off */
+static const rp_param schema[] = {
+    {"N", "", RP_INT, AT(N), "968", "[2, 100000]", "disks that are dropped"},
+    {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "they fall uniformly over this width; a point's is 1"},
+    {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
+    {"radius_width", "d/2", RP_REAL, AT(radius_width), "0", "[0, 0.2]", "standard deviation of the radii, cut at three of it"},
+    {"law", "", RP_CHOICE, AT(law), "spring", "slip_roll | spring", "tangential law: viscous slip under mu N, and wells of the ground; or shear springs, at the ground too"},
+    {"restitution", "", RP_REAL, AT(restitution), "0.5", "[0, 1]", "of hard collisions"},
+    {"mu", "", RP_REAL, AT(mu), "0.5", "[0, inf)", "friction, of hard collisions and of contacts"},
+    {"mu_roll", "", RP_REAL, AT(mu_roll), "0.1", "[0, inf)", "rolling resistance"},
+    {"eps", "", RP_REAL, AT(eps), "2e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
+    {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
+    {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "the same for shear and rolling"},
+    {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},
+    {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
+    {"rest_speed", "sqrt(g d)", RP_REAL, AT(rest_speed), "0.1", "(0, 1]", "the next disk falls once all are slower than this, also at their rims,"},
+    {"rest_force", "m g", RP_REAL, AT(rest_force), "0.2", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
+    {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
+    {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
+    {0}};
+/* clang-format on */
+
+/* Places of the outputs; the list below has the same order. */
+enum {
+    OUT_DISKS,
+    OUT_BASE_DISKS,
+    OUT_HEIGHT,
+    OUT_WIDTH,
+    OUT_CENTROID,
+    OUT_LEFT,
+    OUT_RIGHT,
+    OUT_DIP,
+    OUT_BALANCE,
+    OUT_CAPPED,
+    OUT_AWAY,
+    OUT_PSI6,
+    OUT_CONTACTS,
+    OUT_MOVED_MEAN,
+    OUT_MOVED_MAX,
+    OUT_MOVED_SHARE,
+    OUT_SETTLED,
+    OUT_STEPS,
+    OUT_RELAX_STEPS,
+    OUT_N
+};
+static const sweep_output outputs[] = {
+    {"disks", "", "disks there at the end"},
+    {"base_disks", "", "of these, on the ground within the base"},
+    {"height", "d", "highest point"},
+    {"width", "d", "base that holds 98 % of the load, B"},
+    {"centroid", "d", "of the load"},
+    {"left_deg", "degree", "slope of the left side between 0.1 and 0.9 of the height, straight line"},
+    {"right_deg", "degree", "of the right side"},
+    {"dip", "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean"},
+    {"balance", "", "1 - load of the ground over weight"},
+    {"capped", "", "drops that did not come to rest within max_steps; a pile with one is no result"},
+    {"away", "", "disks that rolled away"},
+    {"psi6", "", "mean |psi_6| of the disks with two or more neighbours"},
+    {"contacts", "", "mean contacts a disk"},
+    {"moved_mean", "", "mean number of disks that a drop moved by more than 0.1 d, itself left out"},
+    {"moved_max", "", "largest such number"},
+    {"moved_share", "", "share of drops that moved more than 10"},
+    {"settled", "", "disks that the relaxation at the end moved by more than 0.1 d"},
+    {"steps", "", "steps of the drops"},
+    {"relax_steps", "", "steps of the relaxation at the end"},
+    STRESS_DIP_BIN_LIST(SWEEP_BASE_BIN){NULL, NULL, NULL}};
+
+typedef struct {
+    const drop_params *p;
+    const sweep_tables *tables;
+    sweep_result *result;
+    dem_definition scene;
+    dem_sim *sim;
+    size_t n; /* disks in it */
+    dem_state *states;
+    gsl_rng *radii, *places;
+    double *x, *y; /* before a drop, or before the relaxation */
+    long *moved;   /* by each drop */
+    bool relaxed;
+} drop;
+
+/* Between two looks at the pile, in steps; time for which it must be at rest. */
+enum { EVERY = 20 };
+static const double REST_TIME = 0.5;
+
+static bool is_away(const drop *d, size_t i)
+{
+    return fabs(d->states[i].x) > d->p->x_limit;
+}
+
+/* ---- The scene ---- */
+
+static const double density = 4.0 / M_PI; /* mass 1 at diameter 1 */
+
+static dem_definition make_scene(const drop_params *p)
+{
+    const double k = 1.0 / p->eps, critical = 2.0 * sqrt(2.0 * k), /* m_eff = 1/2 */
+        gamma_s = p->damping_shear * critical;
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = -1.0;
+    def.normal = DEM_LINEAR;
+    def.tension = false;
+    def.rotation = true;
+    def.shape = DEM_DISK;
+    def.damping = DEM_DAMPING_INSIDE;
+    def.tangential = p->law == LAW_SPRING ? DEM_SPRING : DEM_SLIP_ROLL;
+    def.material = (dem_material){.k_n = k,
+                                  .gamma_n = p->damping * critical,
+                                  .k_s = 0.25 * k,
+                                  .gamma_s = gamma_s,
+                                  .mu = p->mu,
+                                  .mu_roll = p->mu_roll,
+                                  .k_roll = 0.05 * k,
+                                  .gamma_roll = gamma_s};
+    def.hard = (dem_hard){true, p->restitution, p->mu};
+    def.n_walls = 1;
+    def.walls[0] = (dem_wall){.direction = {0.0, 1.0},
+                              .material = def.material,
+                              .extent = {-INFINITY, INFINITY},
+                              .open_at_step = -1,
+                              .open_speed = INFINITY};
+    if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
+    /* of the lightest disk, when it falls from a pile as steep as can be */
+    const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
+                 top = 1.25 * sqrt((double)p->N) + p->drop_height + 1.0;
+    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = -sqrt(2.0 * top)}};
+    def.grains = two;
+    def.n_grains = 2;
+    def.dt = 0.98 * dem_time_step_limit(&def, NULL);
+    def.grains = NULL;
+    def.n_grains = 0;
+    return def;
+}
+
+/* ---- Drops ---- */
+
+/* Lowest place of a new disk's centre at x from which nothing is nearer than `gap`. */
+static double height_at(const drop *d, double x, double r, double gap)
+{
+    double y = r + gap;
+    for (size_t i = 0; i < d->n; i++) {
+        const double dx = d->states[i].x - x, reach = r + d->states[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, d->states[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
+static double highest(const drop *d)
+{
+    double top = 0.0;
+    for (size_t i = 0; i < d->n; i++) top = fmax(top, d->states[i].y + d->states[i].r);
+    return top;
+}
+
+/* How many of the first n disks have moved by more than 0.1 d since they were marked. */
+static size_t count_moved(const drop *d, size_t n)
+{
+    size_t moved = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double dx = d->states[i].x - d->x[i], dy = d->states[i].y - d->y[i];
+        moved += dx * dx + dy * dy > 0.01 && !is_away(d, i);
+    }
+    return moved;
+}
+
+static void mark_places(drop *d)
+{
+    for (size_t i = 0; i < d->n; i++) d->x[i] = d->states[i].x, d->y[i] = d->states[i].y;
+}
+
+static bool is_quiet(const drop *d)
+{
+    const double v2 = d->p->rest_speed * d->p->rest_speed, f = d->p->rest_force;
+    for (size_t i = 0; i < d->n; i++) {
+        const dem_state *s = &d->states[i];
+        const double spin = s->omega * s->r;
+        if ((s->vx * s->vx + s->vy * s->vy > v2 || spin * spin > v2 ||
+             s->fx * s->fx + s->fy * s->fy > f * f * s->m * s->m || fabs(s->torque) > f * s->m * s->r) &&
+            !is_away(d, i))
+            return false;
+    }
+    return true;
+}
+
+/* Until all are slow and nearly in balance for a while, or the drop has had its steps. */
+static rp_status settle(drop *d, bool *rest)
+{
+    const long start = dem_step(d->sim);
+    rp_status status = RP_OK;
+    for (long quiet = 0; !status && dem_step(d->sim) - start < d->p->max_steps;) {
+        status = dem_run(d->sim, EVERY);
+        /* most often one is fast, and the rest need not be looked at */
+        const bool slow = dem_largest_speed(d->sim, -d->p->x_limit, d->p->x_limit) <= d->p->rest_speed;
+        if (!status && slow) status = dem_states(d->sim, d->states);
+        quiet = !status && slow && is_quiet(d) ? quiet + EVERY : 0;
+        *rest = (double)quiet * d->scene.dt >= REST_TIME;
+        if (*rest) return RP_OK;
+    }
+    return status ? status : dem_states(d->sim, d->states);
+}
+
+static rp_status put_in(drop *d, const dem_grain *grain)
+{
+    if (d->sim) return dem_add(d->sim, grain, NULL);
+    dem_definition def = d->scene;
+    def.grains = grain;
+    def.n_grains = 1;
+    return dem_create(&def, &d->sim);
+}
+
+static rp_status drop_one(drop *d, bool *rest)
+{
+    const drop_params *p = d->p;
+    const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
+                                                1.0 + 3.0 * p->radius_width);
+    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5), y = height_at(d, x, r, 0.05),
+                 from = highest(d) + p->drop_height + r;
+    const dem_grain grain = {
+        .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
+    mark_places(d);
+    const size_t k = d->n;
+    rp_status status = put_in(d, &grain);
+    d->n = k + 1;
+    if (!status) status = settle(d, rest);
+    if (!status) d->moved[k] = (long)count_moved(d, k);
+    return status;
+}
+
+static rp_status drop_all(drop *d)
+{
+    double capped = 0.0, *v = d->result->values;
+    rp_status status = RP_OK;
+    for (long k = 0; k < d->p->N && !status; k++) {
+        bool rest = false;
+        status = drop_one(d, &rest);
+        capped += !rest;
+    }
+    if (status) return status;
+    v[OUT_CAPPED] = capped;
+    v[OUT_STEPS] = (double)dem_step(d->sim);
+    double sum = 0.0, most = 0.0, large = 0.0;
+    for (long k = 0; k < d->p->N; k++) {
+        sum += (double)d->moved[k];
+        most = fmax(most, (double)d->moved[k]);
+        large += d->moved[k] > 10;
+    }
+    v[OUT_MOVED_MEAN] = sum / (double)d->p->N;
+    v[OUT_MOVED_MAX] = most;
+    v[OUT_MOVED_SHARE] = large / (double)d->p->N;
+    return RP_OK;
+}
+
+/* ---- Relaxation of the whole pile ---- */
+
+/* The same pile with all velocities 0. */
+static rp_status stop_all(drop *d)
+{
+    dem_definition def = d->scene;
+    dem_contact *contacts;
+    rp_status status = dem_contacts(d->sim, &contacts, &def.n_contacts);
+    dem_grain *grains = malloc(d->n * sizeof *grains);
+    if (!status && !grains) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    for (size_t i = 0; i < d->n && !status; i++) {
+        const dem_state *s = &d->states[i];
+        grains[i] = (dem_grain){.x = s->x, .y = s->y, .r = s->r, .m = s->m, .angle = s->angle};
+    }
+    def.grains = grains;
+    def.n_grains = d->n;
+    def.contacts = contacts;
+    dem_sim *next;
+    if (!status) status = dem_create(&def, &next);
+    if (!status) {
+        dem_free(d->sim);
+        d->sim = next;
+    }
+    free(grains);
+    free(contacts);
+    return status;
+}
+
+static rp_status relax(drop *d)
+{
+    enum { MOST = 100000, ENOUGH = 10 };
+    double before = 0.0;
+    long steps = 0, quiet = 0;
+    rp_status status = RP_OK;
+    mark_places(d);
+    d->scene.dt *= 0.9; /* near its limit a pile hums, and that energy hides where the other has its maxima */
+    for (; steps < MOST && quiet < ENOUGH && !status; steps += EVERY) {
+        dem_rest rest;
+        status = dem_run(d->sim, EVERY);
+        if (!status) status = dem_states(d->sim, d->states);
+        if (!status) status = dem_rest_state(d->sim, -d->p->x_limit, d->p->x_limit, &rest);
+        if (status) break;
+        quiet = rest.kinetic_energy < 1e-12 && rest.net_force < 1e-4 ? quiet + 1 : 0;
+        const bool falls = rest.kinetic_energy < before;
+        if (falls) status = stop_all(d);
+        before = falls ? 0.0 : rest.kinetic_energy;
+    }
+    if (status) return status;
+    d->result->values[OUT_RELAX_STEPS] = (double)steps;
+    d->result->values[OUT_SETTLED] = (double)count_moved(d, d->n);
+    d->relaxed = quiet >= ENOUGH;
+    return RP_OK;
+}
+
+/* ---- What is measured ---- */
+
+/* Slope by a straight line through the highest points of columns one diameter wide, from the column of the
+ * top to the side, between 0.1 and 0.9 of the height. */
+static double slope(const drop *d, double sign, double top_x, double height)
+{
+    enum { COLUMNS = 400 };
+    double top[COLUMNS] = {0.0}, n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+    for (size_t i = 0; i < d->n; i++) {
+        const double along = sign * (d->states[i].x - top_x);
+        if (along < 0.0 || along >= COLUMNS) continue;
+        double *t = &top[(size_t)along];
+        *t = fmax(*t, d->states[i].y + d->states[i].r);
+    }
+    for (int k = 0; k < COLUMNS; k++) {
+        if (top[k] <= 0.1 * height) break; /* also where there is no disk at all */
+        if (top[k] > 0.9 * height) continue;
+        const double x = k + 0.5;
+        n += 1.0, sx += x, sy += top[k], sxx += x * x, sxy += x * top[k];
+    }
+    return -sweep_degrees(atan((n * sxy - sx * sy) / (n * sxx - sx * sx)));
+}
+
+static void measure_shape(const drop *d)
+{
+    double *v = d->result->values, height = 0.0, x = 0.0;
+    for (size_t i = 0; i < d->n; i++)
+        if (d->states[i].y + d->states[i].r > height)
+            height = d->states[i].y + d->states[i].r, x = d->states[i].x;
+    v[OUT_DISKS] = (double)d->n;
+    v[OUT_AWAY] = (double)d->p->N - (double)d->n;
+    v[OUT_HEIGHT] = height;
+    v[OUT_LEFT] = slope(d, -1.0, x, height);
+    v[OUT_RIGHT] = slope(d, 1.0, x, height);
+}
+
+/* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
+static void measure_order(const drop *d)
+{
+    double sum = 0.0, n = 0.0, contacts = 0.0;
+    for (size_t i = 0; i < d->n; i++) {
+        const dem_state *a = &d->states[i];
+        double re = 0.0, im = 0.0, near = 0.0;
+        contacts += a->contacts;
+        for (size_t j = 0; j < d->n; j++) {
+            const dem_state *b = &d->states[j];
+            const double dx = b->x - a->x, dy = b->y - a->y, reach = 1.25 * (a->r + b->r),
+                         r2 = dx * dx + dy * dy;
+            if (i == j || r2 > reach * reach) continue;
+            const double c2 = (dx * dx - dy * dy) / r2, s2 = 2.0 * dx * dy / r2; /* of 2 theta; cubed */
+            re += c2 * c2 * c2 - 3.0 * c2 * s2 * s2;
+            im += 3.0 * c2 * c2 * s2 - s2 * s2 * s2;
+            near += 1.0;
+        }
+        if (near < 2.0) continue;
+        sum += sqrt(re * re + im * im) / near;
+        n += 1.0;
+    }
+    d->result->values[OUT_PSI6] = sum / n;
+    d->result->values[OUT_CONTACTS] = contacts / (double)d->n;
+}
+
+static rp_status measure_base(const drop *d)
+{
+    double *v = d->result->values, weight = 0.0, load = 0.0, disks = 0.0;
+    dem_contact *contacts;
+    size_t n_all, n = 0;
+    rp_status status = dem_contacts(d->sim, &contacts, &n_all);
+    double *x = malloc(3 * (n_all + 1) * sizeof *x), *r = x + n_all, *N = r + n_all;
+    if (!status && !x) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    for (size_t k = 0; k < n_all && !status; k++) {
+        const dem_contact *c = &contacts[k];
+        if (c->id_b || fabs(c->x) > d->p->x_limit) continue;
+        x[n] = c->x;
+        r[n] = c->y - c->y_b + c->overlap;
+        N[n] = c->normal_force;
+        load += N[n++];
+    }
+    stress_base base;
+    if (!status) status = stress_base_profile(n, x, r, N, &base);
+    for (size_t i = 0; i < d->n; i++) weight += d->states[i].m;
+    for (size_t i = 0; i < n && !status; i++) disks += fabs(x[i] - base.centroid) <= 0.5 * base.width;
+    free(contacts);
+    free(x);
+    if (status) return status;
+    v[OUT_BALANCE] = 1.0 - load / weight;
+    v[OUT_BASE_DISKS] = disks;
+    v[OUT_WIDTH] = base.width;
+    v[OUT_CENTROID] = base.centroid;
+    v[OUT_DIP] = stress_dip(base.N);
+    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_N + k] = base.N[k];
+    return RP_OK;
+}
+
+/* From the states, those that rolled away. */
+static void leave_out_away(drop *d)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < d->n; i++)
+        if (!is_away(d, i)) d->states[n++] = d->states[i];
+    d->n = n;
+}
+
+/* ---- A run ---- */
+
+/* Its status word, of what is measured, and why it is no result. A layer comes first: its disks may roll
+ * without end. */
+static void conclude(const drop *d)
+{
+    enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
+    const double *v = d->result->values;
+    char drops[110] = "", layer[110] = "";
+    const bool pile = v[OUT_HEIGHT] >= LEAST_HEIGHT && isfinite(v[OUT_LEFT]) && isfinite(v[OUT_RIGHT]);
+    if (v[OUT_CAPPED] > 0.0)
+        snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
+                 v[OUT_CAPPED], d->p->N, d->p->max_steps);
+    if (!pile)
+        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_HEIGHT],
+                 v[OUT_LEFT], v[OUT_RIGHT], *drops ? "; " : "");
+    snprintf(d->result->status, sizeof d->result->status, "%s",
+             !pile         ? "no_pile"
+             : *drops      ? "drops_not_at_rest"
+             : !d->relaxed ? "not_at_rest"
+                           : "ok");
+    snprintf(d->result->message, sizeof d->result->message, "%s%s", layer, drops);
+}
+
+static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run,
+                      sweep_result *result)
+{
+    const size_t n = (size_t)p->N;
+    *result = (sweep_result){.status = ""};
+    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+    *d = (drop){.p = p, .result = result, .scene = make_scene(p)};
+    d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
+    d->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
+    d->states = malloc(n * sizeof *d->states);
+    d->x = calloc(n, sizeof *d->x);
+    d->y = calloc(n, sizeof *d->y);
+    d->moved = calloc(n, sizeof *d->moved);
+    if (!d->radii || !d->places || !d->states || !d->x || !d->y || !d->moved)
+        return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    rp_status status = drop_all(d);
+    if (!status) status = relax(d);
+    if (!status) leave_out_away(d);
+    return status;
+}
+
+static rp_status finish(drop *d, rp_status status)
+{
+    if (status == RP_BROKEN || status == RP_NO_RESULT) {
+        const char *word = status == RP_BROKEN ? "broken" : "no_pile";
+        snprintf(d->result->status, sizeof d->result->status, "%s", word);
+        snprintf(d->result->message, sizeof d->result->message, "%s", rp_message());
+        status = RP_OK;
+    }
+    if (d->radii) gsl_rng_free(d->radii);
+    if (d->places) gsl_rng_free(d->places);
+    dem_free(d->sim);
+    free(d->states), free(d->x), free(d->y), free(d->moved);
+    return status;
+}
+
+static rp_status write_table(const drop *d, const char *name, void (*columns)(FILE *),
+                             rp_status (*rows)(const dem_sim *, FILE *))
+{
+    char path[4096];
+    FILE *out;
+    rp_status status = sweep_box_table(d->tables, name, path, sizeof path, &out);
+    if (status) return status;
+    if (columns) columns(out);
+    return rp_file_close(path, out, rows(d->sim, out));
+}
+
+static rp_status write_drops(const drop *d)
+{
+    static const char *const columns[][2] = {{"drop", ""}, {"moved", ""}};
+    char path[4096];
+    FILE *out;
+    rp_status status = sweep_box_table(d->tables, "drops.tsv", path, sizeof path, &out);
+    if (status) return status;
+    rp_table_columns(out, 2, columns);
+    for (long k = 0; k < d->p->N; k++) rp_table_row(out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
+    return rp_file_close(path, out, RP_OK);
+}
+
+static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *result)
+{
+    drop d;
+    rp_status status = make(&d, params, seed, run, result);
+    d.tables = tables;
+    if (!status) {
+        measure_shape(&d);
+        measure_order(&d);
+    }
+    if (!status && tables) {
+        status = rp_make_directory(tables->directory);
+        if (!status) status = write_table(&d, "pile_grains.tsv", dem_write_state_columns, dem_write_states);
+        if (!status) status = write_table(&d, "pile_contacts.tsv", NULL, dem_write_contacts);
+        if (!status) status = write_drops(&d);
+    }
+    if (!status) status = measure_base(&d);
+    if (!status) conclude(&d);
+    return finish(&d, status);
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
+{
+    return trace(params, seed, run, NULL, result);
+}
+
+/* The time step follows from the rest: all that is in range can run. */
+static rp_status check(const void *params)
+{
+    (void)params;
+    return RP_OK;
+}
+
+/* Bits of the disks of a small pile of unequal ones. */
+static rp_status fingerprint(char digits[33])
+{
+    drop_params p;
+    drop d;
+    sweep_result result;
+    rp_params_defaults(schema, &p);
+    p.N = 12;
+    p.radius_width = 0.05;
+    rp_status status = make(&d, &p, 1, 0, &result);
+    if (!status) sweep_states_digits(d.n, d.states, digits);
+    rp_status freed = finish(&d, status);
+    return status ? status : freed;
+}
+
+const sweep_protocol sweep_protocol_drop = {
+    .name = "drop",
+    .about = "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)",
+    .schema = schema,
+    .params_size = sizeof(drop_params),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one,
+    .trace = trace};

@@ -1,0 +1,390 @@
+/* Protocol `flux`: grains are put in at the upper left corner of a pile, one after the other and each once
+ * the pile is quiet, and leave over the edge on the right (Lee & Herrmann 1993, section 5). The angle by
+ * method 3 just before each insertion is a series that rises, then fluctuates; what is reported is of the
+ * latter part.
+ *
+ * The floor ends at W: where it goes on, nothing leaves and no steady state exists. "Quiet": the largest
+ * speed over the grains with 0 < x < W has been below v_cut for 200 steps in a row, and the last grain has
+ * had a contact, for one at rest in the air is slow too. */
+#include "sweeps/driver/protocol_flux.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/random.h"
+#include "core/table.h"
+#include "sweeps/driver/box.h"
+#include "stats/stats.h"
+#include "angle/angle.h"
+
+static const long QUIET_STEPS = 200;
+
+typedef struct {
+    sweep_box box;
+    double v_cut, drop_height, entry_width;
+    long insertions, steps_max, avalanche, draws;
+} flux_params;
+
+#define AT(field) offsetof(flux_params, field)
+#define BOX(...)  SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
+
+/* clang-format off */
+static const rp_param schema[] = {
+    SWEEP_BOX_WIDTH_ROW(BOX)
+    SWEEP_BOX_GRAIN_ROWS(BOX)
+    {"v_cut", "cm/s", RP_REAL, AT(v_cut), "0.1", "(0, inf)", "the pile is quiet below this speed"},
+    {"drop_height", "d", RP_REAL, AT(drop_height), "0", "[0, 100]", "of a new grain, above where it would touch"},
+    {"entry_width", "d", RP_REAL, AT(entry_width), "0", "[0, 100]",
+     "a new grain touches the left wall, or with a width is up to that away from it, at random"},
+    {"insertions", "", RP_INT, AT(insertions), "1000", "[4, 10000000]", "length of the series"},
+    {"steps_max", "", RP_INT, AT(steps_max), "20000000", "[1, 2000000000]",
+     "most steps; the series ends there if it is shorter"},
+    {"avalanche", "", RP_INT, AT(avalanche), "5", "[1, 1000000]",
+     "least outflow between two insertions that counts as an avalanche"},
+    {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
+    SWEEP_BOX_REST_ROWS(BOX)
+    SWEEP_BOX_SURFACE_ROWS(BOX)
+    {0}};
+/* clang-format on */
+
+/* Places of the outputs in sweep_result.values; the list below has the same order. */
+enum {
+    OUT_LEVEL_STEP,
+    OUT_LEVEL_INSERTION,
+    OUT_THETA,
+    OUT_THETA_SD,
+    OUT_THETA_SE,
+    OUT_TAU,
+    OUT_DECORRELATED,
+    OUT_THETA_MAX,
+    OUT_THETA_MAX_DRAWS,
+    OUT_THETA_MS,
+    OUT_THETA_R_FLUX,
+    OUT_MS_LESS_R,
+    OUT_AVALANCHES,
+    OUT_GRAINS,
+    OUT_TOWER,
+    OUT_INSERTIONS,
+    OUT_STEPS,
+    N_OUTPUTS
+};
+static const sweep_output outputs[] = {
+    {"level_step", "", "step at which the angle levels off (MSER)"},
+    {"level_insertion", "", "insertions before that"},
+    {"theta_deg", "degree", "mean angle from there on, method 3"},
+    {"theta_sd_deg", "degree", "its standard deviation, the fluctuation"},
+    {"theta_se_deg", "degree", "standard error of the mean, by blocking"},
+    {"tau_insertions", "", "integrated correlation time, in insertions"},
+    {"decorrelated", "", "number of decorrelated angles, n/(2 tau)"},
+    {"theta_max_deg", "degree", "largest angle"},
+    {"theta_max_draws_deg", "degree", "expected largest of `draws` decorrelated angles"},
+    {"theta_ms_flux_deg", "degree", "mean angle just before avalanches"},
+    {"theta_r_flux_deg", "degree", "mean angle just after them"},
+    {"theta_ms_less_r_deg", "degree", "the difference of these"},
+    {"avalanches", "", "number of avalanches"},
+    {"grains", "", "mean number of grains with 0 < x < W"},
+    {"tower", "d", "mean height by which the first cell overtops the rest of the pile"},
+    {"insertions_made", "", "length of the series, from the first"},
+    {"steps", "", "steps in all"},
+    {NULL, NULL, NULL}};
+
+/* One run in the making; a row of the series is the quiet state before an insertion. */
+typedef struct {
+    flux_params p; /* with the floor and opening of this protocol */
+    sweep_box_run box;
+    gsl_rng *radii, *places;
+    size_t n;              /* rows */
+    double *theta, *tower; /* degrees, d */
+    long *step, *grains;
+    double *work; /* room for two series */
+} flux;
+
+static void fix_box(flux_params *p)
+{
+    p->box.floor = SWEEP_FLOOR_ENDS;
+    p->box.open = INFINITY;
+}
+
+static rp_status check(const void *params)
+{
+    flux_params p = *(const flux_params *)params;
+    fix_box(&p);
+    /* a pile may grow higher, but then the run says so */
+    rp_status status = sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean));
+    dem_scene scene;
+    sweep_box_scene(&p.box, &scene);
+    if (!status && scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
+        status = rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
+    return status;
+}
+
+double sweep_flux_height(size_t n, const dem_state grains[], double x, double r, double gap)
+{
+    double y = r + gap;
+    for (size_t i = 0; i < n; i++) {
+        const double dx = grains[i].x - x, reach = r + grains[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, grains[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
+static double draw_radius(flux *f)
+{
+    const sweep_box *b = &f->p.box;
+    return rp_random_cut_normal(f->radii, b->radius_mean, b->radius_width, b->radius_min, b->radius_max);
+}
+
+static dem_grain grain_at(const flux *f, double x, double y, double r)
+{
+    return (dem_grain){.x = x, .y = y, .r = r, .m = dem_mass(f->p.box.shape, f->p.box.density, r)};
+}
+
+/* Grains from left to right, each on the floor and touching the last, while they end before W. */
+static rp_status first_layer(flux *f, dem_grain *layer)
+{
+    dem_definition *def = &f->box.scene.def;
+    double r = draw_radius(f), x = r;
+    for (def->n_grains = 0; x + r <= f->p.box.W; def->n_grains++) {
+        layer[def->n_grains] = grain_at(f, x, r, r);
+        const double next = draw_radius(f);
+        x += 2.0 * sqrt(r * next); /* (r + r')^2 = dx^2 + (r - r')^2 */
+        r = next;
+    }
+    def->grains = layer;
+    def->walls[DEM_BOX_RIGHT].open_at_step = 0;
+    rp_status status = dem_create(def, &f->box.sim);
+    def->grains = NULL;
+    return status ? status : sweep_box_settle(&f->box, "first layer", NULL, NULL);
+}
+
+static rp_status insert(flux *f, uint32_t *id)
+{
+    const double r = draw_radius(f), d = f->box.d, x = r + f->p.entry_width * d * gsl_rng_uniform(f->places);
+    rp_status status = dem_states(f->box.sim, f->box.states);
+    if (status) return status;
+    double y = sweep_flux_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
+    const dem_grain grain = grain_at(f, x, y + f->p.drop_height * d, r);
+    status = dem_add(f->box.sim, &grain, id);
+    if (status != RP_BAD_INPUT) return status;
+    /* a fall from there is too fast for dt */
+    sweep_box_conclude(&f->box, "too_high", rp_message());
+    return RP_NO_RESULT;
+}
+
+/* Advance until the pile is quiet, or the steps are used up. */
+static rp_status wait_until_quiet(flux *f, uint32_t id, bool *quiet)
+{
+    bool touched = false;
+    long below = 0;
+    while (below < QUIET_STEPS || !touched) {
+        *quiet = false;
+        if (dem_step(f->box.sim) >= f->p.steps_max) return RP_OK;
+        rp_status status = sweep_box_advance(&f->box, 1);
+        if (status) return status;
+        touched = touched || dem_contact_count(f->box.sim, id) > 0;
+        below = dem_largest_speed(f->box.sim, 0.0, f->p.box.W) < f->p.v_cut ? below + 1 : 0;
+    }
+    *quiet = true;
+    return RP_OK;
+}
+
+static rp_status note_row(flux *f)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = sweep_box_slopes(&f->box, slopes);
+    if (status) return status;
+    const double cell = f->p.box.W / round(f->p.box.W / f->box.d);
+    double first = 0.0, others = 0.0;
+    long inside = 0;
+    for (size_t i = 0; i < dem_count(f->box.sim); i++) {
+        const dem_state *s = &f->box.states[i];
+        if (!(s->x > 0.0 && s->x < f->p.box.W)) continue;
+        inside++;
+        *(s->x < cell ? &first : &others) = fmax(s->x < cell ? first : others, s->y);
+    }
+    f->tower[f->n] = fmax(first - others, 0.0) / f->box.d;
+    f->theta[f->n] = sweep_degrees(slopes[2].theta);
+    f->step[f->n] = dem_step(f->box.sim);
+    f->grains[f->n++] = inside;
+    return RP_OK;
+}
+
+static rp_status run_series(flux *f, dem_grain *layer)
+{
+    bool quiet = true;
+    rp_status status = first_layer(f, layer);
+    if (!status) status = note_row(f);
+    while (!status && f->n < (size_t)f->p.insertions) {
+        uint32_t id;
+        status = insert(f, &id);
+        if (!status) status = wait_until_quiet(f, id, &quiet);
+        if (status || !quiet) break;
+        status = note_row(f);
+    }
+    return status;
+}
+
+/* Grains that left between the insertion before row k and the row. */
+static long outflow(const flux *f, size_t k)
+{
+    return k > 0 ? f->grains[k - 1] + 1 - f->grains[k] : 0;
+}
+
+static void avalanches(const flux *f, size_t from, double *v)
+{
+    double before = 0.0, after = 0.0, count = 0.0;
+    for (size_t k = from + 1; k < f->n; k++) {
+        if (outflow(f, k) < f->p.avalanche) continue;
+        before += f->theta[k - 1];
+        after += f->theta[k];
+        count++;
+    }
+    v[OUT_AVALANCHES] = count;
+    v[OUT_THETA_MS] = before / count; /* NaN without any */
+    v[OUT_THETA_R_FLUX] = after / count;
+    v[OUT_MS_LESS_R] = (before - after) / count;
+}
+
+/* Largest of `draws` angles, one taken every two correlation times. NaN where there are too few. */
+static rp_status maximum_of_draws(const flux *f, size_t from, double tau, double *maximum)
+{
+    const size_t stride = (size_t)ceil(2.0 * tau);
+    double *thinned = f->work;
+    size_t n = 0;
+    for (size_t k = from; k < f->n; k += stride) thinned[n++] = f->theta[k];
+    rp_status status = stats_expected_maximum(n, thinned, (size_t)f->p.draws, f->work + f->n, maximum);
+    return status == RP_NO_RESULT ? RP_OK : status;
+}
+
+static rp_status analyse(flux *f)
+{
+    double *v = f->box.result->values, grains = 0.0, tower = 0.0;
+    size_t from;
+    stats_series series;
+    rp_status status = stats_level_off(f->n, f->theta, &from);
+    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "not_level", rp_message());
+    if (status) return status;
+    sweep_box_conclude(&f->box, "ok", "");
+    status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
+    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "ok", rp_message()); /* no errors, but a mean */
+    if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_THETA_MAX_DRAWS]);
+    if (status && status != RP_NO_RESULT) return status;
+    for (size_t k = from; k < f->n; k++) {
+        grains += (double)f->grains[k];
+        tower += f->tower[k];
+        v[OUT_THETA_MAX] = fmax(v[OUT_THETA_MAX], f->theta[k]);
+    }
+    v[OUT_LEVEL_STEP] = (double)f->step[from];
+    v[OUT_LEVEL_INSERTION] = (double)from;
+    v[OUT_THETA] = series.mean;
+    v[OUT_THETA_SD] = series.sd;
+    v[OUT_THETA_SE] = series.se;
+    v[OUT_TAU] = series.tau;
+    v[OUT_DECORRELATED] = (double)series.n / (2.0 * series.tau);
+    v[OUT_GRAINS] = grains / (double)series.n;
+    v[OUT_TOWER] = tower / (double)series.n;
+    avalanches(f, from, v);
+    return RP_OK;
+}
+
+static rp_status write_series(const flux *f)
+{
+    static const char *const columns[][2] = {{"step", ""},    {"insertion", ""},
+                                             {"grains", ""},  {"theta_r3_deg", "degree"},
+                                             {"outflow", ""}, {"tower", "d"}};
+    char path[4096];
+    FILE *out;
+    if (!f->box.tables) return RP_OK;
+    rp_status status = sweep_box_table(f->box.tables, "series.tsv", path, sizeof path, &out);
+    if (status) return status;
+    rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
+    rp_table_columns(out, 6, columns);
+    for (size_t k = 0; k < f->n; k++)
+        rp_table_row(out, 6,
+                     (double[]){(double)f->step[k], (double)k + 1.0, (double)f->grains[k], f->theta[k],
+                                (double)outflow(f, k), f->tower[k]});
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* The series, with its simulation still there to look at; afterwards `finish`. */
+static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigned long run,
+                      const sweep_tables *tables, sweep_result *result)
+{
+    *f = (flux){.p = *p};
+    fix_box(&f->p);
+    const size_t rows = (size_t)p->insertions,
+                 most_layer = (size_t)(p->box.W / (2.0 * p->box.radius_min)) + 1;
+    rp_status status = sweep_box_begin(&f->box, &f->p.box, rows + most_layer, tables, result);
+    f->box.max_steps = p->steps_max;
+    f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
+    f->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
+    f->theta = malloc(rows * sizeof *f->theta);
+    f->tower = malloc(rows * sizeof *f->tower);
+    f->step = malloc(rows * sizeof *f->step);
+    f->grains = malloc(rows * sizeof *f->grains);
+    f->work = malloc(2 * rows * sizeof *f->work);
+    dem_grain *layer = malloc(most_layer * sizeof *layer);
+    if (!status &&
+        (!f->radii || !f->places || !f->theta || !f->tower || !f->step || !f->grains || !f->work || !layer))
+        status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
+    if (!status) status = run_series(f, layer);
+    free(layer);
+    return status;
+}
+
+static rp_status finish(flux *f, rp_status status)
+{
+    if (f->radii) gsl_rng_free(f->radii);
+    if (f->places) gsl_rng_free(f->places);
+    free(f->theta), free(f->tower), free(f->step), free(f->grains), free(f->work);
+    return sweep_box_end(&f->box, status);
+}
+
+static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *result)
+{
+    flux f;
+    rp_status status = make(&f, params, seed, run, tables, result);
+    if (!status) status = analyse(&f);
+    result->values[OUT_INSERTIONS] = (double)f.n;
+    if (f.box.sim) result->values[OUT_STEPS] = (double)dem_step(f.box.sim);
+    if ((status == RP_OK || status == RP_NO_RESULT) && f.box.sim) {
+        rp_status left = write_series(&f);
+        if (!left) left = sweep_box_write_state(&f.box, "pile");
+        if (left) status = left;
+    }
+    return finish(&f, status);
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
+{
+    return trace(params, seed, run, NULL, result);
+}
+
+/* Bits of the grains after a short run. */
+static rp_status fingerprint(char digits[33])
+{
+    flux_params p = {0}; /* the schema has not every field of the box */
+    flux f;
+    sweep_result result;
+    rp_params_defaults(schema, &p);
+    p.box.W = 1.4;
+    p.insertions = 12;
+    rp_status status = make(&f, &p, 1, 0, NULL, &result);
+    if (status == RP_NO_RESULT) /* which would pass for a run without angle, and leave no digits */
+        status = rp_prefix(RP_BROKEN, "fingerprint of flux: ");
+    if (!status) status = dem_states(f.box.sim, f.box.states);
+    if (!status) sweep_states_digits(dem_count(f.box.sim), f.box.states, digits);
+    return finish(&f, status);
+}
+
+const sweep_protocol sweep_protocol_flux = {
+    .name = "flux",
+    .about = "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)",
+    .schema = schema,
+    .params_size = sizeof(flux_params),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one,
+    .trace = trace};

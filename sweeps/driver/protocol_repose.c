@@ -1,0 +1,507 @@
+/* Protocol `repose`: fill a box, open its right wall, wait for rest, measure the slope; then, if asked,
+ * tilt until the pile moves (Lee & Herrmann 1993, sections 3 and 4). What the paper leaves unsaid is a
+ * parameter here, with its meaning in the schema. */
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "core/table.h"
+#include "sweeps/driver/box.h"
+#include "angle/angle.h"
+
+enum { FILL_DROP, FILL_RAMP, FILL_AUTO };
+enum { STOP_REST, STOP_STEPS };
+enum { TILT_GRAVITY, TILT_BOX };
+enum { MEASURE_THETA_R = 1, MEASURE_THETA_T = 2, MEASURE_THETA_T_STATIC = 4 };
+
+typedef struct {
+    sweep_box box;
+    double tilt_rate_deg;
+    long relax_steps;
+    int fill, stop, tilt;
+    unsigned measure;
+} repose_params;
+
+#define AT(field) offsetof(repose_params, field)
+#define BOX(...)  SWEEP_BOX_ROW(repose_params, __VA_ARGS__)
+
+/* clang-format off */
+static const rp_param schema[] = {
+    SWEEP_BOX_WIDTH_ROW(BOX)
+    SWEEP_BOX_COUNT_ROWS(BOX)
+    SWEEP_BOX_GRAIN_ROWS(BOX)
+    SWEEP_BOX_OPENING_ROWS(BOX)
+    {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
+     "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
+     "would press grains in by half the smallest radius"},
+    SWEEP_BOX_FILL_STEPS_ROW(BOX)
+    {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
+     "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
+    {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]",
+     "steps after the opening for stop = steps"},
+    SWEEP_BOX_REST_ROWS(BOX)
+    SWEEP_BOX_MAX_STEPS_ROW(BOX)
+    {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
+     "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
+    {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity | box",
+     "what turns: gravity, or the walls about the origin, as in the paper"},
+    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
+    SWEEP_BOX_SURFACE_ROWS(BOX)
+    {0}};
+/* clang-format on */
+
+/* Places of the outputs in sweep_result.values; the list below has the same order. */
+enum {
+    OUT_THETA_R1,
+    OUT_THETA_R2,
+    OUT_THETA_R3,
+    OUT_THETA_R3_SE,
+    OUT_THETA_R12,
+    OUT_THETA_R23,
+    OUT_THETA_T_DISPLACEMENT,
+    OUT_THETA_T_ENERGY,
+    OUT_THETA_T_STATIC,
+    OUT_THETA_RT,
+    OUT_THETA_UPPER,
+    OUT_THETA_LOWER,
+    OUT_THETA_LOWER_LESS_UPPER,
+    OUT_THETA_R3_LOOSE,
+    OUT_THETA_R3_FIXED,
+    OUT_GRAINS,
+    OUT_CELLS,
+    OUT_FILL_STEPS,
+    OUT_RELAX_STEPS,
+    OUT_STEPS,
+    OUT_CONTACT_NUMBER,
+    OUT_ENERGY,
+    OUT_FORCE,
+    OUT_FILL_CONTACT_NUMBER,
+    OUT_SURFACES, /* the variants of the surface, N_SLOPES each */
+};
+
+/* The variants of the surface, four slopes each. */
+#define ONE(height, empty) +1
+enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
+enum { N_OUTPUTS = OUT_SURFACES + N_SURFACES * N_SLOPES };
+
+#define SURFACE_OUTPUT(name, height, empty, what)                                                            \
+    {                                                                                                        \
+        "theta_" name "_deg", "degree", what " for height = " #height ", empty = " #empty                    \
+    }
+#define SURFACE_OUTPUTS(height, empty)                                                                       \
+    SURFACE_OUTPUT("r1_" #height "_" #empty, height, empty, "method 1"),                                     \
+        SURFACE_OUTPUT("r2_" #height "_" #empty, height, empty, "method 2"),                                 \
+        SURFACE_OUTPUT("r3_" #height "_" #empty, height, empty, "method 3, parabola = free,"),               \
+        SURFACE_OUTPUT("r3_" #height "_" #empty "_origin", height, empty, "method 3, parabola = origin,"),
+
+static const sweep_output outputs[] = {
+    {"theta_r1_deg", "degree", "slope by method 1, first to last cell"},
+    {"theta_r2_deg", "degree", "slope by method 2, straight line"},
+    {"theta_r3_deg", "degree", "slope by method 3, parabola through the running sum"},
+    {"theta_r3_error_deg", "degree", "standard error of method 3 within the pile"},
+    {"theta_r12_deg", "degree", "method 1 less method 2, of the same pile"},
+    {"theta_r23_deg", "degree", "method 2 less method 3, of the same pile"},
+    {"theta_t_displacement_deg", "degree", "tilt at which 5 % of the grains have moved 0.1 d"},
+    {"theta_t_energy_deg", "degree", "tilt at which the kinetic energy exceeds 1e-5 m g d and the sway"},
+    {"theta_t_static_deg", "degree", "last quasi-static tilt before a grain moves 0.5 d"},
+    {"theta_rt_deg", "degree", "theta_r3 + theta_t by displacement"},
+    {"theta_upper_deg", "degree", "straight line through the cells left of W/2"},
+    {"theta_lower_deg", "degree", "straight line through the cells right of W/2, to the opening"},
+    {"theta_lower_less_upper_deg", "degree", "their difference, of the same pile"},
+    {"theta_r3_loose_deg", "degree",
+     "method 3 at the first test for rest with a mean kinetic energy below 1e-5 m g d"},
+    {"theta_r3_fixed_deg", "degree",
+     "method 3 at 50000 steps after the opening, or at rest if that came first"},
+    {"grains", "", "grains with 0 < x < W in the pile"},
+    {"cells", "", "occupied cells of the surface"},
+    {"fill_steps_used", "", "steps until the filled box was at rest"},
+    {"relax_steps_used", "", "steps from the opening to rest"},
+    {"steps", "", "steps in all"},
+    {"contact_number", "", "contacts a grain in the pile"},
+    {"residual_energy", "m g d", "mean kinetic energy of the pile"},
+    {"residual_force", "m g", "largest net force on a grain with a contact"},
+    {"fill_contact_number", "", "contacts a grain in the full box"},
+    ANG_SURFACES(SURFACE_OUTPUTS){NULL, NULL, NULL}};
+static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
+
+/* One run in the making. */
+typedef struct {
+    const repose_params *p;
+    sweep_box_run box;
+    double *values;    /* of the result */
+    long opened_at;    /* step */
+    long steps_before; /* of a simulation that was tilted before this one */
+} experiment;
+
+static rp_status check(const void *params)
+{
+    const repose_params *p = params;
+    rp_status status = sweep_box_check_fill(&p->box);
+    if (status) return status;
+    if (p->stop == STOP_REST && p->box.slip == DEM_TOTAL)
+        return rp_fail(
+            RP_BAD_INPUT,
+            "slip = \"total\": the untruncated spring never comes to rest; needs stop = \"steps\"");
+    if (p->stop == STOP_STEPS && p->measure & MEASURE_THETA_T_STATIC)
+        return rp_fail(RP_BAD_INPUT,
+                       "measure = theta_t_static: goes from rest to rest; needs stop = \"rest\"");
+    if (p->box.floor_grains && p->tilt == TILT_BOX && p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC))
+        return rp_fail(RP_BAD_INPUT,
+                       "tilt = \"box\": a floor of fixed grains cannot turn; needs tilt = \"gravity\"");
+    return RP_OK;
+}
+
+/* The grains that fall, then those of the floor. */
+static rp_status place_grains(experiment *e)
+{
+    dem_scene *s = &e->box.scene;
+    const size_t n = (size_t)s->fill.N, n_floor = sweep_box_floor(&e->p->box, NULL);
+    if (n_floor == 0) return RP_OK; /* the scene's own fill */
+    s->grains = malloc((n + n_floor) * sizeof *s->grains);
+    if (!s->grains) return rp_fail(RP_NO_MEMORY, "fill: out of memory");
+    s->has_fill = false;
+    s->def.grains = s->grains;
+    s->def.n_grains = n + sweep_box_floor(&e->p->box, s->grains + n);
+    return dem_fill_random(&s->fill, s->grains);
+}
+
+/* With `auto` gravity grows where the fall from 2 H would press two grains of the mean radius into each other
+ * by more than half of the smallest radius: (5 m_eff v^2/(4 k_n))^(2/5), without damping. To the power of
+ * five halves, so that no rounding of pow decides. */
+static bool fills_by_ramp(const repose_params *p)
+{
+    const sweep_box *b = &p->box;
+    double m_eff = 0.5 * dem_mass(b->shape, b->density, b->radius_mean), most = 0.5 * b->radius_min;
+    double impact = 5.0 * m_eff * (2.0 * b->g * 2.0 * b->H) / (4.0 * b->k_n);
+    return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > most * most * sqrt(most));
+}
+
+static rp_status ramp_gravity(experiment *e, long steps)
+{
+    rp_status status = RP_OK;
+    for (long k = 1; !status && k <= steps; k++) {
+        dem_gravity_set(e->box.sim, (double[]){0.0, -e->p->box.g * (double)k / (double)steps});
+        status = sweep_box_advance(&e->box, 1);
+    }
+    return status;
+}
+
+static rp_status fill_box(experiment *e)
+{
+    const long ramp = fills_by_ramp(e->p) ? e->p->box.fill_steps / 2 : 0;
+    rp_status status = place_grains(e);
+    if (!status) status = dem_scene_start(&e->box.scene, &e->box.sim);
+    if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
+    if (status) return status;
+    status = ramp_gravity(e, ramp);
+    if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
+    e->values[OUT_FILL_STEPS] = (double)dem_step(e->box.sim);
+    dem_rest rest;
+    bool quiet;
+    if (!status) status = sweep_box_rest(&e->box, &rest, &quiet);
+    if (!status) e->values[OUT_FILL_CONTACT_NUMBER] = rest.contact_number;
+    return status;
+}
+
+/* What looser criteria of rest would have measured on the same pile; a run whose cells are too few ends. */
+static rp_status watch_slide(sweep_box_run *run, const dem_rest *rest, void *context)
+{
+    experiment *e = context;
+    double *loose = &e->values[OUT_THETA_R3_LOOSE], *fixed = &e->values[OUT_THETA_R3_FIXED];
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = sweep_box_slopes(run, slopes);
+    if (status) return status;
+    const double theta = sweep_degrees(slopes[2].theta);
+    if (isnan(*loose) && rest->kinetic_energy < 1e-5 * run->mg * run->d) *loose = theta;
+    if (dem_step(run->sim) == e->opened_at + 50000) *fixed = theta;
+    return RP_OK;
+}
+
+static rp_status open_box(experiment *e)
+{
+    const long least = 5000;
+    e->opened_at = dem_step(e->box.sim);
+    dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
+    e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = e->opened_at + 1;
+    rp_status status = sweep_box_advance(&e->box, e->p->stop == STOP_REST ? least : e->p->relax_steps);
+    if (!status && e->p->stop == STOP_REST)
+        status = sweep_box_settle(&e->box, "after the opening", watch_slide, e);
+    e->values[OUT_RELAX_STEPS] = (double)(dem_step(e->box.sim) - e->opened_at);
+    return status;
+}
+
+/* What can be said of any state. */
+static rp_status note_state(experiment *e)
+{
+    double *v = e->values;
+    dem_rest rest;
+    bool quiet;
+    rp_status status = sweep_box_rest(&e->box, &rest, &quiet);
+    if (status) return status;
+    v[OUT_GRAINS] = (double)rest.n;
+    v[OUT_CONTACT_NUMBER] = rest.contact_number;
+    v[OUT_ENERGY] = rest.kinetic_energy / (e->box.mg * e->box.d);
+    v[OUT_FORCE] = rest.net_force / e->box.mg;
+    return RP_OK;
+}
+
+/* Straight line through the cells in use from column `from` to before `to`; NaN for fewer than three. */
+static rp_status local_slope(const ang_surface *s, size_t from, size_t to, double *theta_deg)
+{
+    size_t first = 0, n = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        first += s->column[k] < from;
+        n += s->column[k] >= from && s->column[k] < to;
+    }
+    if (n < 3) return RP_OK;
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes);
+    if (!status) *theta_deg = sweep_degrees(slopes[1].theta);
+    return status;
+}
+
+/* The middle cell of an odd number belongs to neither half. */
+static rp_status measure_halves(experiment *e)
+{
+    double *v = e->values;
+    const ang_options options = sweep_box_options(&e->p->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(&e->box, &options, &s);
+    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &v[OUT_THETA_UPPER]);
+    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &v[OUT_THETA_LOWER]);
+    v[OUT_THETA_LOWER_LESS_UPPER] = v[OUT_THETA_LOWER] - v[OUT_THETA_UPPER];
+    ang_surface_free(&s);
+    return status;
+}
+
+/* Every way to read the same surface. */
+static rp_status measure_variants(experiment *e)
+{
+    rp_status status = RP_OK;
+    for (int k = 0; !status && k < N_SURFACES; k++) {
+        double *v = e->values + OUT_SURFACES + k * N_SLOPES;
+        const ang_options options = {e->box.d, (ang_height)(k / 2), (ang_empty)(k % 2), ANG_PARABOLA_FREE};
+        ang_surface s;
+        ang_slope free[ANG_N_METHODS], origin[ANG_N_METHODS];
+        status = sweep_box_surface(&e->box, &options, &s);
+        if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, ANG_PARABOLA_FREE, free);
+        if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, ANG_PARABOLA_ORIGIN, origin);
+        ang_surface_free(&s);
+        if (status) break;
+        for (int m = 0; m < ANG_N_METHODS; m++) v[m] = sweep_degrees(free[m].theta);
+        v[ANG_N_METHODS] = sweep_degrees(origin[2].theta);
+    }
+    return status;
+}
+
+static rp_status measure_pile(experiment *e)
+{
+    double *v = e->values;
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = note_state(e);
+    if (status) return status;
+    /* what lies flat on a smooth floor is no pile of angle 0: any slope would have flowed out */
+    if (e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0 && !e->p->box.floor_grains) {
+        sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
+        return RP_NO_RESULT;
+    }
+    status = sweep_box_slopes(&e->box, slopes);
+    if (status) return status;
+    for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_THETA_R1 + m] = sweep_degrees(slopes[m].theta);
+    v[OUT_THETA_R3_SE] = sweep_degrees(slopes[2].theta_se);
+    if (e->p->stop == STOP_REST && isnan(v[OUT_THETA_R3_FIXED])) v[OUT_THETA_R3_FIXED] = v[OUT_THETA_R3];
+    v[OUT_THETA_R12] = v[OUT_THETA_R1] - v[OUT_THETA_R2];
+    v[OUT_THETA_R23] = v[OUT_THETA_R2] - v[OUT_THETA_R3];
+    status = measure_halves(e);
+    return status ? status : measure_variants(e);
+}
+
+static void turn(experiment *e, double deg_per_step)
+{
+    (e->p->tilt == TILT_BOX ? dem_box_turn : dem_gravity_turn)(e->box.sim, deg_per_step * (M_PI / 180.0));
+}
+
+/* Gravity, or the box, turns at a constant rate; onset by displacement and by energy (protocol "Tilt"). The
+ * elastic sway that the start of the turn excites is the largest mean energy within the first half degree. */
+static rp_status tilt_at_rate(experiment *e)
+{
+    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
+    const double sway_deg = 0.5, most_deg = 60.0;
+    double *v = e->values, sway = 0.0;
+    sweep_places at = {0};
+    rp_status status = sweep_places_note(&e->box, &at);
+    turn(e, e->p->tilt_rate_deg);
+    for (double turned = 0.0; !status && turned < most_deg;) {
+        status = sweep_box_advance(&e->box, every);
+        if (status) break;
+        turned += (double)every * e->p->tilt_rate_deg;
+        size_t moved;
+        dem_rest rest;
+        status = sweep_places_moved(&e->box, &at, 0.1 * e->box.d, 0, &moved);
+        if (!status) status = dem_rest_state(e->box.sim, 0.0, e->p->box.W, &rest);
+        if (status) break;
+        if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
+        if (isnan(v[OUT_THETA_T_DISPLACEMENT]) && (double)moved >= 0.05 * (double)at.n)
+            v[OUT_THETA_T_DISPLACEMENT] = turned;
+        if (isnan(v[OUT_THETA_T_ENERGY]) && turned > sway_deg && rest.kinetic_energy > 10.0 * sway &&
+            rest.kinetic_energy > 1e-5 * e->box.mg * e->box.d)
+            v[OUT_THETA_T_ENERGY] = turned;
+        if (isfinite(v[OUT_THETA_T_DISPLACEMENT]) && isfinite(v[OUT_THETA_T_ENERGY])) break;
+    }
+    sweep_places_free(&at);
+    v[OUT_THETA_RT] = v[OUT_THETA_R3] + v[OUT_THETA_T_DISPLACEMENT];
+    if (!status && (isnan(v[OUT_THETA_T_DISPLACEMENT]) || isnan(v[OUT_THETA_T_ENERGY])))
+        snprintf(e->box.result->message, sizeof e->box.result->message,
+                 "tilt: stands, by a criterion, at %g degrees", most_deg);
+    return status;
+}
+
+/* It turns by 0.1 degree at the same rate, then waits for rest; the last angle at which no grain with
+ * two contacts had moved half a diameter. */
+static rp_status tilt_quasi_static(experiment *e)
+{
+    const double step_deg = 0.1, most_deg = 60.0;
+    const long steps =
+        lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
+    sweep_places at = {0};
+    rp_status status = sweep_places_note(&e->box, &at);
+    for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
+        turn(e, step_deg / (double)steps);
+        status = sweep_box_advance(&e->box, steps);
+        turn(e, 0.0);
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", NULL, NULL);
+        bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
+        if (restless) status = RP_OK;
+        size_t moved = 0;
+        if (!status) status = sweep_places_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
+        if (!status && moved > 0) e->values[OUT_THETA_T_STATIC] = turned;
+        if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
+    }
+    sweep_places_free(&at);
+    return status;
+}
+
+static rp_status tilt_pile(experiment *e)
+{
+    dem_sim *rested = NULL;
+    rp_status status = RP_OK;
+    if (e->p->measure & MEASURE_THETA_T_STATIC) status = dem_clone(e->box.sim, &rested);
+    if (!status && e->p->measure & MEASURE_THETA_T) status = tilt_at_rate(e);
+    if (rested && !status) {
+        e->steps_before += dem_step(e->box.sim) - dem_step(rested);
+        dem_sim *tilted = e->box.sim;
+        e->box.sim = rested;
+        rested = tilted;
+        status = tilt_quasi_static(e);
+    }
+    dem_free(rested);
+    return status;
+}
+
+static rp_status write_scene(experiment *e)
+{
+    char path[4096];
+    FILE *out;
+    if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
+    rp_status status = sweep_box_table(e->box.tables, "scene.cfg", path, sizeof path, &out);
+    if (status) return status;
+    e->box.scene.steps = dem_step(e->box.sim);
+    dem_scene_write(&e->box.scene, out);
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* The experiment from an empty box to its last measurement. */
+static rp_status run_phases(experiment *e)
+{
+    rp_status status = fill_box(e);
+    if (!status) status = sweep_box_write_state(&e->box, "filled");
+    if (!status) status = open_box(e);
+    if (!status) status = measure_pile(e);
+    if (!status) status = sweep_box_write_state(&e->box, "pile");
+    if (!status) status = write_scene(e);
+    if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
+    if (!status)
+        sweep_box_conclude(&e->box, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", e->box.result->message);
+    if (e->box.sim) e->values[OUT_STEPS] = (double)(dem_step(e->box.sim) + e->steps_before);
+    if (status != RP_NO_RESULT || !e->box.sim) return status;
+    /* a run without a result leaves what there is to look at */
+    rp_status left = note_state(e);
+    if (!left) left = sweep_box_write_state(&e->box, "pile");
+    if (!left) left = write_scene(e);
+    return left ? left : status;
+}
+
+static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *result)
+{
+    const repose_params *p = params;
+    const sweep_box *b = &p->box;
+    const size_t n = (size_t)sweep_box_grains(b);
+    experiment e = {.p = p, .values = result->values};
+    rp_status status = sweep_box_begin(&e.box, b, n + sweep_box_floor(b, NULL), tables, result);
+    sweep_box_fill(&e.box, seed, run);
+    if (!status) status = run_phases(&e);
+    e.values[OUT_CELLS] = e.box.cells;
+    return sweep_box_end(&e.box, status);
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
+{
+    return trace(params, seed, run, NULL, result);
+}
+
+/* Four short runs that between them use every law, integrator and mass, all floors but one and all phases but
+ * the quasi-static tilt. */
+static rp_status fingerprint(char digits[33])
+{
+    enum { N_RUNS = 4 };
+    repose_params p[N_RUNS];
+    sweep_result results[N_RUNS];
+    double bits[N_RUNS][N_OUTPUTS];
+    for (int k = 0; k < N_RUNS; k++) {
+        rp_params_defaults(schema, &p[k]);
+        p[k].box.W = p[k].box.H = 1.0;
+        p[k].stop = STOP_STEPS;
+        p[k].box.fill_steps = p[k].relax_steps = 1500;
+        p[k].measure = MEASURE_THETA_R | MEASURE_THETA_T;
+        p[k].tilt_rate_deg = 0.01;
+    }
+    p[1].box.slip = DEM_TOTAL;
+    p[1].box.floor = SWEEP_FLOOR_ENDS;
+    p[1].box.shape = DEM_DISK;
+    p[1].box.tension = false;
+    p[1].tilt = TILT_BOX;
+    p[2].box.integrator = DEM_GEAR5;
+    p[2].box.floor_grains = true;
+    p[2].fill = FILL_RAMP;
+    p[3].box.damping = DEM_DAMPING_INSIDE;
+    p[3].box.rotation = true;
+    p[3].box.mu_roll = 0.1;
+    for (int k = 0; k < N_RUNS; k++) {
+        rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
+        if (status) return status;
+        /* angles to a millionth of a degree: the C library's atan may differ in its last digits */
+        for (int i = 0; i < N_OUTPUTS; i++)
+            bits[k][i] = strcmp(outputs[i].unit, "degree") == 0 ? round(results[k].values[i] * 1e6)
+                                                                : results[k].values[i];
+        for (int i = 0; i < N_OUTPUTS; i++)
+            if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
+    }
+    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
+    return RP_OK;
+}
+
+const sweep_protocol sweep_protocol_repose = {
+    .name = "repose",
+    .about = "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)",
+    .schema = schema,
+    .params_size = sizeof(repose_params),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one,
+    .trace = trace};

@@ -1,0 +1,243 @@
+/* From the store to tables: rows, grid points with their statistics, and the digest. */
+#include "sweeps/driver/private.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "stats/stats.h"
+#include "core/table.h"
+
+enum { N_STATISTICS = 6 };
+static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
+
+static void statistics(const double *x, size_t n, double s[N_STATISTICS])
+{
+    stats_summary a;
+    stats_mean(n, x, &a); /* without values every field but n is NaN: a result too */
+    memcpy(s, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)n}, N_STATISTICS * sizeof *s);
+}
+
+typedef struct {
+    const sweep_plan *plan;
+    FILE *out;
+    size_t n_outputs;
+    /* the grid point that is being gathered */
+    size_t point, n_rows, n_results;
+    size_t *n_finite; /* of each output */
+    double *finite;   /* n_outputs x replicas */
+} table;
+
+static size_t count_outputs(const sweep_protocol *protocol)
+{
+    size_t n = 0;
+    while (protocol->outputs[n].name) n++;
+    return n;
+}
+
+static bool is_axis(const sweep_plan *plan, const rp_param *param)
+{
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a] == param) return true;
+    return false;
+}
+
+static void note_maker(const char *program, size_t runs, void *context)
+{
+    rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
+}
+
+static rp_status add_seconds(const sweep_row *row, void *sum)
+{
+    if (isfinite(row->seconds)) *(double *)sum += row->seconds;
+    return RP_OK;
+}
+
+static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command, FILE *out)
+{
+    char text[256];
+    char hash[33];
+    double seconds = 0.0;
+    sweep_counts counts;
+    rp_status status = sweep_store_origin(store, text, sizeof text);
+    if (!status) status = sweep_store_count(store, plan, &counts);
+    if (!status) status = sweep_store_visit(store, plan, add_seconds, &seconds);
+    if (status) return status;
+    rp_hash_digits(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
+    rp_table_provenance(out, command);
+    rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
+                  plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
+                  plan->shared_piles ? ", shared piles" : "");
+    status = sweep_store_makers(store, note_maker, out);
+    rp_table_note(out, "plan", "%s", hash);
+    rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
+    rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
+    rp_table_note(out, "run_time", "%.1f s", seconds);
+    for (const rp_param *p = plan->protocol->schema; p->name; p++)
+        if (!is_axis(plan, p))
+            rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, plan->points, text, sizeof text),
+                          *p->unit ? " " : "", p->unit);
+    return status;
+}
+
+typedef struct {
+    size_t n;
+    const char *(*pairs)[2];
+    char (*names)[64];
+} columns;
+
+static void add_column(columns *c, const char *name, const char *suffix, const char *unit)
+{
+    snprintf(c->names[c->n], sizeof c->names[c->n], "%s%s%s", name, *suffix ? "_" : "", suffix);
+    c->pairs[c->n][0] = c->names[c->n];
+    c->pairs[c->n++][1] = unit;
+}
+
+static rp_status write_columns(const table *t, bool reduce)
+{
+    const sweep_output *o = t->plan->protocol->outputs;
+    size_t n_max = t->plan->n_axes + 5 + t->n_outputs * N_STATISTICS;
+    columns c = {0, calloc(n_max, sizeof *c.pairs), calloc(n_max, sizeof *c.names)};
+    rp_status status = c.pairs && c.names ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
+    if (!status) {
+        if (!reduce) add_column(&c, "run", "", ""), add_column(&c, "status", "", "");
+        for (size_t a = 0; a < t->plan->n_axes; a++)
+            add_column(&c, t->plan->axes[a]->name, "", t->plan->axes[a]->unit);
+        if (!reduce) add_column(&c, "replica", "", ""), add_column(&c, "pile", "", "");
+        for (size_t i = 0; i < t->n_outputs; i++)
+            for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
+                add_column(&c, o[i].name, reduce ? statistics_names[k] : "",
+                           reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
+        if (reduce)
+            add_column(&c, "n", "", ""), add_column(&c, "n_failed", "", "");
+        else
+            add_column(&c, "seconds", "", "s");
+        rp_table_columns(t->out, c.n, (const char *const(*)[2])c.pairs);
+    }
+    free(c.pairs);
+    free(c.names);
+    return status;
+}
+
+static void write_axes(const table *t, size_t point)
+{
+    char text[64];
+    for (size_t a = 0; a < t->plan->n_axes; a++)
+        fprintf(t->out, "%s\t",
+                rp_params_text(t->plan->axes[a], sweep_plan_point(t->plan, point), text, sizeof text));
+}
+
+static rp_status write_run(const sweep_row *row, void *context)
+{
+    const table *t = context;
+    double values[SWEEP_MAX_OUTPUTS + 1];
+    fprintf(t->out, "%zu\t%s\t", row->run, row->result.status);
+    write_axes(t, row->run / t->plan->replicas);
+    fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_pile(t->plan, row->run));
+    memcpy(values, row->result.values, t->n_outputs * sizeof *values);
+    values[t->n_outputs] = row->seconds;
+    rp_table_row(t->out, t->n_outputs + 1, values);
+    return RP_OK;
+}
+
+/* Write the gathered grid point, unless none of its runs is stored, and start afresh. */
+static void write_point(table *t)
+{
+    double values[SWEEP_MAX_OUTPUTS * N_STATISTICS + 2];
+    size_t n = 0;
+    for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS)
+        statistics(t->finite + i * t->plan->replicas, t->n_finite[i], values + n);
+    values[n++] = (double)t->n_results;
+    values[n++] = (double)(t->n_rows - t->n_results);
+    if (t->n_rows > 0) {
+        write_axes(t, t->point);
+        rp_table_row(t->out, n, values);
+    }
+    t->n_rows = t->n_results = 0;
+    memset(t->n_finite, 0, t->n_outputs * sizeof *t->n_finite);
+}
+
+static rp_status gather(const sweep_row *row, void *context)
+{
+    table *t = context;
+    size_t point = row->run / t->plan->replicas;
+    if (point != t->point) write_point(t);
+    t->point = point;
+    t->n_rows++;
+    if (!sweep_is_result(row->result.status)) return RP_OK;
+    t->n_results++;
+    for (size_t i = 0; i < t->n_outputs; i++)
+        if (isfinite(row->result.values[i]))
+            t->finite[i * t->plan->replicas + t->n_finite[i]++] = row->result.values[i];
+    return RP_OK;
+}
+
+static rp_status write_reduced(table *t, sweep_store *store)
+{
+    t->n_finite = calloc(t->n_outputs + 1, sizeof *t->n_finite);
+    t->finite = calloc(t->n_outputs * t->plan->replicas + 1, sizeof *t->finite);
+    rp_status status = t->n_finite && t->finite ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
+    if (!status) status = sweep_store_visit(store, t->plan, gather, t);
+    if (!status) write_point(t);
+    free(t->n_finite);
+    free(t->finite);
+    return status;
+}
+
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, bool reduce,
+                       const char *command, FILE *out)
+{
+    sweep_folder f;
+    rp_status status = sweep_folder_open(dir, protocols, false, &f);
+    if (!status) {
+        table t = {.plan = &f.plan, .out = out, .n_outputs = count_outputs(f.plan.protocol)};
+        status = write_head(&f.plan, f.store, command, out);
+        if (!status) status = write_columns(&t, reduce);
+        if (!status)
+            status = reduce ? write_reduced(&t, f.store) : sweep_store_visit(f.store, &f.plan, write_run, &t);
+        if (!status) status = rp_table_finish(out, "table");
+    }
+    sweep_folder_close(&f);
+    return status;
+}
+
+typedef struct {
+    const sweep_plan *plan;
+    XXH3_state_t *state;
+    size_t n_rows, n_outputs;
+} digester;
+
+static rp_status digest_row(const sweep_row *row, void *context)
+{
+    digester *d = context;
+    double values[SWEEP_MAX_OUTPUTS];
+    for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
+        values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
+    XXH3_128bits_update(d->state, d->plan->keys[row->run], sizeof d->plan->keys[row->run]);
+    XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
+    XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
+    d->n_rows++;
+    return RP_OK;
+}
+
+rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
+                       size_t *n_rows)
+{
+    sweep_folder f;
+    rp_status status = sweep_folder_open(dir, protocols, false, &f);
+    if (!status) {
+        digester d = {
+            .plan = &f.plan, .state = XXH3_createState(), .n_outputs = count_outputs(f.plan.protocol)};
+        XXH3_128bits_reset(d.state);
+        status = sweep_store_visit(f.store, &f.plan, digest_row, &d);
+        rp_hash_digits(XXH3_128bits_digest(d.state), digest);
+        XXH3_freeState(d.state);
+        *n_rows = d.n_rows;
+        if (!status && d.n_rows < f.plan.n_runs)
+            status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
+                             f.plan.n_runs - d.n_rows, f.plan.n_runs);
+    }
+    sweep_folder_close(&f);
+    return status;
+}

@@ -1,0 +1,110 @@
+/* The folder of a sweep: making it, running it, asking it. */
+#include "sweeps/driver/private.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "core/table.h"
+
+/* One process at a time changes a sweep. The lock goes with the process, whatever ends it. */
+static rp_status take_lock(const char *dir, int *lock)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/lock", dir);
+    *lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (*lock < 0 && errno == ENOENT)
+        return rp_fail(RP_BAD_INPUT, "%s: no such folder; `repose sweep plan` makes it", dir);
+    if (*lock < 0) return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (flock(*lock, LOCK_EX | LOCK_NB) == 0) return RP_OK;
+    return errno == EWOULDBLOCK ? rp_fail(RP_IO, "%s: another process runs or plans this sweep", dir)
+                                : rp_fail(RP_IO, "%s: cannot lock: %s", path, strerror(errno));
+}
+
+rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protocols, bool write,
+                            sweep_folder *folder)
+{
+    char path[4096];
+    *folder = (sweep_folder){.lock = -1};
+    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    rp_status status = write ? take_lock(dir, &folder->lock) : RP_OK;
+    if (!status) status = sweep_plan_read(path, protocols, &folder->plan);
+    if (!status) status = sweep_store_open(dir, false, &folder->store);
+    if (!status && !write) status = sweep_store_freeze(folder->store);
+    size_t replicas = 0;
+    if (!status) status = sweep_store_replicas(folder->store, &replicas);
+    if (!status && replicas > 0 && replicas != folder->plan.replicas)
+        status = sweep_plan_replicate(&folder->plan, replicas);
+    return status ? status : sweep_store_check_plan(folder->store, &folder->plan);
+}
+
+void sweep_folder_close(sweep_folder *folder)
+{
+    sweep_store_close(folder->store);
+    sweep_plan_free(&folder->plan);
+    if (folder->lock >= 0) close(folder->lock);
+}
+
+static rp_status copy_file(const char *from, const char *to)
+{
+    char bytes[8192];
+    FILE *in = fopen(from, "r"), *out;
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", from, strerror(errno));
+    rp_status status = rp_file_open(to, &out);
+    if (!status) {
+        for (size_t n; (n = fread(bytes, 1, sizeof bytes, in)) > 0;) fwrite(bytes, 1, n, out);
+        if (ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read", from);
+        status = rp_file_close(to, out, status);
+    }
+    fclose(in);
+    return status;
+}
+
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, sweep_counts *counts)
+{
+    sweep_folder f = {.lock = -1};
+    char path[4096];
+    rp_status status = sweep_plan_read(file, protocols, &f.plan);
+    if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
+    if (!status) status = rp_make_directory(dir);
+    if (!status) status = take_lock(dir, &f.lock);
+    if (!status) status = sweep_store_open(dir, true, &f.store);
+    if (!status) status = sweep_store_write_plan(f.store, &f.plan, file);
+    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    if (!status) status = copy_file(file, path);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
+                    sweep_counts *counts)
+{
+    sweep_folder f;
+    size_t *todo = NULL, n = 0;
+    if (options->workers < 1)
+        return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
+    rp_status status = sweep_folder_open(dir, protocols, true, &f);
+    if (!status) status = sweep_store_drop_crashed(f.store);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    free(todo);
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts)
+{
+    sweep_folder f;
+    rp_status status = sweep_folder_open(dir, protocols, false, &f);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    sweep_folder_close(&f);
+    return status;
+}

@@ -1,0 +1,86 @@
+/* The sweep driver: repeats one protocol over a grid of parameters, each grid point `replicas` times.
+ *
+ * A sweep lives in a folder: sweep.cfg (a copy of the sweep file) and store.sqlite (the plan, and one row a
+ * finished run). A row's key is a hash of parameters, seed, run number and model version: what is stored
+ * under a key of the plan is never computed again, and a row of another plan or other physics never used.
+ *
+ * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
+ * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
+ * length go together); or it is a list of groups, ( { ... }, { ... } ): the product of the groups, the lists
+ * of one group going together. Replicas are innermost. Runs are numbered from 0. The number is that of the
+ * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
+ * and their differences can be taken pile by pile.
+ *
+ * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
+ * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */
+#ifndef SWEEP_SWEEP_H
+#define SWEEP_SWEEP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "sweeps/driver/protocol.h"
+
+/* Every protocol of the program, ended by NULL. */
+extern const sweep_protocol *const sweep_protocols[];
+
+enum { SWEEP_MAX_WORDS = 32 };
+
+/* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
+typedef struct {
+    size_t points, replicas, planned, stored, failed, n_words;
+    struct {
+        char status[24];
+        size_t runs;
+    } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
+} sweep_counts;
+
+/* What a watcher is shown: after each row, and once a second in between. */
+typedef struct {
+    size_t planned, stored, failed;
+    double elapsed, left; /* s; `left` is NaN until a run has finished */
+} sweep_progress;
+
+typedef struct {
+    int workers;                                                  /* processes, at least 1 */
+    void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
+    void *context;
+} sweep_options;
+
+/* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
+ * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
+ * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, sweep_counts *counts);
+
+/* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
+ * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and
+ * SIGHUP stop the sweep: RP_STOPPED. RP_OK when every row is stored, whatever its status. Errors:
+ * RP_BAD_INPUT, RP_IO (also: another process runs this sweep), RP_NO_MEMORY, or a protocol's own. */
+rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
+                    sweep_counts *counts);
+
+/* Count what is stored. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
+
+/* Write a table of what is stored: one row a run or, if `reduce`, one row a grid point with mean, standard
+ * deviation, standard error, 95 % interval (Student's t) and number of the finite values of each output,
+ * over the rows with a result. `command` is for the header and may be NULL.
+ * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, bool reduce,
+                       const char *command, FILE *out);
+
+/* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
+ * digits and NUL. Independent of workers, interruptions, times and host.
+ * Errors: RP_NO_RESULT (rows are missing), RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
+                       size_t *n_rows);
+
+/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
+ * *result. Errors: RP_BAD_INPUT (the file, a row it does not have, a protocol without tables), RP_IO, the
+ * protocol's. */
+rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
+                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
+
+#endif

@@ -1,8 +1,0 @@
-/* The list of protocols; see protocol.h. */
-#include "sweeps/sweep.h"
-
-const sweep_protocol *const sweep_protocols[] = {
-#define X(name) &sweep_protocol_##name,
-    SWEEP_PROTOCOLS(X)
-#undef X
-        NULL};
