@@ -19,8 +19,14 @@ typedef struct {
     const char *meaning;
 } sweep_output;
 
-/* That of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
-#define SWEEP_BASE_BIN(k)                                                                                    \
+/* A protocol's outputs are one list, X(name, unit, meaning). It makes the indices OUT_name of the values, and
+ * the rows of `outputs`. */
+#define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
+#define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
+
+/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
+#define SWEEP_BIN_INDEX(k) OUT_n_##k,
+#define SWEEP_BIN_ROW(k)                                                                                     \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
