@@ -69,6 +69,11 @@ typedef struct {
                        sweep_result *result);
 } sweep_protocol;
 
+/* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
+ * because the C library's atan may differ in its last digits; all NaN are one. */
+void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
+                          const int indices[], char digits[33]);
+
 /* One list: every protocol. */
 #define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)
 

@@ -80,8 +80,7 @@ static const rp_param schema[] = {
     X(away, "", "disks that rolled away") \
     X(psi6, "", "mean |psi_6| of the disks with two or more neighbours") \
     X(contacts, "", "mean contacts a disk") \
-    X(moved_mean, "", "mean number of disks that a drop moved by more than 0.1 d, itself left out") \
-    X(moved_max, "", "largest such number") \
+    X(moved_max, "", "largest number of disks that a drop moved by more than 0.1 d, itself left out") \
     X(moved_share, "", "share of drops that moved more than 10") \
     X(settled, "", "disks that the relaxation at the end moved by more than 0.1 d") \
     X(steps, "", "steps of the drops") \
@@ -263,13 +262,11 @@ static rp_status drop_all(drop *d)
     if (status) return status;
     v[OUT_capped] = capped;
     v[OUT_steps] = (double)dem_step(d->sim);
-    double sum = 0.0, most = 0.0, large = 0.0;
+    double most = 0.0, large = 0.0;
     for (long k = 0; k < d->p->N; k++) {
-        sum += (double)d->moved[k];
         most = fmax(most, (double)d->moved[k]);
         large += d->moved[k] > 10;
     }
-    v[OUT_moved_mean] = sum / (double)d->p->N;
     v[OUT_moved_max] = most;
     v[OUT_moved_share] = large / (double)d->p->N;
     return RP_OK;
@@ -441,7 +438,8 @@ static void conclude(const drop *d)
     enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
     const double *v = d->result->values;
     char drops[110] = "", layer[110] = "";
-    const bool pile = v[OUT_height] >= LEAST_HEIGHT && isfinite(v[OUT_left_deg]) && isfinite(v[OUT_right_deg]);
+    const bool pile =
+        v[OUT_height] >= LEAST_HEIGHT && isfinite(v[OUT_left_deg]) && isfinite(v[OUT_right_deg]);
     if (v[OUT_capped] > 0.0)
         snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
                  v[OUT_capped], d->p->N, d->p->max_steps);

@@ -60,8 +60,7 @@ static const rp_param schema[] = {
     X(theta_max_deg, "degree", "largest angle") \
     X(theta_max_draws_deg, "degree", "expected largest of `draws` decorrelated angles") \
     X(theta_ms_flux_deg, "degree", "mean angle just before avalanches") \
-    X(theta_r_flux_deg, "degree", "mean angle just after them") \
-    X(theta_ms_less_r_deg, "degree", "the difference of these") \
+    X(theta_ms_less_r_deg, "degree", "that less the mean angle just after avalanches") \
     X(avalanches, "", "number of avalanches") \
     X(grains, "", "mean number of grains with 0 < x < W") \
     X(tower, "d", "mean height by which the first cell overtops the rest of the pile") \
@@ -69,7 +68,7 @@ static const rp_param schema[] = {
     X(steps, "", "steps in all")
 /* clang-format on */
 enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) {0}};
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
 /* One run in the making; a row of the series is the quiet state before an insertion. */
 typedef struct {
@@ -137,7 +136,7 @@ static rp_status first_layer(flux *f, dem_grain *layer)
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
     def->grains = NULL;
-    return status ? status : sweep_box_settle(&f->box, "first layer", NULL, NULL);
+    return status ? status : sweep_box_settle(&f->box, "first layer");
 }
 
 static rp_status insert(flux *f, uint32_t *id)
@@ -224,7 +223,6 @@ static void avalanches(const flux *f, size_t from, double *v)
     }
     v[OUT_avalanches] = count;
     v[OUT_theta_ms_flux_deg] = before / count; /* NaN without any */
-    v[OUT_theta_r_flux_deg] = after / count;
     v[OUT_theta_ms_less_r_deg] = (before - after) / count;
 }
 

@@ -261,6 +261,21 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     const double DIGITS = 1e6;
+    static const int hashed[] = {OUT_n_disks,
+                                 OUT_D,
+                                 OUT_D_diagonals,
+                                 OUT_H_ratio,
+                                 OUT_N_error_rms,
+                                 OUT_N_continuum_rms,
+                                 OUT_H_continuum_rms,
+                                 OUT_negative_modes,
+                                 OUT_smallest_pivot,
+                                 OUT_contacts,
+                                 OUT_strongest_level,
+                                 OUT_broken,
+                                 OUT_load,
+                                 OUT_n_05,
+                                 -1};
     pile_params p;
     sweep_result result;
     rp_params_defaults(schema, &p);
@@ -271,7 +286,7 @@ static rp_status fingerprint(char digits[33])
     rp_status status = run_one(&p, 1, 0, &result);
     if (status) return status;
     for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
-    rp_hash_digits(XXH3_128bits(result.values, N_OUTPUTS * sizeof *result.values), digits);
+    sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;
 }
 

@@ -70,11 +70,7 @@ enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
     X(theta_t_energy_deg, "degree", "tilt at which the kinetic energy exceeds 1e-5 m g d and the sway") \
     X(theta_t_static_deg, "degree", "last quasi-static tilt before a grain moves 0.5 d") \
     X(theta_rt_deg, "degree", "theta_r3 + theta_t by displacement") \
-    X(theta_upper_deg, "degree", "straight line through the cells left of W/2") \
-    X(theta_lower_deg, "degree", "straight line through the cells right of W/2, to the opening") \
-    X(theta_lower_less_upper_deg, "degree", "their difference, of the same pile") \
-    X(theta_r3_loose_deg, "degree", "method 3 at the first test for rest with a mean kinetic energy below 1e-5 m g d") \
-    X(theta_r3_fixed_deg, "degree", "method 3 at 50000 steps after the opening, or at rest if that came first") \
+    X(theta_lower_less_upper_deg, "degree", "straight line through the cells right of W/2, to the opening, less that through those left of W/2") \
     X(grains, "", "grains with 0 < x < W in the pile") \
     X(cells, "", "occupied cells of the surface") \
     X(fill_steps_used, "", "steps until the filled box was at rest") \
@@ -82,8 +78,7 @@ enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
     X(steps, "", "steps in all") \
     X(contact_number, "", "contacts a grain in the pile") \
     X(residual_energy, "m g d", "mean kinetic energy of the pile") \
-    X(residual_force, "m g", "largest net force on a grain with a contact") \
-    X(fill_contact_number, "", "contacts a grain in the full box")
+    X(residual_force, "m g", "largest net force on a grain with a contact")
 #define SURFACE(X, height, empty) \
     X(theta_r1_##height##_##empty##_deg, "degree", "method 1 for height = " #height ", empty = " #empty) \
     X(theta_r2_##height##_##empty##_deg, "degree", "method 2 for height = " #height ", empty = " #empty) \
@@ -167,27 +162,9 @@ static rp_status fill_box(experiment *e)
     if (status) return status;
     status = ramp_gravity(e, ramp);
     if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling");
     e->values[OUT_fill_steps_used] = (double)dem_step(e->box.sim);
-    dem_rest rest;
-    bool quiet;
-    if (!status) status = sweep_box_rest(&e->box, &rest, &quiet);
-    if (!status) e->values[OUT_fill_contact_number] = rest.contact_number;
     return status;
-}
-
-/* What looser criteria of rest would have measured on the same pile; a run whose cells are too few ends. */
-static rp_status watch_slide(sweep_box_run *run, const dem_rest *rest, void *context)
-{
-    experiment *e = context;
-    double *loose = &e->values[OUT_theta_r3_loose_deg], *fixed = &e->values[OUT_theta_r3_fixed_deg];
-    ang_slope slopes[ANG_N_METHODS];
-    rp_status status = sweep_box_slopes(run, slopes);
-    if (status) return status;
-    const double theta = sweep_degrees(slopes[2].theta);
-    if (isnan(*loose) && rest->kinetic_energy < 1e-5 * run->mg * run->d) *loose = theta;
-    if (dem_step(run->sim) == e->opened_at + 50000) *fixed = theta;
-    return RP_OK;
 }
 
 static rp_status open_box(experiment *e)
@@ -197,8 +174,7 @@ static rp_status open_box(experiment *e)
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
     e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = e->opened_at + 1;
     rp_status status = sweep_box_advance(&e->box, e->p->stop == STOP_REST ? least : e->p->relax_steps);
-    if (!status && e->p->stop == STOP_REST)
-        status = sweep_box_settle(&e->box, "after the opening", watch_slide, e);
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle_pile(&e->box);
     e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - e->opened_at);
     return status;
 }
@@ -236,13 +212,13 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
 /* The middle cell of an odd number belongs to neither half. */
 static rp_status measure_halves(experiment *e)
 {
-    double *v = e->values;
+    double upper = NAN, lower = NAN;
     const ang_options options = sweep_box_options(&e->p->box);
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
-    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &v[OUT_theta_upper_deg]);
-    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &v[OUT_theta_lower_deg]);
-    v[OUT_theta_lower_less_upper_deg] = v[OUT_theta_lower_deg] - v[OUT_theta_upper_deg];
+    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &upper);
+    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &lower);
+    e->values[OUT_theta_lower_less_upper_deg] = lower - upper;
     ang_surface_free(&s);
     return status;
 }
@@ -282,7 +258,6 @@ static rp_status measure_pile(experiment *e)
     if (status) return status;
     for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_theta_r1_deg + m] = sweep_degrees(slopes[m].theta);
     v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
-    if (e->p->stop == STOP_REST && isnan(v[OUT_theta_r3_fixed_deg])) v[OUT_theta_r3_fixed_deg] = v[OUT_theta_r3_deg];
     v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
     v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
     status = measure_halves(e);
@@ -342,7 +317,7 @@ static rp_status tilt_quasi_static(experiment *e)
         turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
         turn(e, 0.0);
-        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", NULL, NULL);
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt");
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
@@ -428,9 +403,20 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     enum { N_RUNS = 4 };
+    static const int hashed[] = {OUT_theta_r1_deg,
+                                 OUT_theta_r2_deg,
+                                 OUT_theta_r3_deg,
+                                 OUT_theta_t_displacement_deg,
+                                 OUT_theta_t_energy_deg,
+                                 OUT_theta_lower_less_upper_deg,
+                                 OUT_grains,
+                                 OUT_cells,
+                                 OUT_contact_number,
+                                 OUT_residual_energy,
+                                 OUT_residual_force,
+                                 -1};
     repose_params p[N_RUNS];
     sweep_result results[N_RUNS];
-    double bits[N_RUNS][N_OUTPUTS];
     for (int k = 0; k < N_RUNS; k++) {
         rp_params_defaults(schema, &p[k]);
         p[k].box.W = p[k].box.H = 1.0;
@@ -453,14 +439,8 @@ static rp_status fingerprint(char digits[33])
     for (int k = 0; k < N_RUNS; k++) {
         rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
         if (status) return status;
-        /* angles to a millionth of a degree: the C library's atan may differ in its last digits */
-        for (int i = 0; i < N_OUTPUTS; i++)
-            bits[k][i] = strcmp(outputs[i].unit, "degree") == 0 ? round(results[k].values[i] * 1e6)
-                                                                : results[k].values[i];
-        for (int i = 0; i < N_OUTPUTS; i++)
-            if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
     }
-    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
+    sweep_results_digits(N_RUNS, results, outputs, hashed, digits);
     return RP_OK;
 }
 
