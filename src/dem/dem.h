@@ -21,7 +21,19 @@ enum { DEM_NONE, DEM_SPRING, DEM_SLIP_ROLL };
 enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
-enum { DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT }; /* time integration */
+/* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
+#define DEM_INTEGRATOR_LIST(X)                                                                               \
+    X(DEM_VERLET, verlet)                                                                                    \
+    X(DEM_GEAR5, gear5)                                                                                      \
+    X(DEM_IMPLICIT, implicit)
+typedef enum {
+#define X(name, word) name,
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+} dem_integrator;
+#define X(name, word) +1
+enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
+#undef X
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 enum { DEM_SPHERE, DEM_DISK };
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
@@ -100,7 +112,8 @@ typedef struct {
     double gravity[2];
     double dt;
     double skin; /* of the neighbour list; 0: each grain has its own, by its speed */
-    int integrator, normal, tangential, slip, damping;
+    dem_integrator integrator;
+    int normal, tangential, slip, damping;
     bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
     bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     int shape;     /* gives the moments of inertia */
@@ -281,8 +294,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
     X(taken_out, -)                                                                                          \
     X(gravity_turn, +)                                                                                       \
     X(wall_work, +)                                                                                          \
-    X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -)              \
-        X(integration, +)
+    X(normal_damping, -)                                                                                     \
+    X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
 typedef struct {
     double start;
 #define X(channel, sign) double channel;
