@@ -10,13 +10,12 @@
 #include "angle/angle.h"
 #include "core/clock.h"
 #include "core/table.h"
-#include "dem/dem.h"
+#include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
 static const double R = 0.1, M = 0.004, G = 981.0;
-static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5",
-                                                                                     "implicit"};
+static const char *const law_names[] = {"hertz", "linear"};
 static const double stiffnesses[] = {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
@@ -86,11 +85,11 @@ static dem_definition bare(int law, int scheme)
     return def;
 }
 
-/* The limit of the time step; of the implicit scheme, which has none, that of Verlet's. */
+/* The limit of the time step; Verlet's for integrators without one. */
 static double step_limit(const dem_definition *def)
 {
     dem_definition as = *def;
-    if (as.integrator == DEM_IMPLICIT) as.integrator = DEM_VERLET;
+    if (!dem_schemes[as.integrator]->step_limit) as.integrator = DEM_VERLET;
     return dem_time_step_limit(&as, NULL);
 }
 
@@ -98,7 +97,7 @@ static double step_limit(const dem_definition *def)
  * it, and the run ends with that reason. */
 static void static_overlaps(void)
 {
-    for (int scheme = 0; scheme < 3; scheme++)
+    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
         for (int law = 0; law < 2; law++)
             for (size_t i = 0; i < COUNT(stiffnesses); i++) {
                 dem_definition def = bare(law, scheme);
@@ -110,7 +109,7 @@ static void static_overlaps(void)
                 def.material = (dem_material){.k_n = k, .gamma_n = 2.0 * omega};
                 grains_on_floor(&def, 1, &grain);
                 def.dt = 0.5 * fmin(step_limit(&def), 0.1 / omega);
-                PARAMETERS("k_n = %g, %s, %s", k, law_names[law], scheme_names[scheme]);
+                PARAMETERS("k_n = %g, %s, %s", k, law_names[law], dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
                 rp_status status = dem_run(sim, lround(40.0 / (omega * def.dt)));
                 dem_contact *contacts = NULL;
@@ -164,8 +163,8 @@ static void elastic(const char *name, int law, int scheme, double k, dem_grain a
     const double depth = law == DEM_HERTZ ? pow(1.25 * m_eff * v * v / k, 0.4) : v * sqrt(m_eff / k);
     dem_definition def = bare(law, scheme);
     def.material.k_n = k;
-    PARAMETERS("k_n = %g, %s, %s, r = %g, %g, m = %g, %g", k, law_names[law], scheme_names[scheme], a.r, b.r,
-               a.m, b.m);
+    PARAMETERS("k_n = %g, %s, %s, r = %g, %g, m = %g, %g", k, law_names[law], dem_schemes[scheme]->name, a.r,
+               b.r, a.m, b.m);
     outcome o = collide(&def, (dem_grain[]){a, b}, v, 40.0, 100000);
     if (depth > fmin(a.r, b.r)) {
         refusal(name, o.status, RP_BROKEN, "beyond the smaller radius");
@@ -183,7 +182,7 @@ static void elastic(const char *name, int law, int scheme, double k, dem_grain a
 static void elastic_impacts(void)
 {
     const dem_grain one = {.r = R, .m = M};
-    for (int scheme = 0; scheme < 3; scheme++)
+    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
         for (int law = 0; law < 2; law++) {
             for (size_t i = 0; i < COUNT(stiffnesses); i++)
                 elastic("elastic impact", law, scheme, stiffnesses[i], one, one, 31.7);
@@ -332,7 +331,7 @@ static void single_grains(void)
                                    {0.0, 1e9}, {0.0, -1e-12}, {1e-300, 0.0}, {-3.0, 4.0}};
     const double speeds[] = {0.0, 100.0};
     const long steps = 1000;
-    for (int scheme = 0; scheme < 3; scheme++)
+    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
         for (size_t g = 0; g < COUNT(gravities); g++)
             for (size_t v = 0; v < COUNT(speeds); v++) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
@@ -341,7 +340,7 @@ static void single_grains(void)
                 def.grains = &grain;
                 def.n_grains = 1;
                 PARAMETERS("gravity = [%g, %g], v = %g, %s", gravities[g][0], gravities[g][1], speeds[v],
-                           scheme_names[scheme]);
+                           dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
                 const rp_status status = dem_run(sim, steps);
                 if (fabs(gravities[g][1]) * def.dt * def.dt > R) {
@@ -365,13 +364,14 @@ static void single_grains(void)
 static void far_apart(void)
 {
     for (double distance = 10.0; distance < 1e308; distance *= distance < 1e15 ? 1e3 : 1e60)
-        for (int scheme = 0; scheme < 3; scheme++)
+        for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
             for (int walls = 0; walls < 2; walls++) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
                 dem_grain pair[2] = {{0.0, R, R, M, 1.0, 0.0}, {distance, R, R, M, 1.0, 0.0}};
                 grains_on_floor(&def, 2, pair);
                 def.n_walls = walls;
-                PARAMETERS("%g apart, %s%s", distance, scheme_names[scheme], walls ? ", on a floor" : "");
+                PARAMETERS("%g apart, %s%s", distance, dem_schemes[scheme]->name,
+                           walls ? ", on a floor" : "");
                 dem_sim *sim = NULL;
                 dem_state s[2];
                 rp_status status = dem_create(&def, &sim);
@@ -415,7 +415,7 @@ static void scaled_units(void)
 /* Grains at rest that touch nothing, or exactly touch, stay where they are, to the bit. */
 static void zero_velocities(void)
 {
-    for (int scheme = 0; scheme < 3; scheme++)
+    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
         for (int law = 0; law < 2; law++)
             for (int n = 1; n <= 100; n *= 10) {
                 dem_grain grains[100];
@@ -425,7 +425,7 @@ static void zero_velocities(void)
                 def.grains = grains;
                 def.n_grains = (size_t)n;
                 def.dt = step_limit(&def) < 1.0 ? step_limit(&def) : def.dt;
-                PARAMETERS("%d grains that just touch, %s, %s", n, law_names[law], scheme_names[scheme]);
+                PARAMETERS("%d grains that just touch, %s, %s", n, law_names[law], dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
                 dem_state s[100];
                 CHECK_OK(dem_run(sim, 1000));
@@ -573,7 +573,7 @@ static void turned_boxes(void)
                         sum[0] += x / weight, sum[1] += y / weight;
                     }
                     PARAMETERS("%d grains, mu = %g, %d degrees, %s turned, %s", MANY, rough ? 0.2 : 0.0,
-                               degrees, box ? "box" : "gravity", scheme_names[scheme]);
+                               degrees, box ? "box" : "gravity", dem_schemes[scheme]->name);
                     EXPECTED("all within; walls carry %.4g, %.4g of the weight; energy below weight times "
                              "width and height",
                              sin(angle), -cos(angle));
@@ -608,7 +608,7 @@ static void emptied_boxes(void)
                 dem_wall_forces(sim, f);
                 const double force = hypot(f[2 * DEM_BOX_FLOOR], f[2 * DEM_BOX_FLOOR + 1]);
                 PARAMETERS("%d grains, %s turned, open %s, %s", MANY, box ? "box" : "gravity",
-                           side ? "at the side" : "on top", scheme_names[scheme]);
+                           side ? "at the side" : "on top", dem_schemes[scheme]->name);
                 EXPECTED("0 within, %d there", side ? 0 : MANY);
                 OBSERVED("%zu within, %zu there, force on the floor %.3g", within, left, force);
                 verdict("full box emptied",
@@ -677,8 +677,8 @@ static void bad_values(void)
 
 static void step_limits(void)
 {
-    for (int scheme = 0; scheme < 2; scheme++)
-        for (size_t i = 0; i < COUNT(stiffnesses); i++)
+    for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
+        for (size_t i = 0; i < COUNT(stiffnesses) && dem_schemes[scheme]->step_limit; i++)
             for (double gamma = 0.0; gamma<2e12; gamma = gamma> 0.0 ? 1e6 * gamma : 1.0) {
                 dem_definition def = bare(DEM_HERTZ, scheme);
                 dem_grain grain = {.y = 3.0, .r = R, .m = M};
@@ -688,7 +688,7 @@ static void step_limits(void)
                 const double limit = step_limit(&def);
                 def.dt = 1.001 * limit;
                 PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,
-                           scheme_names[scheme], def.dt);
+                           dem_schemes[scheme]->name, def.dt);
                 dem_sim *sim = NULL;
                 refusal("step above the limit", dem_create(&def, &sim), RP_BAD_INPUT, "dt = ");
                 dem_free(sim);
@@ -1013,12 +1013,12 @@ static void run_scenes(void)
 {
     static const char *const frictions[] = {"0.0", "1e-12", "10.0", "\"infinite\""};
     for (int law = 0; law < 2; law++)
-        for (int scheme = 0; scheme < 3; scheme++)
+        for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
             for (double gamma = 0.0; gamma<1e13; gamma = gamma> 0.0 ? 1e3 * gamma : 1e4)
                 for (size_t f = 0; f < (scheme == DEM_IMPLICIT || !check_full() ? 1 : COUNT(frictions));
                      f++) {
-                    PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], scheme_names[scheme], gamma,
-                               frictions[f]);
+                    PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], dem_schemes[scheme]->name,
+                               gamma, frictions[f]);
                     const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
                                                "printf \"%%s\" \"$1\" >$d/s.cfg; "
                                                "\"$0\" run $d/s.cfg 2>&1' \"$REPOSE\" 'integrator = \"%s\"; "
@@ -1027,7 +1027,7 @@ static void run_scenes(void)
                                                "tangential = { law = \"%s\"; mu = %s; }; "
                                                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); "
                                                "particles = ( { x = 0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
-                                               scheme_names[scheme], law_names[law], gamma,
+                                               dem_schemes[scheme]->name, law_names[law], gamma,
                                                scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
                     const double vy = last_cell("vy");
                     EXPECTED("flies on at -1");

@@ -8,13 +8,11 @@
 
 #include "core/clock.h"
 #include "core/table.h"
-#include "dem/dem.h"
+#include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/heap.h"
 
-static const char *const integrator_names[] = {"verlet", "gear5", "implicit"};
-enum { INTEGRATORS = sizeof integrator_names / sizeof *integrator_names };
 static const double DECADES = 11.0 / 3.0; /* of time steps */
 
 /* ---- Outcomes, and which of them no other beats ---- */
@@ -268,7 +266,7 @@ static void sweep_steps(const motion *p, double doubt, int phases, double decade
                         outcomes *o)
 {
     const double limit = dem_time_step_limit(&p->def, NULL);
-    for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
+    for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
         const double largest = limit * (integrator == DEM_IMPLICIT ? head_start : 0.75);
         for (int k = 0; k <= lround(3.0 * decades); k++) {
             const double steps = ceil(p->time / largest * pow(10.0, k / 3.0)), dt = p->time / steps;
@@ -276,7 +274,7 @@ static void sweep_steps(const motion *p, double doubt, int phases, double decade
             double seconds;
             const double error = measure(p, integrator, steps, phases, &seconds);
             if (!(error < 10.0 * doubt))
-                add(o, p->name, integrator_names[integrator], dt / limit, error, seconds);
+                add(o, p->name, dem_schemes[integrator]->name, dt / limit, error, seconds);
         }
     }
     mark_front(o);
@@ -434,7 +432,7 @@ static void settling(void)
     const double doubt = other_answer(&p, gsl_odeiv2_step_rkf45, 1e-12);
     CHECK_NEAR(doubt, 0.0, 1e-9);
     sweep_steps(&p, doubt, 1, check_full() ? DECADES : 1.0, 3.0, &o);
-    for (int i = 0; i < INTEGRATORS; i++) check_gain(&o, p.name, integrator_names[i], 1.0);
+    for (int i = 0; i < DEM_INTEGRATORS; i++) check_gain(&o, p.name, dem_schemes[i]->name, 1.0);
     write_outcomes(&o, "precision_settling", "dt", "limit", "diameter");
     free(p.answer), free(grains);
 }

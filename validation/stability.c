@@ -18,13 +18,13 @@
 #include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
-#include "dem/sim.h"
+#include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
 enum { PAIR, WALL, LOADED, PACKING, FLOWER, SYSTEMS };
 static const char *const system_names[SYSTEMS] = {"pair", "wall", "loaded", "packing", "flower"};
-static const char *const law_names[] = {"hertz", "linear"}, *const scheme_names[] = {"verlet", "gear5"};
+static const char *const law_names[] = {"hertz", "linear"};
 enum { MOST = 256 };
 
 /* Masses and stiffnesses in cgs; damping and shear in units of the normal contact's omega = sqrt(k/m_eff) of
@@ -390,7 +390,8 @@ static void check_one(const stability_case *c)
                                      c->shear,     c->rotation,         s.limit,       s.measured,
                                      s.theory,     c->damping,          w * s.limit,   w * s.measured,
                                      w * s.theory, s.measured / s.limit};
-    fprintf(table, "%s\t%s\t%s", system_names[c->system], law_names[c->law], scheme_names[c->integrator]);
+    fprintf(table, "%s\t%s\t%s", system_names[c->system], law_names[c->law],
+            dem_schemes[c->integrator]->name);
     for (size_t i = 0; i < sizeof v / sizeof *v; i++) fprintf(table, "\t%.17g", v[i]);
     fputc('\n', table);
 }
@@ -490,7 +491,7 @@ static void map(void)
         map_shear(scheme);
         map_radii(scheme);
         if (sums)
-            fprintf(sums, "%s\t%d\t%.17g\t%.17g\t%.17g\t%.3g\n", scheme_names[scheme], summary.cases,
+            fprintf(sums, "%s\t%d\t%.17g\t%.17g\t%.17g\t%.3g\n", dem_schemes[scheme]->name, summary.cases,
                     summary.least, summary.most, summary.deviation, rp_clock() - start);
     }
     check_table_close(table, "stability");
@@ -701,8 +702,8 @@ static void boxes(void)
                     if (rests) times *= 1.1;
                 }
                 if (out)
-                    fprintf(out, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\n", law_names[law], scheme_names[scheme],
-                            gamma, limit, times * limit, times);
+                    fprintf(out, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\n", law_names[law],
+                            dem_schemes[scheme]->name, gamma, limit, times * limit, times);
             }
     check_table_close(out, "stability_boxes");
 }

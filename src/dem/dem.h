@@ -15,7 +15,19 @@
 #include "core/status.h"
 #include "dem/laws.h"
 
-typedef enum { DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT } dem_integrator; /* time integration */
+/* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
+#define DEM_INTEGRATOR_LIST(X)                                                                               \
+    X(DEM_VERLET, verlet)                                                                                    \
+    X(DEM_GEAR5, gear5)                                                                                      \
+    X(DEM_IMPLICIT, implicit)
+typedef enum {
+#define X(name, word) name,
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+} dem_integrator;
+#define X(name, word) +1
+enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
+#undef X
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "dem/integrator.h"
 #include "dem/law.h"
-#include "dem/sim.h"
 
 #include "dem/contact.inl"
 
@@ -82,11 +82,9 @@ static void choose_wide(dem_sim *sim)
     sim->foresee = avx512 ? dem_foresee_avx512 : dem_foresee_avx2;
     sim->closing = avx512 ? dem_closing_avx512 : dem_closing_avx2;
     sim->deflected = avx512 ? dem_deflected_avx512 : dem_deflected_avx2;
-    if (def->integrator == DEM_VERLET) {
-        sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
-        sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
-        sim->stray = avx512 ? dem_stray_avx512 : dem_stray_avx2;
-    }
+    sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
+    sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
+    sim->stray = avx512 ? dem_stray_avx512 : dem_stray_avx2;
     sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
     strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
 #else
@@ -113,7 +111,7 @@ void dem_kernel_choose(dem_sim *sim)
     };
     sim->kernel = kernel_reference;
     strcpy(sim->kernel_name, "reference");
-    if (def->integrator == DEM_GEAR5 && dem_has_spring(def->tangential)) return; /* it has no instances */
+    if (sim->scheme->excess && dem_has_spring(def->tangential)) return; /* only the reference knows of it */
     for (size_t i = 0; i < sizeof list / sizeof *list && def->kernel != DEM_REFERENCE; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             list[i].slip == def->slip && list[i].tension == def->tension && list[i].damping == def->damping &&

@@ -10,7 +10,7 @@
 #define DEM_NORMAL_LAWS(X)                                                                                   \
     X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,        \
       .modulus = hertz_modulus)                                                                              \
-    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", )
+    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true)
 
 /* Tangential laws: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a
  * spring (Liffman, Chan & Hughes 1992, eqs (27)-(32)). id; word; has friction; has a spring. */
@@ -72,6 +72,7 @@ typedef struct {
     double (*impact_overlap)(double k_n, double m_eff, double v); /* at which the spring alone stops v */
     double (*rest_overlap)(double k_n, double force);             /* at which it carries the force */
     double (*damping_rate)(double k_n, double gamma_n, double m_eff, double overlap); /* 1/time */
+    bool constant_stiffness;                                                          /* at all overlaps */
     /* NULL for a law that has none: speed below which two grains whose damping may pull never part; E* of
      * spheres of radius r */
     double (*sticking_speed)(double k_n, double gamma_n, double m_eff);

@@ -1,31 +1,25 @@
-/* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
- * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out where the integrator is Verlet. */
+/* What can be read of a simulation. Nothing here changes the state: the integrator brings velocities to the
+ * time of the positions on the way out. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/integrator.h"
 #include "dem/law.h"
-#include "dem/sim.h"
 
 static bool is_fixed(const dem_sim *sim, size_t i)
 {
     return sim->inverse_mass[i] == 0.0;
 }
 
-static dem_vec acceleration(const dem_sim *sim, size_t i)
-{
-    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
-}
-
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
-    if (sim->gear || sim->implicit || is_fixed(sim, i)) return sim->grain[i].v;
-    return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
+    return sim->scheme->velocity && !is_fixed(sim, i) ? sim->scheme->velocity(sim, i) : sim->grain[i].v;
 }
 
 static double omega(const dem_sim *sim, size_t i)
 {
-    return sim->omega[i] + 0.5 * sim->def.dt * sim->inverse_inertia[i] * sim->push[i].torque;
+    return sim->scheme->spin ? sim->scheme->spin(sim, i) : sim->omega[i];
 }
 
 double dem_kinetic_energy(const dem_sim *sim, size_t i)
@@ -78,7 +72,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
-        dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * acceleration(sim, i);
+        dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * dem_acceleration(sim, i);
         *states++ = (dem_state){.id = (uint32_t)id,
                                 .x = x[0],
                                 .y = x[1],
@@ -235,7 +229,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         double x = dem_to_box(sim, sim->grain[i].x)[0];
         if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i) - dem_box_velocity(sim, sim->grain[i].x);
-        dem_vec f = sim->mass[i] * acceleration(sim, i);
+        dem_vec f = sim->mass[i] * dem_acceleration(sim, i);
         rest->n++;
         rest->kinetic_energy +=
             0.5 * sim->mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->box_swing[1]);

@@ -42,13 +42,17 @@ typedef struct {
 
 #define AT(type, field) offsetof(type, field)
 
+#define X(name, word) " | " #word
+static const char INTEGRATOR_WORDS[] = DEM_INTEGRATOR_LIST(X);
+#undef X
+
 static const rp_param top_schema[] = {
     {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "", "whether grains rotate"},
     {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk",
      "gives mass (from the density) and moment of inertia"},
     {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
      "of the grains (disk: g/cm^2)"},
-    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", "verlet | gear5 | implicit",
+    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", &INTEGRATOR_WORDS[3],
      "velocity Verlet, Gear's predictor-corrector of fifth order, or energy-conserving at any dt"},
     {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
     {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
