@@ -1440,7 +1440,7 @@ static void header_notes(void)
     snprintf(expected, sizeof expected, "dt = 5e-05 s; limit %.3g s, set by %s", limit, what);
     CU_ASSERT(strstr(text, expected) != NULL);
     snprintf(expected, sizeof expected, "sticking speed: %.3g cm/s",
-             dem_sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
+             dem_normal_descriptors[DEM_HERTZ].sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
     CU_ASSERT(strstr(text, expected) != NULL);
     snprintf(expected, sizeof expected, "E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r));
     CU_ASSERT(strstr(text, expected) != NULL);

@@ -269,7 +269,7 @@ static void sticking(void)
     /* half a unit of the last printed digit, and the bisection */
     case_near(&sticking_problem, "threshold", 1.12799, 0.5 * (parts + sticks), 0.5e-5 + sticks - parts,
               "hertz, bisection with single impacts");
-    const double stick = dem_sticking_speed(1e6, 500.0, M_EFF);
+    const double stick = dem_normal_descriptors[DEM_HERTZ].sticking_speed(1e6, 500.0, M_EFF);
     case_near(&sticking_problem, "sticking speed", 1.12799, 500.0 * pow(M_EFF / 1e6, 0.4) * pow(stick, -0.2),
               1e-13, "hertz, dem_sticking_speed");
 }

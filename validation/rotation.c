@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/law_shear.h"
+#include "dem/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
@@ -53,23 +53,20 @@ static dem_state run(dem_sim *sim, double seconds, double dt)
 static void inside_law(void)
 {
     const double k = 1e4, gamma = 40.0, mu = 0.3, m = 0.004, f_n = 2.385, h = 1e-5, cap = mu * f_n;
+    const dem_slider inside = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu),
+                     outside = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k, gamma, mu),
+                     whole = dem_slider_of(DEM_TOTAL, DEM_DAMPING_INSIDE, k, gamma, mu);
     for (int sign = -1; sign <= 1; sign += 2) {
         double inner = sign * 1e-5, outer = inner;
-        const double little =
-            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &inner);
-        CHECK_NEAR(
-            little,
-            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &outer),
-            1e-15);
+        const double little = dem_law_shear(inside, m, sign * 0.5, f_n, h, &inner);
+        CHECK_NEAR(little, dem_law_shear(outside, m, sign * 0.5, f_n, h, &outer), 1e-15);
         CHECK_NEAR(inner, outer, 0.0);
         /* sliding at 3 cm/s loads the spring to its limit; a dashpot of 0.48 carries most of it */
         for (int step = 0; step < 10; step++)
-            CU_ASSERT(fabs(dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n,
-                                         h, &inner)) <= cap);
+            CU_ASSERT(fabs(dem_law_shear(inside, m, sign * 3.0, f_n, h, &inner)) <= cap);
         CHECK_NEAR(k * inner, sign * (cap - gamma * m * 3.0), 1e-13);
         double total = sign * 1e-3;
-        CHECK_NEAR(dem_law_shear(DEM_TOTAL, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n, h, &total),
-                   -sign * cap, 1e-15);
+        CHECK_NEAR(dem_law_shear(whole, m, sign * 3.0, f_n, h, &total), -sign * cap, 1e-15);
         CHECK_NEAR(total, sign * (1e-3 + 3.0 * h), 1e-16);
     }
 }

@@ -24,7 +24,7 @@
 #include <stdlib.h>
 
 #include "dem/integrator.h"
-#include "dem/law_normal.h"
+#include "dem/law.h"
 #include "core/stiffness.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
@@ -60,7 +60,7 @@ static const size_t NOBODY = SIZE_MAX;
 static rp_status check(const dem_definition *def)
 {
     const dem_implicit_solver *s = &def->implicit;
-    if (def->tangential == DEM_SPRING)
+    if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
@@ -119,46 +119,47 @@ static bool is_fixed(const dem_sim *sim, size_t i)
 
 /* ---- Forces of a step ---------------------------------------------------------------------------------- */
 
-/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second. Nowhere
- * a difference of numbers that are nearly the same. */
-static void quotient(int law, double k, double before, double after, double *force, double *slope)
+/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second, both
+ * above 0. */
+static double quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
 {
-    if (before > 0.0 && after > 0.0) {
-        if (law == DEM_LINEAR) {
-            *force = 0.5 * k * (before + after);
-            *slope = 0.5 * k;
-            return;
-        }
-        /* (s^5 - t^5)/(s^2 - t^2) */
-        const double s = sqrt(before), t = sqrt(after), sum = s + t;
-        *force = 0.4 * k * (before * before + after * after + s * t * (before + s * t + after)) / sum;
-        *slope = 0.2 * k * (s * before * 2.0 + t * (4.0 * before + 6.0 * s * t + 3.0 * after)) / (sum * sum);
-        return;
+    switch (law) {
+#define X(id, word, spring, ...)                                                                             \
+    case id: return spring##_quotient(k_n, before, after, slope);
+        DEM_NORMAL_LAWS(X)
+#undef X
     }
+    __builtin_unreachable();
+}
+
+/* The same from or to a gap, where the potential is 0. */
+static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
+{
     const double in = fmax(before, after), way = fabs(after - before),
-                 potential = law == DEM_HERTZ ? 0.4 : 0.5;
-    const double end = dem_law_elastic(law, k, in); /* the force there */
-    *force = potential * end * in / way;
-    *slope = (after > 0.0 ? end - *force : *force) / way;
+                 force = dem_normal_descriptors[law].potential(k_n, in) / way;
+    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / way;
+    return force;
 }
 
 /* What the step knows of a contact before it is solved. */
 typedef struct {
     const dem_material *c;
     double mu, m_eff;
-} law;
+} coefficients;
 
 /* Normal force of the step, and its derivative by the overlap at the end; here and below, its parts too where
  * `p` is not NULL. */
-static inline double normal_force(const dem_sim *sim, const law *l, double before, double after,
+static inline double normal_force(const dem_sim *sim, const coefficients *l, double before, double after,
                                   double *slope, dem_parts *p)
 {
-    double force;
-    quotient(sim->def.normal, l->c->k_n, before, after, &force, slope);
+    const dem_normal_law law = sim->def.normal;
+    const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
+                 dt = sim->def.dt;
+    double force = before > 0.0 && after > 0.0 ? quotient(law, k_n, before, after, slope)
+                                               : end_quotient(law, k_n, before, after, slope);
     if (p) p->elastic = force;
-    const double dashpot = l->c->gamma_n * l->m_eff / sim->def.dt;
-    force += dashpot * (fmax(after, 0.0) - fmax(before, 0.0));
-    if (after > 0.0) *slope += dashpot;
+    force += dem_law_mean_rate(law, k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
+    if (after > 0.0) *slope += dem_law_damping_rate(law, k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
     if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
     if (p) p->damping = force - p->elastic;
     return force;
@@ -174,10 +175,10 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
 }
 
 /* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
-static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before,
+static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double way, double before,
                             double after, double f_n, contact *to, dem_parts *p)
 {
-    if (sim->def.tangential == DEM_NONE) return;
+    if (!dem_has_friction(sim->def.tangential)) return;
     const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
     const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
     const bool slides = fabs(viscous * way) > cap;
@@ -197,7 +198,7 @@ static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
      */
     const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
+    const coefficients l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
     double slope;
     const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = f_n / both;
     const dem_vec s = sum / both;
@@ -233,7 +234,7 @@ static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, 
     const dem_vec u = work(sim)->u[i], t = dem_clockwise(n);
     const double after = before - dem_dot(u, n);
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
+    const coefficients l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
     const double f_n = normal_force(sim, &l, before, after, &slope, p);
     add_along(&f, n, f_n, slope);
     add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);

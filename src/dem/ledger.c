@@ -18,8 +18,7 @@
 
 #include "dem/impact.h"
 #include "dem/integrator.h"
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
+#include "dem/law.h"
 
 /* A grain, by id, as it was read last; then its way and turn in the step, and the energy that hard collisions
  * of the step gave to it. Mass 0: it is fixed. */
@@ -100,21 +99,23 @@ static double split_forces(const dem_sim *sim, const dem_material *c, double mu,
         dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
     e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
     e->damping = f_n - e->elastic;
-    if (def->tangential == DEM_SPRING) {
-        double ds = r->spring, pull = c->k_s * ds;
-        const double cap = mu * fmax(f_n, 0.0);
+    const dem_slider shear = dem_shear_of(def, c, mu);
+    double ds = r->spring, pull = c->k_s * ds;
+    const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
+                 cap = mu * fmax(f_n, 0.0);
+    switch (def->tangential) {
+    case DEM_NONE: break;
+    case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
         e->spring = -pull;
-        e->dashpot = pull + dem_law_shear(def->slip, def->damping, c->k_s, c->gamma_s, mu, r->m_eff, r->v_s,
-                                          f_n, 0.0, &ds);
-    } else if (def->tangential == DEM_SLIP_ROLL) {
-        const double f_s = dem_law_slip_roll(c->gamma_s, mu, r->m_eff, r->v_s, f_n);
-        *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s;
+        e->dashpot = pull + f_s;
+        break;
+    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s; break;
     }
     if (sim->rolling) {
         double xi = r->roll;
         e->roll_spring = -c->k_roll * xi;
-        e->roll_dashpot = dem_law_rolling(c, r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
+        e->roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
     }
     return f_n;
 }

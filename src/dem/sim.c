@@ -50,14 +50,22 @@ void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
     def->walls[DEM_BOX_RIGHT].point[0] = W;
 }
 
-double dem_mass(int shape, double density, double r)
+double dem_mass(dem_shape shape, double density, double r)
 {
-    return density * M_PI * r * r * (shape == DEM_SPHERE ? 4.0 / 3.0 * r : 1.0);
+    switch (shape) {
+    case DEM_SPHERE: return density * M_PI * r * r * (4.0 / 3.0 * r);
+    case DEM_DISK: return density * M_PI * r * r;
+    }
+    __builtin_unreachable();
 }
 
-double dem_inertia(int shape, double m, double r)
+double dem_inertia(dem_shape shape, double m, double r)
 {
-    return (shape == DEM_SPHERE ? 0.4 : 0.5) * m * r * r;
+    switch (shape) {
+    case DEM_SPHERE: return 0.4 * m * r * r;
+    case DEM_DISK: return 0.5 * m * r * r;
+    }
+    __builtin_unreachable();
 }
 
 const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
@@ -80,9 +88,7 @@ const char *dem_fault_text(dem_fault fault)
 /* Overlap that an impact at speed v reaches without damping. */
 static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
 {
-    if (!(c->k_n > 0.0)) return 0.0;
-    return def->normal == DEM_HERTZ ? pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4)
-                                    : v * sqrt(m_eff / c->k_n);
+    return c->k_n > 0.0 ? dem_normal_descriptors[def->normal].impact_overlap(c->k_n, m_eff, v) : 0.0;
 }
 
 /* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
@@ -117,11 +123,13 @@ static meeting meet(double m_a, double crowd_a, double m_b, double crowd_b)
 static void contact_rates(const dem_definition *def, const dem_material *c, meeting of, double overlap,
                           double *gamma, double *omega_squared)
 {
-    const double k_n = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    const double k_n = law->stiffness(c->k_n, overlap),
+                 gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
-    const bool shear = def->tangential != DEM_NONE, spring = def->tangential == DEM_SPRING,
+    const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    *gamma = of.crowd * packing_sum(c->gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
+    *gamma = of.crowd * packing_sum(gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
     *omega_squared =
         of.crowd / of.m_eff * packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns);
 }
@@ -144,7 +152,7 @@ static double speed_step_limit(const dem_definition *def, const dem_material *c,
     double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v), DEM_AT_IMPACT);
     if (!(c->k_n > 0.0)) return limit;
     double weight = of.m_eff * v * v / (4.0 * r);
-    double overlap = def->normal == DEM_HERTZ ? pow(weight / c->k_n, 2.0 / 3.0) : weight / c->k_n;
+    double overlap = dem_normal_descriptors[def->normal].rest_overlap(c->k_n, weight);
     return fmin(limit, contact_step_limit(def, c, of, overlap, DEM_AT_REST));
 }
 
@@ -254,15 +262,16 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 {
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
     if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
-    if (!status && def->tangential == DEM_SPRING) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && def->tangential != DEM_NONE) status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
+    if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
+    if (!status && dem_has_friction(def->tangential))
+        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
-    if (!status && def->tangential == DEM_NONE && c->mu > 0.0)
+    if (!status && !dem_has_friction(def->tangential) && c->mu > 0.0)
         status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
     if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
-    if (!status && c->mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
+    if (!status && c->mu_roll > 0.0 && (!def->rotation || !dem_has_friction(def->tangential)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
                          def->rotation ? "a tangential law, but the scene declares none" : "rotation");
     if (!status && has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
@@ -304,7 +313,7 @@ static rp_status check_ground(const dem_definition *def)
     const dem_wall *w = &def->walls[g->wall - 1];
     if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
         return rp_fail(RP_BAD_INPUT, "ground: wall = %d: must be a whole line that never opens", g->wall);
-    if (def->tangential == DEM_SPRING)
+    if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
     if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");

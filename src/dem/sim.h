@@ -31,7 +31,7 @@ typedef struct {
     uint32_t wall, grain;
     double spring, roll, side;
     double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
-    int well;
+    dem_well well;
 } dem_wall_slot;
 
 /* What the Gear scheme keeps of a grain besides: its derivatives 2 to 5, x^(k) dt^k/k!, and by how much the

@@ -144,12 +144,14 @@ static double spin(const dem_sim *sim, size_t i)
     return sim->omega[i] + 0.5 * sim->def.dt * sim->inverse_inertia[i] * sim->push[i].torque;
 }
 
-/* Of the root, 0.95 are allowed where the stiffness is known, and 0.85 of Hertz' law, whose contacts may
+/* Of the root, 0.95 are allowed where the stiffness is known, and 0.85 of others, whose contacts may
  * become deeper than foreseen: without damping about 1/omega. */
 static double step_limit(const dem_definition *def, dem_rates rates, dem_load load)
 {
-    return load == DEM_AT_REST ? INFINITY
-                               : dem_half_step_limit(rates, def->normal == DEM_LINEAR ? 0.95 : 0.85);
+    return load == DEM_AT_REST
+               ? INFINITY
+               : dem_half_step_limit(rates,
+                                     dem_normal_descriptors[def->normal].constant_stiffness ? 0.95 : 0.85);
 }
 
 const dem_scheme dem_scheme_verlet = {
