@@ -1,5 +1,5 @@
 #!/bin/sh
-# The modules' borders. Arguments: the build folder, then module=folder=prefix for each module.
+# The modules' borders, and clang-format. Arguments: the build folder, then module=folder=prefix for each module.
 # core <- stats <- {analytic, dem, statics, angle, stress} <- sweep <- {cli, tests, validation}; each exports its own
 # prefix only.
 build=$1
@@ -28,4 +28,9 @@ for entry; do
         bad=1
     fi
 done
+if ! command -v clang-format >/dev/null; then
+    echo "lint: no clang-format: the format is not checked"
+elif ! find analytic src sweeps tests validation -name '*.[ch]' -exec clang-format --dry-run -Werror {} +; then
+    bad=1
+fi
 exit $bad

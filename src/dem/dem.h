@@ -281,8 +281,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
     X(taken_out, -)                                                                                          \
     X(gravity_turn, +)                                                                                       \
     X(wall_work, +)                                                                                          \
-    X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -)              \
-        X(integration, +)
+    X(normal_damping, -)                                                                                     \
+    X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
 typedef struct {
     double start;
 #define X(channel, sign) double channel;
