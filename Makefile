@@ -13,7 +13,7 @@ CC      := gcc
 WERROR  :=
 SAN     :=
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
-           -Wmissing-prototypes -Wconversion -Wno-sign-conversion \
+           -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
 

@@ -1,13 +1,12 @@
-/* Force models on paper for a pile of equal close-packed disks on a flat base.
+/* Analytic force models for a pile of equal close-packed disks on a flat base.
  * K. Liffman, D. Y. C. Chan and B. D. Hughes, Powder Technology 72 (1992) 255: "Liffman, Chan & Hughes 1992".
  *
- * All models share one assumption: forces run along the two diagonals of the packing alone, and contacts
- * between neighbours of a row carry nothing. Each disk then rests on the two below it, and the pile is
- * statically determinate. N is the normal force of the ground on the pile. H is the horizontal force of the
- * pile on the ground, positive to the right, so H < 0 at the left toe. Angles are in radians; x runs from
- * left to right.
+ * All models share one assumption: contacts carry force along the two diagonals of the packing only, not
+ * between neighbours of a row. Each disk rests on the two below it, and the pile is statically determinate. N
+ * is the normal force of the ground on the pile. H is the horizontal force of the pile on the ground,
+ * positive to the right, so H < 0 at the left toe. Angles are in radians; x runs from left to right.
  *
- * Functions return RP_OK, or RP_BAD_INPUT for what lies outside the stated ranges; NaN is outside every
+ * Functions return RP_OK, or RP_BAD_INPUT for arguments outside the stated ranges; NaN is outside every
  * range. Results are written only on success. Nothing is allocated. */
 #ifndef ANALYTIC_H
 #define ANALYTIC_H
@@ -23,7 +22,8 @@ typedef struct {
 /* ---- Lattice, equations (37)-(44). Forces in m g.
  *
  * theta is the angle of the diagonals to the vertical: pi/6 where the disks of a row touch, up to pi/3, where
- * the rows after next do. Lengths are in disk diameters sigma, so the disks of a row are 2 sin(theta) apart.
+ * disks two rows apart touch. Lengths are in disk diameters sigma, so the disks of a row are 2 sin(theta)
+ * apart.
  */
 
 enum {
@@ -42,22 +42,22 @@ rp_status an_lattice_triangle(long k, double theta, long i, an_force *force);
 
 /* The pile with k base disks whose two flanks are cut out of the lattice at the angle alpha: the disk at
  * height h stays if it is at least h cot(alpha) (to a tie tolerance of 1e-9) inside the outermost base disks.
- * The rule is ours; it gives the published 1035, 360 and 5490 disks.
+ * The paper states no rule; this one gives the published 1035, 360 and 5490 disks.
  * k in 1..AN_LAYERS_MAX, alpha in (0, pi/2 - theta]; the upper end is the full triangle. */
 rp_status an_lattice_cut(long k, double theta, double alpha, long up[]);
 
 /* Forces on all k base disks under a stepped outline, in closed form:
- * N = (n_ul + n_ur)/2, H = tan(theta) (n_ul - n_ur)/2 with the numbers of disks on the diagonals that rise to
- * the left and to the right. k in 1..AN_LAYERS_MAX. */
+ * N = (n_ul + n_ur)/2, H = tan(theta) (n_ul - n_ur)/2 where n_ul and n_ur are the numbers of disks on the
+ * diagonals that rise to the left and to the right. k in 1..AN_LAYERS_MAX. */
 rp_status an_lattice_counts(long k, const long up[], double theta, an_force force[]);
 
-/* The same by solving (37), (38) disk by disk from the top. k in 1..AN_RECURSION_MAX; k^2 steps at most. */
+/* The same forces, by solving (37), (38) disk by disk from the top. k in 1..AN_RECURSION_MAX; k^2 steps at
+ * most. */
 rp_status an_lattice_recursion(long k, const long up[], double theta, an_force force[]);
 
 /* Base length B, in sigma, of the triangle with slopes alpha that weighs as much as `disks` disks. With it,
  * and x/B = 1/2 + (i - (k+1)/2) 2 sin(theta)/B, the mean of N/(chi g B) over a cut pile agrees with the
- * continuum to order 1/k^2; taking k diameters for B leaves a deviation of order 1/k that changes sign with
- * alpha. */
+ * continuum to order 1/k^2; B = k diameters leaves a deviation of order 1/k that changes sign with alpha. */
 double an_lattice_base(double disks, double theta, double alpha);
 
 /* ---- Continuum, equations (49)-(59): triangular outline, slopes alpha in (0, pi/3).
@@ -92,8 +92,8 @@ rp_status an_profile_height(const an_profile *profile, double x, double *y);
 /* Forces at x, in chi g B with B = v[n-1].x - v[0].x. Relative error about 1e-16/(60 degrees - slope). */
 rp_status an_profile_force(const an_profile *profile, double x, an_force *force);
 
-/* The largest N, in chi g B, and the first place of it in the unit of the vertices. N is straight between the
- * places whose rays end on a vertex, so it is at one of these. */
+/* The largest N, in chi g B, and its first position in the unit of the vertices. N is piecewise linear in x,
+ * with kinks where a ray ends on a vertex; its maximum is at such a kink. */
 rp_status an_profile_largest(const an_profile *profile, double *x, double *N);
 
 /* The tent of Fig. 18 as an outline with B = 1: slope alpha_1 from each edge to x_1, alpha_2 from there to

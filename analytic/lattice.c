@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Angles come from degrees: their ends are met to rounding only. */
+/* Angles converted from degrees reach the ends of their ranges to rounding only. */
 static const double ANGLE_SLACK = 1e-12;
 static const double TIE = 1e-9; /* in row spacings: a disk on the cutting line stays */
 static const double DEG = 180.0 / M_PI;
@@ -45,10 +45,10 @@ rp_status an_lattice_cut(long k, double theta, double alpha, long up[])
     if (!(alpha > 0 && alpha <= M_PI / 2 - theta + ANGLE_SLACK))
         return rp_fail(RP_BAD_INPUT, "alpha = %.15g degrees: out of range, allowed: (0, 90 - theta = %.15g]",
                        alpha * DEG, 90 - theta * DEG);
-    /* Places lost at each end of a row for each row of height. */
+    /* Sites lost at each end of a row, per row of height. */
     double lost = fmax(0, 0.5 / (tan(alpha) * tan(theta)) - 0.5);
     for (long s = 0; s < k; s++) {
-        double left = floor(((double)s + TIE) / lost); /* last row in which the left flank leaves place s */
+        double left = floor(((double)s + TIE) / lost); /* last row in which the left flank keeps site s */
         double right = floor(((double)(k - 1 - s) + TIE) / (1 + lost));
         up[s] = 1 + (long)fmin(left, right);
     }
@@ -87,7 +87,7 @@ rp_status an_lattice_recursion(long k, const long up[], double theta, an_force f
         force[s] = (an_force){0, 0}; /* (39) */
     }
     /* Until the ground is reached force[s].N, .H hold L, R of disk s of the row above. From right to left, so
-     * that L of place s - 1 is still that row's. */
+     * that L of site s - 1 is still that row's. */
     const double W = 1 / cos(theta);
     for (long row = top - 1; row >= 0; row--)
         for (long s = k - 1 - row; s >= 0; s--) {

@@ -1,12 +1,13 @@
 /* Forces on the base under any polygonal outline: the chords l_1, l_2 of Fig. 11 of Liffman, Chan & Hughes
- * 1992 are intersected with the outline, and (52), (53) follow. Assumptions: continuum.c. See analytic.h. */
+ * 1992 end on the outline, and (52), (53) follow. Assumptions: continuum.c. See analytic.h. */
 #include "analytic/analytic.h"
 
 #include <math.h>
 
 static const double DEG = 180.0 / M_PI;
 static const double LEAN = 0.57735026918962576; /* 1/sqrt 3: the diagonals' dx/dy */
-/* dx - LEAN dy of an edge, over dx: below this it is 60 degrees steep, to the rounding of its vertices. */
+/* Least (dx - LEAN dy)/dx of an edge: a smaller one is 60 degrees steep within the rounding of the vertices.
+ */
 static const double STEEP = 1e-14;
 
 rp_status an_profile_set(an_profile *profile, const an_point *v, size_t n)
@@ -42,7 +43,7 @@ static rp_status check_x(const an_profile *p, double x)
 }
 
 /* Height at which the line of direction (lean, 1) from (x, 0) leaves the pile. Along the outline x - lean y
- * increases, as every slope is below 1/|lean|: so its segment is found by bisection. */
+ * increases, since every slope is below 1/|lean|; bisection finds the segment. */
 static double leave(const an_profile *p, double x, double lean)
 {
     size_t lo = 0, hi = p->n - 1;

@@ -14,11 +14,11 @@ set tics scale 0.6 nomirror out
 set grid lw 0.3 lc rgb '#d8d8d8'
 set key spacing 1.2 samplen 2.5
 set bars small
-# A table of ours as gnuplot wants it: the last header line becomes the names of the columns.
+# A table of this project for gnuplot: the last header line becomes the names of the columns.
 set datafile separator tab
 set datafile columnheaders
 # The text after "# KEY: " in the header of a table, without a unit.
 note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".T.name)
-# A cell of a table of ours: column COL of the row whose column KEY is the number VALUE.
+# A cell of such a table: column COL of the row whose column KEY is the number VALUE.
 pick(name, key, value, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".T.name)
 t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".T.name

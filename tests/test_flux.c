@@ -205,7 +205,6 @@ static void outputs_from_series(void)
     CU_ASSERT(output(&t.result, "theta_max_deg") == most);
     CU_ASSERT(count > 2.0 && output(&t.result, "avalanches") == count);
     CHECK_NEAR(output(&t.result, "theta_ms_flux_deg"), ms / count, round_off);
-    CHECK_NEAR(output(&t.result, "theta_r_flux_deg"), r / count, round_off);
     CHECK_NEAR(output(&t.result, "theta_ms_less_r_deg"), (ms - r) / count, round_off);
     CHECK_NEAR(output(&t.result, "grains"), grains / kept, round_off);
     const double tau = output(&t.result, "tau_insertions");

@@ -497,6 +497,13 @@ static void test_plan_again(void)
     write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
+    /* with a further output: what is stored has no value of it */
+    static const sweep_output more[] = {
+        {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {"further", "", ""}, {0}};
+    changed = toy_protocol;
+    changed.outputs = more;
+    CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, &c));
+    CU_ASSERT(c.planned == 8 && c.stored == 0);
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 8);
     write_text(file, "protocol = \"other\"; replicas = 2;");

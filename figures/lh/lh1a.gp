@@ -1,5 +1,5 @@
-# Lee & Herrmann 1993, figure 1(a): 1600 grains, just before the right wall is removed. Lines between centres are
-# as thick as the normal force, in twelve steps.
+# Lee & Herrmann 1993, figure 1(a): 1600 grains, just before the right wall is removed. Line width between centres is
+# proportional to the normal force, in twelve steps.
 grains = t('lh1/filled_grains.tsv')
 contacts = t('lh1/filled_contacts.tsv')
 stats contacts using (column('normal_force')) nooutput name 'F'

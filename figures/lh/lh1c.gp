@@ -1,5 +1,5 @@
-# Lee & Herrmann 1993, figure 1(c): 1600 grains, at rest after the avalanche. Lines between centres are
-# as thick as the normal force, in twelve steps.
+# Lee & Herrmann 1993, figure 1(c): 1600 grains, at rest after the avalanche. Line width between centres is
+# proportional to the normal force, in twelve steps.
 width = 18.0
 height = 7.0
 load 'figures/style.gp'

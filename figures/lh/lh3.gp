@@ -8,9 +8,9 @@ set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3'
 set xrange [-0.01:0.32]
 set yrange [0:38]
 set key top left Left reverse
-set label 1 sprintf('bars: standard error over %d piles; series set apart by 0.003; at {/:Italic μ} = 0 no pile stands', P_max) at graph 0.98, 0.05 right font ',8'
+set label 1 sprintf('bars: standard error over %d piles; series shifted by 0.003; at {/:Italic μ} = 0 no pile is stable', P_max) at graph 0.98, 0.05 right font ',8'
 plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
-       with yerrorbars pt 7 ps 0.7 lc 2 title 'spring cut at the Coulomb limit, at rest', \
+       with yerrorbars pt 7 ps 0.7 lc 2 title 'spring truncated at the Coulomb limit, at rest', \
      t('lh3_total.tsv') using (column('mu') + 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt 4 ps 0.7 lc 3 title 'spring as (2b) is printed, '.note('lh3_total.tsv', 'relax_steps').' steps after opening', \
      t('lh3_best.tsv') using (column('mu') - 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \

@@ -1,4 +1,4 @@
-# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is put in. Rows 0, 4 and 8 of the sweep are
+# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Rows 0, 4 and 8 of the sweep are
 # the first pile of each v_cut.
 width = 14.0
 height = 11.0
@@ -15,7 +15,7 @@ set ytics 10
 set key top right font ',8' spacing 1
 set xlabel 'iteration (10^5)'
 set arrow 1 from LEVEL_mean/1e5, graph 0 to LEVEL_mean/1e5, graph 0.1 nohead lc rgb '#888888'
-set label 1 ' levels off' at LEVEL_mean/1e5, graph 0.06 font ',8'
+set label 1 ' end of the transient' at LEVEL_mean/1e5, graph 0.06 font ',8'
 line(x, from, y) = x < from ? NaN : y
 plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 0.7 lc 2 \
        title '{/:Italic v}_{cut} = '.note('lh5_row0/series.tsv', 'v_cut').' cm/s', \
@@ -25,7 +25,7 @@ plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')
      R_mean with lines dt 2 lc 4 title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', R_mean)
 unset arrow 1
 unset label 1
-set xlabel 'grains put in'
+set xlabel 'grains added'
 plot for [row in '4 8'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
        with lines lw 0.7 lc (row eq '4' ? 3 : 6) title '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s', \
      R_mean with lines dt 2 lc 4 notitle # t('lh5_row4/series.tsv') t('lh5_row8/series.tsv')

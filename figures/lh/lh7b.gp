@@ -5,7 +5,7 @@ set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
 set xrange [-0.01:0.32]
 set yrange [0:14]
 set key top left Left reverse
-set label 1 sprintf('bars: standard error over %d piles (theory: bootstrap of {/:Italic θ}_R); series set apart', P_max) at graph 0.98, 0.05 right font ',8'
+set label 1 sprintf('bars: standard error over %d piles (theory: bootstrap of {/:Italic θ}_R); series shifted', P_max) at graph 0.98, 0.05 right font ',8'
 c(name) = column('theta_t_'.name.'_deg')
 e(name) = column('theta_t_'.name.'_se_deg')
 plot t('lh3_compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) \

@@ -1,11 +1,11 @@
-# What Lee & Herrmann 1993 leave open. (a) Change of theta_R at mu = 0.2 with each choice; (b) likelihood of all
-# published numbers under each combination, ordered.
+# Choices that Lee & Herrmann 1993 leave open. (a) Change of theta_R at mu = 0.2 with each choice. (b) Likelihood of
+# all published numbers under each combination, in decreasing order.
 width = 20.0
 height = 12.0
 load 'figures/style.gp'
 combinations = 'lh_forensics_combinations.tsv' # t('lh_forensics_combinations.tsv')
 effects = 'lh_forensics_effects.tsv'           # t('lh_forensics_effects.tsv')
-# main effects on the first claim, and the ways to read the surface, one a line from the top
+# main effects on the first claim, and methods of surface detection, one per line from the top
 lines = "< awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
         "if ($2 == \"dt\") $3 = \"0.7 times\"; if ($2 == \"relax steps\") { $2 = \"measured after\"; $3 = \"1.0 s\" } if ($2 == \"open\") $3 = $3 \" cm/s\"; ".\
         "print ++n \"\\t\" $2 \" \" $3 \"\\t\" $5 \"\\t\" $7 \"\\t\" $8 }' ".T.effects
@@ -33,8 +33,8 @@ set size 0.45, 1
 set lmargin 9
 set yrange [*:*]
 set ytics font ',8' scale 0.6
-set xlabel 'combination and reading of its surface, ordered'
-set ylabel 'log likelihood less that of the best'
+set xlabel 'combination and method of surface detection, ordered'
+set ylabel 'log likelihood relative to the best'
 set yrange [-25:1.5]
 set xrange [0:200]
 set label 1 '(b)' at graph 0.03, 0.975 font ',9'

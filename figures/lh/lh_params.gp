@@ -8,7 +8,7 @@ set yrange [0:32]
 set logscale x
 set format x '10^{%T}'
 set key top left Left reverse font ',6.5' samplen 1 spacing 1.1
-set label 2 'bars: standard error, those of Lee \& Herrmann as printed; series set apart' at screen 0.5, 0.95 center font ',8'
+set label 2 'bars: standard error, those of Lee \& Herrmann as printed; series shifted' at screen 0.5, 0.95 center font ',8'
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3' font ',9' offset 0.8,0
 set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]

@@ -1,10 +1,10 @@
-# Beyond Lee & Herrmann 1993: measured theta_R + theta_T against (3) and theta_T against (4), with rays at 60
-# degrees and at the inclination phi that serves all mu best, with half its 95 % interval.
+# Beyond Lee & Herrmann 1993: measured theta_R + theta_T against (3) and theta_T against (4), with rays at 60 degrees
+# and at the inclination phi of best fit over all mu, with half its 95 % interval.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
 table = t('lh3_phi.tsv')
-# one equation's rows, of all mu together or of each
+# the rows of one equation, for all mu together or for each
 all(a) = table.' | awk -F"\t" ''NR == 1 || ($NF == "'.a.'" && $1 == "nan")'''
 each(a) = table.' | awk -F"\t" ''NR == 1 || ($NF == "'.a.'" && $1 != "nan")'''
 c(name) = column(name)

@@ -1,5 +1,5 @@
 # Beyond Lee & Herrmann 1993: stress in the mean of 20 piles at mu = 0.2, and the forces on the base against
-# those of rays at 60 degrees. Crosses: principal directions, as long as the principal stresses.
+# those of rays at 60 degrees. Crosses: principal directions; lengths are proportional to the principal stresses.
 width = 18.0
 height = 13.0
 load 'figures/style.gp'

@@ -1,4 +1,4 @@
-# Onset of motion under tilt against the rate of the tilt, gravity turned or the box turned.
+# Onset of motion under tilt against the tilting rate; gravity or the box is rotated.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
@@ -12,19 +12,19 @@ set datafile missing 'nan'
 set logscale x
 set format x '10^{%T}'
 set xrange [2e-5:1.6e-3]
-set xlabel 'turn a step (degrees)'
+set xlabel 'rotation per step (degrees)'
 set yrange [0:10]
 set multiplot layout 1, 2
 set key top left Left reverse font ',7.5' spacing 1
 do for [mu in '0.1 0.2'] {
     set title '{/:Italic μ} = '.mu font ',9'
     set ylabel mu eq '0.1' ? 'tilting angle {/:Italic θ}_T (degrees)' : ''
-    plot pick(real(mu), 'gravity', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 7 ps 0.7 lc 3 title 'gravity turned, displacement', \
-         pick(real(mu), 'gravity', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 6 ps 0.7 lc 3 dt 2 title 'gravity turned, energy', \
-         pick(real(mu), 'box', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 5 ps 0.7 lc 7 title 'box turned, displacement', \
-         pick(real(mu), 'box', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 4 ps 0.7 lc 7 dt 2 title 'box turned, energy', \
-         rest(real(mu), 'gravity') with lines lc 3 dt 3 title 'gravity, from rest to rest', \
-         rest(real(mu), 'box') with lines lc 7 dt 3 title 'box, from rest to rest'
+    plot pick(real(mu), 'gravity', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 7 ps 0.7 lc 3 title 'gravity rotated, displacement', \
+         pick(real(mu), 'gravity', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 6 ps 0.7 lc 3 dt 2 title 'gravity rotated, energy', \
+         pick(real(mu), 'box', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 5 ps 0.7 lc 7 title 'box rotated, displacement', \
+         pick(real(mu), 'box', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 4 ps 0.7 lc 7 dt 2 title 'box rotated, energy', \
+         rest(real(mu), 'gravity') with lines lc 3 dt 3 title 'gravity rotated, 0.1° at a time to rest', \
+         rest(real(mu), 'box') with lines lc 7 dt 3 title 'box rotated, 0.1° at a time to rest'
     unset key
     set label 1 'bars: standard error over piles' at graph 0.98, 0.04 right font ',7'
 }

@@ -1,4 +1,4 @@
-# Liffman, Chan & Hughes 1992, figure 10(b): the weakest contact of each disk, between disks, in the equilateral pile of
+# Liffman, Chan & Hughes 1992, figure 10(b): the weakest contact of each disk with another disk, in the equilateral pile of
 # 45 layers at eps = 1e-4, symmetric state.
 set size ratio -1
 set xlabel '{/:Italic x} / σ'

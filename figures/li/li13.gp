@@ -1,6 +1,6 @@
-# Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks in equilibrium
-# at eps = 1e-4 (spring wells of K_s), what diagonal contacts alone would carry in the same piles, and the continuum
-# (54)-(59); all over the largest value of the soft disks.
+# Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks
+# in equilibrium at eps = 1e-4 (spring wells of K_s), forces of diagonal contacts alone in the same piles, and the
+# continuum (54)-(59). Unit: largest value of the soft disks.
 width = 17.0
 height = 13.0
 load 'figures/style.gp'

@@ -15,7 +15,7 @@ do for [q in 'N H'] {
     if (q eq 'N') { set title '(a)'; set yrange [0:0.42]; set key bottom center font ',8' }
     if (q eq 'H') { set title '(b)'; set yrange [-0.1:0.1]; unset key }
     plot t('tent_30_45_38.tsv') using (column('x/B')):(column(col)) with lines lw 1.5 lc 1 title 'continuum', \
-         t('tent_45_30_38.tsv') using (column('x/B')):(q eq 'N' ? column(col) : NaN) with lines dt 2 lc rgb '#888888' title 'continuum, 45° below 30°: no dip', \
+         t('tent_45_30_38.tsv') using (column('x/B')):(q eq 'N' ? column(col) : NaN) with lines dt 2 lc rgb '#888888' title 'continuum, 45° outside, 30° inside: no dip', \
          t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/real(note(stiff, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone', \
          t(stiff) using (column('x/B')):(column(col)) with points pt 6 ps 0.5 lc 7 title 'soft disks, wells of εσ', \
          t(soft) using (column('x/B')):(column(col)) with points pt 8 ps 0.5 lc 4 title 'soft disks, wells of 3000 εσ'

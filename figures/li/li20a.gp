@@ -1,5 +1,5 @@
-# Liffman, Chan & Hughes 1992, figure 20(a): a pile of disks that were dropped one at a time, coloured by their number
-# of contacts: those off the lattice mark the faults. What rolled out of the picture is left out.
+# Liffman, Chan & Hughes 1992, figure 20(a): a pile of disks dropped one at a time, coloured by the number of
+# contacts; disks without six neighbours mark the faults. Disks that rolled out of the picture are not shown.
 width = 18.0
 height = 7.6
 load 'figures/style.gp'

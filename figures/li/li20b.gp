@@ -1,6 +1,6 @@
-# Liffman, Chan & Hughes 1992, figure 20(b), for ensembles: mean pressure on the base of dropped piles, both sides
-# together, with standard errors over piles. D is D_raw of `repose angle dip`, and D_excess its D, over the triangle of
-# the same slopes.
+# Liffman, Chan & Hughes 1992, figure 20(b), for ensembles: mean pressure on the base of dropped piles, averaged over
+# both sides, with standard errors over piles. D is D_raw of `repose angle dip`; D_excess is its D, the excess over a
+# triangle of the same slopes.
 load 'figures/style.gp'
 set xlabel 'distance from the centroid of the load / {/:Italic B}'
 set ylabel '{/:Italic N} / mean {/:Italic N}'
@@ -19,7 +19,7 @@ cell(name, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } { n = spl
 pm(table) = sprintf('%.3f ± %.3f', real(cell(table, 'D')), real(cell(table, 'D_se')))
 told(k) = sprintf('%s, %s piles: {/:Italic D} = %s, {/:Italic D}_{excess} = %s', word(names, k), cell('li20_'.word(files, k).'_dip.tsv', 'n'), \
                   pm('li20_'.word(files, k).'_dip_raw.tsv'), pm('li20_'.word(files, k).'_dip.tsv'))
-plot 2 - 4*x with lines dt 2 lc rgb '#888888' title 'weight above, a triangle', \
+plot 2 - 4*x with lines dt 2 lc rgb '#888888' title 'weight above: triangle', \
      t('continuum_30.tsv') using (0.5 - column('x/B') >= 0 ? 0.5 - column('x/B') : NaN):(column('N/(chi*g*B)')/C_mean) with lines dt 4 lc rgb '#444444' title 'continuum, 30°', \
      for [k = 1:4] t('li20_'.word(files, k).'_profile.tsv') using (column('distance')):(column('N')):(column('N_se')) \
        with yerrorlines lc k + (k < 4 ? 1 : 2) pt 2*k + 3 ps 0.6 title told(k)

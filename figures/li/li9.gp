@@ -1,6 +1,6 @@
-# Liffman, Chan & Hughes 1992, figure 9: horizontal force on the base of the equilateral pile of 45 layers; hard
-# disks by (44), soft disks at eps = 1e-4 in the symmetric state and in minima of the energy. Below, by how much
-# soft disks differ from hard ones.
+# Liffman, Chan & Hughes 1992, figure 9: horizontal force on the base of the equilateral pile of 45 layers; hard disks
+# by (44), soft disks at eps = 1e-4 in the symmetric state and in minima of the energy. Below: difference between soft
+# and hard disks.
 height = 11.0
 load 'figures/style.gp'
 set multiplot layout 2, 1
@@ -17,6 +17,6 @@ set yrange [-0.6:1]
 set key top center maxrows 1 font ',9'
 change = 'column("H/mg") - column("H_diagonals/mg")'
 plot t('pile_45_60_1e-4.tsv') using (column('i')):(@change) with points pt 6 ps 0.6 lc 2 title 'symmetric', \
-     t('pile_minimum_45_60_1e-4_2.tsv') using (column('i')):(@change) with lines lw 1 lc 3 title 'the minimum above', \
+     t('pile_minimum_45_60_1e-4_2.tsv') using (column('i')):(@change) with lines lw 1 lc 3 title 'the minimum of the upper panel', \
      t('pile_minimum_45_60_1e-4_13.tsv') using (column('i')):(@change) with lines lw 1 dt 2 lc 4 title 'another minimum'
 unset multiplot

@@ -1,4 +1,4 @@
-# Depth of the dip of N under tents, continuum: the part of the largest N by which N in the middle is below it.
+# Depth of the dip of N under tents, continuum: (max N - N in the middle)/max N.
 width = 17.0
 height = 15.0
 load 'figures/style.gp'

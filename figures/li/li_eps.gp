@@ -1,5 +1,5 @@
-# The equilateral pile of 45 layers: deviation of N from hard disks against eps = m g/(K_s sigma), symmetric state; slope by least
-# squares over the stable points.
+# The equilateral pile of 45 layers: deviation of N from hard disks against eps = m g/(K_s sigma), symmetric state;
+# slope by least squares over the stable points.
 set xlabel 'ε'
 set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
@@ -10,4 +10,4 @@ plot [5e-9:2e-3] from*x/1e-6 with lines lc rgb '#888888' dt 2 title 'proportiona
      t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square: slope '.note('pile_eps.tsv', 'slope').' where stable', \
      t('pile_eps.tsv') using (column('eps')):(column('N_error_max')) with points pt 8 ps 0.8 lc 3 title 'largest', \
      t('pile_eps.tsv') using (column('negative_modes') > 0 ? column('eps') : NaN):(column('N_error_rms')) \
-       with points pt 6 ps 1.6 lc 7 title 'not stable'
+       with points pt 6 ps 1.6 lc 7 title 'unstable'

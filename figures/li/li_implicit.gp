@@ -1,11 +1,11 @@
-# Energy of five disks that bounce in a box without loss, by the implicit scheme (24) and by Verlet; and the
-# frequency of a disk on its spring. Time steps in contact times of two disks.
+# Energy of five elastic disks in a box, by the implicit scheme (24) and by Verlet; frequency of a disk on its spring.
+# Time steps in contact times of two disks.
 set multiplot layout 1,2 margins 0.105,0.985,0.14,0.97 spacing 0.115
 set tics font ',9'
 set logscale xy
 set format xy '10^{%T}'
 set xlabel 'steps' font ',9'
-set ylabel 'largest relative error in energy till then' offset 1.8,0 font ',9'
+set ylabel 'largest relative energy error so far' offset 1.8,0 font ',9'
 set xrange [10:1e6]
 set yrange [1e-16:1e3]
 set key top left Left reverse maxrows 4 font ',7' samplen 1.2 width -3

@@ -1,7 +1,7 @@
-# Piles of 30 degrees of growing size in the limit of hard disks: largest H over that of diagonal contacts alone, and the
-# deviation of N and H from the continuum, root mean square. Lines: limit + c/base by least squares, from a base of 180 on,
-# of the wells that have come near it.
-# Bases of 23 and 45 are in brackets: they end in other steps than the others. `make studies`.
+# Piles of 30 degrees of growing size in the limit of hard disks: largest H over that of diagonal contacts alone, and
+# the deviation of N and H from the continuum, root mean square. Lines: limit + c/base by least squares, bases of 180
+# and more, for the wells close to the limit. Bases of 23 and 45 are in brackets: the steps at their ends differ from
+# those of the others. `make studies`.
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
@@ -23,7 +23,7 @@ do for [q = 1:3] { do for [k = 1:2] {
     limit[2*q + k - 2] = fit_of(word(whats, q), k, 'limit')
     c[2*q + k - 2] = fit_of(word(whats, q), k, 'c')
 } }
-# base of a pile of so many disks: n = base (base + 3)/6
+# base of a pile of n disks: n = base (base + 3)/6
 base(n) = (sqrt(9 + 24*n) - 3)/2
 line(q, k, n) = limit[2*q + k - 2] + c[2*q + k - 2]/base(n)
 set ylabel 'max {/:Italic H} over that of diagonal contacts alone'

@@ -1,7 +1,7 @@
-# What the half-width of the wells, gaps between the disks of a row and unequal disks do to figures 14, 16 and 17 of Liffman,
-# Chan & Hughes 1992, base of 45 disks, a = eps sigma where it is not varied, eps = 1e-4. Diagonals alone are at 1. Unequal disks:
-# stable states of the same draws, bars are standard errors over piles. Marks of a value stand side by side. Steep piles
-# of very unequal disks spread.
+# Effect of the half-width of the wells, of gaps between the disks of a row and of unequal disks on figures 14, 16 and
+# 17 of Liffman, Chan & Hughes 1992. Base of 45 disks, eps = 1e-4, a = eps sigma where it is not varied. Diagonal
+# contacts alone give 1. Unequal disks: stable states of the same random draws; bars: standard errors over piles.
+# Marks of one value are shifted sideways. Steep piles of very unequal disks spread.
 width = 20.0
 height = 20.0
 load 'figures/style.gp'

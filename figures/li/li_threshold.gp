@@ -1,4 +1,4 @@
-# Softness above which the symmetric state of an equilateral pile of k layers is not stable.
+# Softness above which the symmetric state of an equilateral pile of k layers is unstable.
 set xlabel '{/:Italic k}'
 set ylabel 'ε_c {/:Italic k}^3'
 set logscale x

@@ -1,7 +1,8 @@
-# What decides the forces under static piles of 30 degrees, and under the tent of Fig. 19 of Liffman, Chan & Hughes 1992, with
-# 45 disks in the base: the half-width of the wells, gaps between the disks of a row (a = eps sigma), unequal disks (stable
-# states of the same draws; bars are standard errors over piles; H summed outwards over both halves, deviation of N from
-# diagonals alone; eps = 1e-4 and 1e-6 set apart sideways). Dashed: diagonals alone. A negative D is a dip of N in the middle.
+# Forces under static piles of 30 degrees, and under the tent of Fig. 19 of Liffman, Chan & Hughes 1992, with 45 disks
+# in the base. Varied: the half-width of the wells, gaps between the disks of a row (a = eps sigma), unequal disks.
+# Unequal disks: stable states of the same random draws; bars: standard errors over piles; H summed outwards over both
+# halves; deviation of N from diagonals alone; eps = 1e-4 and 1e-6 shifted sideways. Dashed: diagonals alone. A
+# negative D is a dip of N in the middle.
 width = 20.0
 height = 16.0
 load 'figures/style.gp'
@@ -32,7 +33,7 @@ do for [f in 'wells gaps'] {
 }
 file = 'li_disorder.tsv'
 of(k, e) = shape(k) && (e == 1) == (column('eps') > 1e-5)
-# closed marks, to the left of their place: eps = 1e-4; open ones, to the right of it: 1e-6
+# closed marks, shifted to the left: eps = 1e-4; open marks, shifted to the right: eps = 1e-6
 point(k, e) = 4 + 2*k + (e == 1)
 place(k, e) = of(k, e) ? column('disorder')/column('eps')*(e == 1 ? 0.75 : 1/0.75) : NaN
 set xrange [5e-3:2e4]

@@ -1,4 +1,4 @@
-# Speed: particle-steps a second on one core against LAMMPS and LIGGGHTS, on the same scene and start.
+# Speed: particle-steps per second on one core, with LAMMPS and LIGGGHTS, from the same initial positions.
 width = 16.0
 load 'figures/style.gp'
 data = t('bench_peers.tsv')
@@ -6,7 +6,7 @@ set style data histograms
 set style histogram clustered gap 1
 set style fill solid 0.8 border
 set boxwidth 0.9
-set ylabel '10^6 particle-steps a second of processor time'
+set ylabel '10^6 particle-steps per second of processor time'
 set yrange [0:*]
 set offsets 0, 0, graph 0.15, 0
 set xtics scale 0
@@ -18,7 +18,7 @@ label(state, n) = sprintf("%s\n%s", int(n) % 1000 == 0 ? sprintf('%d 000', int(n
 times(r, lo, hi) = sprintf("×%.1f (%.1f–%.1f)", r, lo, hi)
 sample(col, format) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"sample\" { printf \"".format."\", $c[\"".col."\"] }' ".T.'bench_peers.tsv')
 version(peer) = system("sed -n 's/^# ".peer.": //p' ".T.'bench_peers.tsv')
-# with the peers that are installed
+# the installed programs
 programs = 'repose '.system("sed -nE '/not installed/d; s/^# (lammps|liggghts): .*/\\1/p' ".T.'bench_peers.tsv')
 n = words(programs)
 program(i) = word(programs, i)
@@ -28,7 +28,7 @@ bar(i) = (i - 0.5*(n + 1))/(n + 1)
 faster(i) = i == 1 ? '' : times(column(program(i).'_ratio'), column(program(i).'_min'), column(program(i).'_max'))
 samples = 'A whole sample of 400 grains: repose '.sample('repose', '%.2f').' s'
 do for [i=2:n] { samples = samples.', '.name(i).' '.sample(program(i), '%.1f').' s, ×'.sample(program(i).'_ratio', '%.1f') }
-set xlabel "grains; over the bars by how much repose is faster, median of pairs (least–largest)\n".samples font ',8' offset 0,-1
+set xlabel "grains; numbers over the bars: rate of repose over the rate of the program, median of pairs (smallest–largest)\n".samples font ',8' offset 0,-1
 plot for [i=1:n] rates using program(i):xticlabels(label(strcol('state'), column('grains'))) \
         title name(i).' '.version(program(i)) lc colour(i), \
      for [i=1:n] rates using ($0 + bar(i)):program(i):(faster(i)) with labels rotate by 90 left offset 0, 0.4 font ',8' notitle

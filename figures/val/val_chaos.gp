@@ -1,4 +1,4 @@
-# How fast a shift of one grain by 1e-15 cm grows when a box at rest is opened.
+# Growth of a shift of one grain by 1e-15 cm after a box at rest is opened.
 # t('validation_chaos.tsv') t('validation_chaos_fit.tsv')
 load 'figures/style.gp'
 runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).T.'validation_chaos.tsv'
@@ -19,4 +19,4 @@ plot for [s = 0:seeds - 1] runs('2.5e-05', '1e-15', s) using (column('t')):(colu
      for [s = 0:seeds - 1] runs('5e-05', '1e-15', s) using (column('t')):(column('distance')) with lines lw 0.6 lc 2 notitle, \
      NaN with lines lc 2 title 'd{/:Italic t} = 5 × 10^{-5} s', \
      NaN with lines lc 3 title 'd{/:Italic t} = 2.5 × 10^{-5} s', \
-     [0.01:0.11] 3e-16*exp(rate*x) with lines lw 2 dt 2 lc 1 title 'mean of its fits, 10 × first distance to 10^{-3}'
+     [0.01:0.11] 3e-16*exp(rate*x) with lines lw 2 dt 2 lc 1 title 'mean of the fits at 5 × 10^{-5} s, from 10 × first distance to 10^{-3}'

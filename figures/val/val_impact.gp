@@ -1,5 +1,5 @@
-# Validation of damped impacts: restitution over the range of damping in both readings of the damped force, and its
-# error beside the bound that follows from the scheme.
+# Validation of damped impacts: restitution over the range of damping, with and without attractive damped forces, and
+# its error with the bound derived from the scheme.
 width = 17.0
 height = 12.0
 load 'figures/style.gp'
@@ -20,10 +20,10 @@ do for [k = 1:2] {
   set ylabel (k == 1 ? 'restitution' : '')
   set key bottom left font ',8' Left reverse
   set arrow 1 from threshold[k], graph 0 to threshold[k], graph 1 nohead dt 2 lc rgb '#606060' lw 0.8
-  set label 1 where[k]."\na pair that may\npull sticks" at 1.15*threshold[k], graph 0.93 left font ',8'
-  plot tables[k] using (column('damping')):(column('pulls_exact')) with lines lc 3 title 'may pull, exact', \
+  set label 1 where[k]."\nattractive forces:\npairs stick" at 1.15*threshold[k], graph 0.93 left font ',8'
+  plot tables[k] using (column('damping')):(column('pulls_exact')) with lines lc 3 title 'attraction allowed, exact', \
        '' using (column('damping')):(column('pulls')) with points pt 6 ps 0.6 lc 3 title 'simulated', \
-       '' using (column('damping')):(column('pushes_exact')) with lines lc 7 dt 4 title 'cut at 0, exact', \
+       '' using (column('damping')):(column('pushes_exact')) with lines lc 7 dt 4 title 'force ≥ 0, exact', \
        '' using (column('damping')):(column('pushes')) with points pt 8 ps 0.6 lc 7 title 'simulated'
 }
 unset title
@@ -37,9 +37,9 @@ do for [k = 1:2] {
   set key top left font ',8' Left reverse maxrows 2
   set label 1 "time step: 1/1000\nof the elastic\ncontact, or less" at 1.15*threshold[k], graph 0.93 left font ',8'
   set arrow 1 from threshold[k], graph 0 to threshold[k], graph 1 nohead dt 2 lc rgb '#606060' lw 0.8
-  plot tables[k] using (column('damping')):(column('pulls_error')) with points pt 6 ps 0.6 lc 3 title 'may pull', \
+  plot tables[k] using (column('damping')):(column('pulls_error')) with points pt 6 ps 0.6 lc 3 title 'attraction allowed', \
        '' using (column('damping')):(column('pulls_bound')) with lines lc 3 title 'bound', \
-       '' using (column('damping')):(column('pushes_error')) with points pt 8 ps 0.6 lc 7 title 'cut at 0', \
+       '' using (column('damping')):(column('pushes_error')) with points pt 8 ps 0.6 lc 7 title 'force ≥ 0', \
        '' using (column('damping')):(column('pushes_bound')) with lines lc 7 dt 4 title 'bound'
 }
 unset multiplot

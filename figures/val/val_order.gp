@@ -17,7 +17,7 @@ set logscale xy
 set format y '10^{%T}'
 set format x '10^{%T}'
 set xrange [3e-4:0.12]
-set xlabel 'time step / time of contact' offset 0,0.4
+set xlabel 'time step / contact time' offset 0,0.4
 set key at screen 0.47, 0.005 bottom center Left reverse maxrows 13 font ',7.5' samplen 1.5 spacing 1.05
 set tmargin at screen 0.99
 set bmargin at screen 0.395
@@ -27,13 +27,13 @@ do for [panel=1:2] {
   if (panel == 2) { unset key }
   col = panel == 1 ? 'velocity_error' : 'place_error'
   set yrange [1e-10:0.3]
-  set ylabel (panel == 1 ? 'error of velocity / speed before' : 'error of place / (speed × contact)') font ',9' offset 1.2,0
+  set ylabel (panel == 1 ? 'error of velocity / impact speed' : 'error of position / (speed × contact time)') font ',9' offset 1.2,0
   plot for [i=1:5] data using (1/column('steps')):(of(word(cases, i).'/verlet', col)) with points pt 7 ps 0.5 lc int(word(colours, i)) \
          title words[i].'; Verlet: '.orders(word(cases, i).'/verlet'), \
        for [i=1:5] data using (1/column('steps')):(of(word(cases, i).'/gear5', col)) with points pt 6 ps 1 lc int(word(colours, i)) \
          title words[i].'; Gear: '.orders(word(cases, i).'/gear5'), \
        data using (1/column('steps')):(of(located, col)) with points pt 8 ps 0.9 lc 1 \
-         title 'the first, touch located, damping of the full step; Verlet: '.orders(located), \
+         title 'first law, contact located within the step, damping at the full step; Verlet: '.orders(located), \
        x with lines dt 2 lc rgb '#808080' title 'slopes 1, 2 and 5/2; points: root mean square over phases of touch and parting', \
        x**2 with lines dt 2 lc rgb '#808080' notitle, 0.02*x**2.5 with lines dt 2 lc rgb '#808080' notitle
 }

@@ -1,4 +1,4 @@
-# Validation: error against processor time of a damped column and of 100 grains that settle, each integrator over
+# Validation: error against processor time of a damped column and of 100 settling grains, each integrator over
 # decades of the time step.
 width = 16.0
 height = 8.0
@@ -23,6 +23,6 @@ do for [i = 1:2] {
   if (i > 1) { unset key }
   plot for [k = 1:3] data[i] using (of(p, word(methods, k), 'seconds')):(of(p, word(methods, k), 'error')) \
          with linespoints pt int(word('7 5 9', k)) ps 0.55 lw 0.8 lc int(word('2 3 7', k)) title names[k], \
-       data[i] using (front('seconds')):(front('error')) with points pt 6 ps 1.2 lc 1 title 'nothing is as quick and better'
+       data[i] using (front('seconds')):(front('error')) with points pt 6 ps 1.2 lc 1 title 'Pareto front'
 }
 unset multiplot

@@ -1,5 +1,5 @@
-# Validation: largest error of a force under static piles against processor time: motion that comes to rest, along
-# its way, and the static solver.
+# Validation: largest error of a force under static piles against processor time: damped motion to rest, and the
+# static solver.
 width = 16.0
 height = 8.0
 load 'figures/style.gp'
@@ -21,9 +21,9 @@ set multiplot layout 1, 2 margins 0.1, 0.98, 0.14, 0.92 spacing 0.03, 0
 do for [i = 1:2] {
   p = word(problems, i)
   set title words[i] font ',9' offset 0, -0.6
-  if (i == 1) { set ylabel 'largest error of a force of the base / {/:Italic m g}' } else { unset ylabel; set format y ''; unset key }
+  if (i == 1) { set ylabel 'largest error of a force on the base / {/:Italic m g}' } else { unset ylabel; set format y ''; unset key }
   plot for [k = 1:3] data using (of(p, word(methods, k), 'seconds')):(of(p, word(methods, k), 'error')) \
          with linespoints pt int(word('7 9 13', k)) ps (k == 3 ? 1.2 : 0.55) lw 0.8 lc int(word('2 7 1', k)) title names[k], \
-       data using (front(p, 'seconds')):(front(p, 'error')) with points pt 6 ps 1.4 lc 1 title 'nothing is as quick and better'
+       data using (front(p, 'seconds')):(front(p, 'error')) with points pt 6 ps 1.4 lc 1 title 'Pareto front'
 }
 unset multiplot

@@ -1,5 +1,5 @@
-# What an angle of repose costs: bias against the finest setting, and the processor time for a standard error of one
-# degree; size of the box, time step and threshold of rest.
+# Cost of an angle of repose: bias against the finest setting, and processor time for a standard error of one degree,
+# for sizes of the box, time steps and thresholds of rest.
 load 'figures/style.gp'
 data = t('val_cost_degree.tsv')
 widths = '2 3 4'
@@ -7,7 +7,7 @@ array rests[3] = [1e-3, 1e-5, 1e-7]
 of(W, dt, rest, col) = column('W') == W && abs(column('dt')/dt - 1) < 0.1 && abs(column('rest_energy')/rest - 1) < 0.1 ? column(col) : NaN
 set logscale x
 set xlabel 'time for a standard error of 1° (s); of {/:Italic x}°: divided by {/:Italic x}^2'
-set ylabel 'mean {/:Italic θ}_R less that of the finest setting (°)'
+set ylabel 'mean {/:Italic θ}_R minus that of the finest setting (°)'
 set yrange [-5.5:3]
 set xrange [0.7:100]
 set key bottom right Left reverse font ',7' samplen 1

@@ -1,5 +1,5 @@
-# Largest stable time step against damping: measured, theory, and the limit above which a scene is refused; and
-# the largest that the implicit scheme solves.
+# Largest stable time step against damping: measured, theory, and the limit above which a scene is refused. Right: the
+# largest step that the implicit scheme solves.
 width = 24.0
 height = 9.0
 load 'figures/style.gp'
@@ -32,18 +32,18 @@ do for [scheme in 'verlet gear5'] {
          of('packing', scheme) using (at(column('gamma_over_omega'))):(column('omega_dt_limit')) with lines lw 1.5 dt 2 lc 1 title 'refused above (overlap known)'
 }
 eval panel(0.735, 0.99)
-set title 'implicit: elastic grains that collide' font ',9'
+set title 'implicit: colliding elastic grains' font ',9'
 set format y '%g'
 set xrange [7e-5:1.4e-2]
 set yrange [2:2000]
 set xtics ('10^{-4}' 1e-4, '10^{-3}' 1e-3, '10^{-2}' 1e-2)
 set xlabel 'overlap of an impact / {/:Italic r}'
 # solved() reads t('validation_stability_implicit.tsv')
-set ylabel 'largest d{/:Italic t} that is solved / contact time'
+set ylabel 'largest solvable d{/:Italic t} / contact time'
 set key top right Left reverse font ',7.5' samplen 2 spacing 1.15
 solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).T.'validation_stability_implicit.tsv | sort -g -k3,3'
-plot solved('direct', '<') using (column('depth')):(column('half_skin')) with lines lw 1.5 dt 2 lc 1 title 'at impact speed a step is half the skin', \
-     solved('direct', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 7 ps 0.8 lc 2 title 'factorisations, tolerance 10^{-15}', \
-     solved('sor', '>') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 9 ps 0.8 lc 4 title 'sweeps, 10^{-12}', \
-     solved('sor', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 5 ps 0.8 lc 3 title 'sweeps, 10^{-15}'
+plot solved('direct', '<') using (column('depth')):(column('half_skin')) with lines lw 1.5 dt 2 lc 1 title 'displacement at impact speed = skin/2', \
+     solved('direct', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 7 ps 0.8 lc 2 title 'direct solver, tolerance 10^{-15}', \
+     solved('sor', '>') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 9 ps 0.8 lc 4 title 'SOR, tolerance 10^{-12}', \
+     solved('sor', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 5 ps 0.8 lc 3 title 'SOR, tolerance 10^{-15}'
 unset multiplot

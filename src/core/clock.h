@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-/* Seconds since some moment in the past. */
+/* Seconds since a fixed moment in the past. */
 static inline double rp_clock(void)
 {
     struct timespec t;
@@ -21,7 +21,7 @@ static inline double rp_cpu_clock(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Most memory that this process has had so far, MB (1e6 bytes). */
+/* Peak memory of this process so far, MB (1e6 bytes). */
 static inline double rp_peak_memory(void)
 {
     struct rusage usage;

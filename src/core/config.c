@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* libconfig 1.5 lets whole numbers above 2^31 - 1 wrap silently, so they are looked for beforehand. */
+/* libconfig 1.5 lets whole numbers above 2^31 - 1 wrap silently; a scan of the file finds them beforehand. */
 static rp_status refuse_large_integers(const char *path, FILE *in)
 {
     int line = 1, c, previous = ' ';
@@ -186,7 +186,7 @@ void rp_config_write(FILE *out, const rp_param *schema, const void *values)
         rp_params_text(schema, values, text, sizeof text);
         bool number = (schema->type == RP_REAL || schema->type == RP_INT) && !isalpha(text[0]);
         const char *quote = number || schema->type == RP_BOOL ? "" : "\"";
-        /* whole numbers above 2^31 - 1 would be refused: a real number shows that it is one */
+        /* whole numbers above 2^31 - 1 would be refused, so a real number is written with its point */
         const char *point = number && schema->type == RP_REAL && !strpbrk(text, ".e") ? ".0" : "";
         fprintf(out, "%s = %s%s%s%s; ", schema->name, quote, text, point, quote);
     }

@@ -1,5 +1,5 @@
-/* The parameter schema: one table says for each parameter its name, unit, type, default, range and
- * meaning. Parsing, validation, --help, `repose params` and provenance all come from that table. */
+/* The parameter schema: one table says for each parameter its name, unit, type, default, range and meaning.
+ * Parsing, validation, --help, `repose params` and provenance all read that table. */
 #ifndef RP_PARAMS_H
 #define RP_PARAMS_H
 
@@ -40,7 +40,7 @@ typedef struct {
 
 /* A schema ends with an entry whose name is NULL. */
 
-/* A value as found in a file or on the command line, before it meets its parameter. */
+/* A value as found in a file or on the command line, before it is checked against its parameter. */
 typedef struct {
     enum { RP_V_INT, RP_V_REAL, RP_V_BOOL, RP_V_TEXT } kind;
     long i; /* RP_V_INT, RP_V_BOOL */
@@ -58,7 +58,7 @@ void rp_params_defaults(const rp_param *schema, void *values);
  * Errors: RP_BAD_INPUT for a wrong type, a number out of range or not finite, an unknown word. */
 rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value);
 
-/* The same from text, as on the command line; RP_FLAGS and RP_CHOICE take words, flags joined by commas.
+/* The same check for a text from the command line; RP_FLAGS and RP_CHOICE take words, flags joined by commas.
  * Errors: RP_BAD_INPUT. */
 rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
 
@@ -66,7 +66,7 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
 /* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. Seed, run and `model`, the
- * physics' name, are folded in, so that results of another stream or other physics have another key. */
+ * fingerprint of the physics, enter as well: another stream or other physics gives another key. */
 void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
                     const char *model, char key[33]);
 

@@ -1,13 +1,13 @@
 /* Counter-based random streams (Philox4x32-10 of Random123) as a GSL generator.
  *
- * A stream is named by (campaign seed, run, purpose): no two runs share one, and the order in which runs
- * are made does not matter. Salmon, Moraes, Dror & Shaw 2011. */
+ * A stream is named by (campaign seed, run, purpose): no two runs share a stream, and the order of the runs
+ * does not matter. Salmon, Moraes, Dror & Shaw 2011. */
 #ifndef RP_RANDOM_H
 #define RP_RANDOM_H
 
 #include <gsl/gsl_rng.h>
 
-/* What a stream is for; a new purpose is a new line, never a reused one. */
+/* Purpose of a stream; a new purpose is a new line, never a reused one. */
 typedef enum {
     RP_PURPOSE_RADII = 1,
     RP_PURPOSE_PLACES = 2,
@@ -22,10 +22,10 @@ extern const gsl_rng_type *rp_rng_philox;
 /* New stream (seed, run, purpose), each below 2^32; free with gsl_rng_free. NULL when out of memory. */
 gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose);
 
-/* Normal deviate of the given mean and width, drawn again until it lies in [lo, hi], lo < hi.
- * Only + - * / are used, so that every processor and C library gives the same bits: a uniform proposal
- * accepted with probability exp(-z^2/2) by von Neumann's comparison method (Forsythe 1972). Parts beyond
- * 8 widths are left out. width = 0 gives the mean. */
+/* Normal deviate of the given mean and standard deviation `width`, drawn again until it lies in [lo, hi], lo
+ * < hi. Only + - * / are used, so that every processor and C library gives the same bits: a uniform proposal
+ * accepted with probability exp(-z^2/2) by von Neumann's comparison method (Forsythe 1972). The distribution
+ * is truncated at 8 standard deviations. width = 0 gives the mean. */
 double rp_random_cut_normal(gsl_rng *r, double mean, double width, double lo, double hi);
 
 #endif

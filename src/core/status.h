@@ -22,13 +22,10 @@ typedef enum {
 #undef X
 } rp_status;
 
-/* Meaning of a status, never NULL. */
-const char *rp_status_text(rp_status status);
-
 /* Record a message and return `status`, so that a caller can write: return rp_fail(RP_BAD_INPUT, ...). */
 rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Put a prefix such as "file:line: " before the message recorded last; returns `status`. */
+/* Prepend a prefix such as "file:line: " to the last recorded message; returns `status`. */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Message of the last failure in this thread; empty if there was none. */

@@ -1,7 +1,7 @@
 /* Stiffness matrix and its factorisation; see stiffness.h.
  *
  * The lower triangle is kept by columns. Columns 2a and 2a + 1 hold disk a's own block, then the blocks of
- * its bonds in their order, so that the place of every number follows from its bond's. */
+ * its bonds in their order, so that the index of every entry follows from its bond. */
 #include "core/stiffness.h"
 
 #include <math.h>
@@ -14,26 +14,26 @@
 struct rp_stiffness {
     size_t n;
     size_t *first; /* [n + 1] first bond of each disk as its lower end */
-    int *place;    /* [2 n] of the unknowns in L */
+    int *row;      /* [2 n] index of each unknown in L */
     cholmod_common common;
     cholmod_sparse *A;
-    cholmod_factor *S, *L;        /* the analysis of large piles, by supernodes; the factor */
+    cholmod_factor *S, *L;        /* supernodal analysis of large piles; the factor */
     cholmod_dense *b, *x, *y, *e; /* right side, solution, CHOLMOD's workspace */
     cholmod_dense *p, *q;         /* conjugate gradients: direction, matrix times it */
 };
 
-/* Disks from which on nested dissection and supernodes pay. */
+/* Number of disks from which nested dissection and supernodes are faster. */
 enum { LARGE = 20000 };
 
-static const double NEAR = 0.1; /* of the right side: what conjugate gradients leave */
-enum { ITERATIONS = 8 };        /* of theirs, which together cost less than a factorisation */
+static const double NEAR = 0.1; /* residual of the conjugate gradients, relative to the right side */
+enum { ITERATIONS = 8 };        /* at most so many iterations, which cost less than a factorisation */
 
 static rp_status no_memory(size_t n)
 {
     return rp_fail(RP_NO_MEMORY, "stiffness matrix of %zu disks: out of memory", n);
 }
 
-/* Order of elimination that keeps L sparse, found on the graph of the disks, a quarter of the matrix. */
+/* Order of elimination that keeps L sparse. The graph of the disks suffices: a quarter of the matrix. */
 static bool order_disks(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *order)
 {
     cholmod_sparse *G =
@@ -66,7 +66,7 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *
     cholmod_common *c = &m->common;
     c->print = 0;
     c->supernodal = m->n < LARGE ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
-    c->final_asis = c->final_super = c->final_ll = false; /* whichever way: L D L' by columns */
+    c->final_asis = c->final_super = c->final_ll = false; /* in either case L D L' by columns */
     c->quick_return_if_not_posdef = true;
     c->nmethods = 1;
     c->method[0].ordering = CHOLMOD_GIVEN;
@@ -84,7 +84,7 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *
     }
     cholmod_factor *found = cholmod_analyze_p(m->A, order, NULL, 0, c);
     if (!found) return false;
-    for (size_t j = 0; j < 2 * m->n; j++) m->place[((const int *)found->Perm)[j]] = (int)j;
+    for (size_t j = 0; j < 2 * m->n; j++) m->row[((const int *)found->Perm)[j]] = (int)j;
     *(found->is_super ? &m->S : &m->L) = found;
     return true;
 }
@@ -96,9 +96,9 @@ rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, rp
     m->n = n;
     cholmod_start(&m->common);
     m->first = calloc(n + 2, sizeof *m->first);
-    m->place = malloc(2 * n * sizeof *m->place);
+    m->row = malloc(2 * n * sizeof *m->row);
     int *order = malloc(2 * n * sizeof *order);
-    bool good = m->first && m->place && order;
+    bool good = m->first && m->row && order;
     if (good) {
         for (size_t k = 0; k < n_bonds; k++) m->first[bonds[k].a + 1]++;
         for (size_t a = 0; a < n; a++) m->first[a + 1] += m->first[a];
@@ -127,7 +127,7 @@ void rp_stiffness_free(rp_stiffness *m)
     cholmod_free_dense(&m->q, &m->common);
     cholmod_finish(&m->common);
     free(m->first);
-    free(m->place);
+    free(m->row);
     free(m);
 }
 
@@ -189,7 +189,7 @@ static void read_pivots(const rp_stiffness *m, rp_pivots *pivots)
     if (m->L->minor < m->L->n) *pivots = (rp_pivots){pivots->negative, 0, (size_t)order[m->L->minor] / 2};
 }
 
-/* By supernodes as L L', and that turned into L D L'; false if the matrix is not positive, or out of memory.
+/* Supernodal L L', converted to L D L'; false if the matrix is not positive, or out of memory.
  */
 static bool factorise_by_supernodes(rp_stiffness *m)
 {
@@ -222,7 +222,7 @@ rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const r
     for (size_t k = 0; k < n_bonds; k++) {
         p[k] = (int)(4 * k);
         for (int i = 0; i < 4; i++) {
-            rows[4 * k + i] = m->place[2 * (i < 2 ? bonds[k].a : bonds[k].b) + i % 2];
+            rows[4 * k + i] = m->row[2 * (i < 2 ? bonds[k].a : bonds[k].b) + i % 2];
             v[4 * k + i] = i < 2 ? direction[k][i % 2] : -direction[k][i % 2];
         }
     }

@@ -1,8 +1,8 @@
 /* Stiffness matrix of disks on a network of possible contacts: symmetric, a 2x2 block for each disk and each
  * bond. Factorised as L D L' by CHOLMOD without pivoting, so that an indefinite matrix is allowed and the
- * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. Of large piles a
- * positive matrix is factorised with BLAS, whose bits differ from one BLAS to another, and with OpenMP, so
- * that a process that did so can't be forked to do it again. */
+ * signs of D count its negative eigenvalues (Sylvester). The pattern is analysed once. Large positive
+ * matrices are factorised with BLAS and OpenMP. Bits then depend on the BLAS, and a process with OpenMP
+ * threads can't be forked to factorise again. */
 #ifndef RP_STIFFNESS_H
 #define RP_STIFFNESS_H
 
@@ -14,7 +14,7 @@
 
 typedef struct rp_stiffness rp_stiffness;
 
-/* Disks that a bond joins, a < b. */
+/* The two disks of a bond, a < b. */
 typedef struct {
     uint32_t a, b;
 } rp_pair;
@@ -33,23 +33,23 @@ void rp_stiffness_add_bond(rp_stiffness *m, size_t k, rp_pair ends, double xx, d
 typedef struct {
     size_t negative;
     double smallest; /* in magnitude; 0: singular, the factorisation stopped there */
-    size_t disk;     /* that it belongs to */
+    size_t disk;     /* disk of the smallest pivot */
 } rp_pivots;
 
 /* Errors: RP_NO_MEMORY. A zero pivot is no error. */
 rp_status rp_stiffness_factorise(rp_stiffness *m, rp_pivots *pivots);
 
-/* Add to (or take from) the factorised matrix bonds of stiffness 1 along directions that are not all zero,
- * without a new factorisation: for a few bonds far cheaper. Errors: RP_NO_MEMORY. */
+/* Update the factor for bonds of stiffness 1 along the given directions, not all zero, added to the matrix or
+ * removed from it. Far cheaper than a new factorisation for a few bonds. Errors: RP_NO_MEMORY. */
 rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const rp_pair *bonds,
                               const double (*direction)[2], rp_pivots *pivots);
 
 /* Solve for 2n unknowns x0 y0 x1 y1 ... with the last factorisation; `b` may be `x`. Errors: RP_NO_MEMORY. */
 rp_status rp_stiffness_solve(rp_stiffness *m, const double *b, double *x);
 
-/* The same for the matrix that was added up since, near the factorised one, which must be positive: to a
- * tenth of b, by conjugate gradients with that factorisation. *found: false if few iterations do not do, or
- * if they find that the matrix is not positive. Errors: RP_NO_MEMORY. */
+/* Solve for the matrix assembled since, close to the factorised one, which must be positive: conjugate
+ * gradients preconditioned by that factor, to a residual of a tenth of b. *found: false if the iterations do
+ * not converge, or if they show that the matrix is not positive. Errors: RP_NO_MEMORY. */
 rp_status rp_stiffness_solve_near(rp_stiffness *m, const double *b, double *x, bool *found);
 
 #endif

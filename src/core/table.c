@@ -69,8 +69,8 @@ rp_status rp_table_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
-/* A file is written under another name beside it and then replaced whole, a link's target in place of the
- * link. Devices and pipes are written directly: `buffer` is then empty. */
+/* A file is written under a temporary name and then renamed; for a link, the target of the link is replaced.
+ * Devices and pipes are written directly: `buffer` is then empty. */
 static const char *temporary_name(const char *path, char *target, char *buffer, size_t size)
 {
     struct stat info;
@@ -221,7 +221,7 @@ int rp_table_column(const rp_table *table, const char *name)
     return -1;
 }
 
-/* Reading has ended every line with NUL, and a row stops the search. */
+/* rp_table_read has ended every line with NUL; the first row stops the search. */
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
     const size_t n = strlen(key);

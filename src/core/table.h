@@ -1,6 +1,6 @@
-/* Tables: tab-separated text. Header lines start with '#': how the table was made, then the units, and
- * last the names of the columns. Numbers carry 17 significant digits; "nan" stands where a row has no
- * result, and its status column says why. */
+/* Tables: tab-separated text. Header lines start with '#': provenance, then the units, and last the names of
+ * the columns. Numbers carry 17 significant digits; "nan" marks a missing result, and the status column gives
+ * the reason. */
 #ifndef RP_TABLE_H
 #define RP_TABLE_H
 
@@ -24,10 +24,10 @@ void rp_table_row(FILE *out, size_t n, const double values[]);
 /* One row of n numbers and a last column of one word, such as a status. */
 void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word);
 
-/* Flush and report what went wrong while writing; `name` is for the message. Errors: RP_IO. */
+/* Flush and report any error of writing; `name` is for the message. Errors: RP_IO. */
 rp_status rp_table_finish(FILE *out, const char *name);
 
-/* Open `path` for writing under a temporary name; rp_file_close puts it in place whole, or removes it if
+/* Open `path` for writing under a temporary name; rp_file_close renames the complete file, or removes it if
  * `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
 rp_status rp_file_open(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
@@ -53,7 +53,7 @@ void rp_table_free(rp_table *table);
 /* Index of a column, or -1. */
 int rp_table_column(const rp_table *table, const char *name);
 
-/* The text of the header line "# key: text", or NULL; of a table with rows only. */
+/* The text of the header line "# key: text", or NULL. Only for tables with rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
 
 /* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,

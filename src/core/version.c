@@ -1,4 +1,4 @@
-/* What this build was made from. RP_COMMIT and RP_FLAGS come from the Makefile. */
+/* Provenance of this build. RP_COMMIT and RP_FLAGS come from the Makefile. */
 #include "core/version.h"
 
 #include <gsl/gsl_version.h>

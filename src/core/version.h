@@ -1,11 +1,11 @@
-/* Version of the program, and what it was built from. */
+/* Version of the program, and provenance of the build. */
 #ifndef RP_VERSION_H
 #define RP_VERSION_H
 
 #define RP_VERSION "0.1.0"
 
 /* Version of the physics: a result stored under another number is never reused. Raise it whenever the
- * bits of a run change; the golden digests in tests/test_golden.c fail when that was forgotten. */
+ * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
 #define RP_MODEL_VERSION 2
 
 const char *rp_build_commit(void);

@@ -170,7 +170,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context)
+static rp_status settle(sweep_box_run *run, const char *phase, rp_status (*watch)(sweep_box_run *run))
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -185,11 +185,27 @@ rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watc
         bool quiet = false;
         rp_status status = sweep_box_advance(run, every);
         if (!status) status = sweep_box_rest(run, &rest, &quiet);
-        if (!status && watch) status = watch(run, &rest, context);
+        if (!status && watch) status = watch(run);
         if (status) return status;
         passed = quiet ? passed + 1 : 0;
     }
     return RP_OK;
+}
+
+static rp_status watch_slope(sweep_box_run *run)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    return sweep_box_slopes(run, slopes);
+}
+
+rp_status sweep_box_settle_pile(sweep_box_run *run)
+{
+    return settle(run, "after the opening", watch_slope);
+}
+
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
+{
+    return settle(run, phase, NULL);
 }
 
 ang_options sweep_box_options(const sweep_box *b)

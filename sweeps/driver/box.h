@@ -132,10 +132,12 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps);
 /* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
 
-/* Test for rest every 500 steps until 10 tests in a row pass; `watch` (may be NULL) is called at each test.
- * `phase` is for the message. Errors: RP_NO_RESULT with the word not_at_rest; what `watch` returns. */
-typedef rp_status sweep_box_watch(sweep_box_run *run, const dem_rest *rest, void *context);
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase, sweep_box_watch *watch, void *context);
+/* Test for rest every 500 steps until 10 tests in a row pass. `phase` is for the message. Errors:
+ * RP_NO_RESULT with the word not_at_rest. */
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase);
+
+/* The same after the opening; the run ends with the word no_pile once too few cells are left for a slope. */
+rp_status sweep_box_settle_pile(sweep_box_run *run);
 
 /* How the box's parameters say that a surface is measured. */
 ang_options sweep_box_options(const sweep_box *box);
@@ -179,7 +181,7 @@ rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double 
 
 double sweep_degrees(double radians);
 
-/* Hash of all places and velocities. */
+/* Hash of all positions and velocities. */
 void sweep_states_digits(size_t n, const dem_state states[], char digits[33]);
 
 #endif

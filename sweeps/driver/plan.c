@@ -225,15 +225,25 @@ static rp_status refuse_twins(const char *file, const sweep_plan *plan)
     return status;
 }
 
+/* Part of every key: a stored run without a value of a new output is not reused. */
+static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
+{
+    XXH64_hash_t hash = 0;
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        hash = XXH3_64bits_withSeed(o->name, strlen(o->name), hash);
+    return hash;
+}
+
 static rp_status make_keys(sweep_plan *plan)
 {
-    char model[64], fingerprint[33] = "";
+    char model[96], fingerprint[33] = "";
     plan->n_runs = plan->n_points * plan->replicas;
     free(plan->keys);
     plan->keys = calloc(plan->n_runs, sizeof *plan->keys);
     if (!plan->keys) return rp_fail(RP_NO_MEMORY, "%zu runs: out of memory", plan->n_runs);
     rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
-    snprintf(model, sizeof model, "%d %s", RP_MODEL_VERSION, fingerprint);
+    snprintf(model, sizeof model, "%d %s %016llx", RP_MODEL_VERSION, fingerprint,
+             (unsigned long long)hash_outputs(plan->protocol));
     for (size_t r = 0; !status && r < plan->n_runs; r++)
         rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed,
                        sweep_plan_pile(plan, r), model, plan->keys[r]);

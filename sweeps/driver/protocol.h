@@ -19,8 +19,14 @@ typedef struct {
     const char *meaning;
 } sweep_output;
 
-/* That of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
-#define SWEEP_BASE_BIN(k)                                                                                    \
+/* A protocol's outputs are one list, X(name, unit, meaning). It makes the indices OUT_name of the values, and
+ * the rows of `outputs`. */
+#define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
+#define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
+
+/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
+#define SWEEP_BIN_INDEX(k) OUT_n_##k,
+#define SWEEP_BIN_ROW(k)                                                                                     \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
@@ -62,6 +68,11 @@ typedef struct {
     rp_status (*trace)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
                        sweep_result *result);
 } sweep_protocol;
+
+/* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
+ * because the C library's atan may differ in its last digits; all NaN are one. */
+void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
+                          const int indices[], char digits[33]);
 
 /* One list: every protocol. */
 #define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)

@@ -64,50 +64,30 @@ static const rp_param schema[] = {
     {0}};
 /* clang-format on */
 
-/* Places of the outputs; the list below has the same order. */
-enum {
-    OUT_DISKS,
-    OUT_BASE_DISKS,
-    OUT_HEIGHT,
-    OUT_WIDTH,
-    OUT_CENTROID,
-    OUT_LEFT,
-    OUT_RIGHT,
-    OUT_DIP,
-    OUT_BALANCE,
-    OUT_CAPPED,
-    OUT_AWAY,
-    OUT_PSI6,
-    OUT_CONTACTS,
-    OUT_MOVED_MEAN,
-    OUT_MOVED_MAX,
-    OUT_MOVED_SHARE,
-    OUT_SETTLED,
-    OUT_STEPS,
-    OUT_RELAX_STEPS,
-    OUT_N
-};
-static const sweep_output outputs[] = {
-    {"disks", "", "disks there at the end"},
-    {"base_disks", "", "of these, on the ground within the base"},
-    {"height", "d", "highest point"},
-    {"width", "d", "base that holds 98 % of the load, B"},
-    {"centroid", "d", "of the load"},
-    {"left_deg", "degree", "slope of the left side between 0.1 and 0.9 of the height, straight line"},
-    {"right_deg", "degree", "of the right side"},
-    {"dip", "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean"},
-    {"balance", "", "1 - load of the ground over weight"},
-    {"capped", "", "drops that did not come to rest within max_steps; a pile with one is no result"},
-    {"away", "", "disks that rolled away"},
-    {"psi6", "", "mean |psi_6| of the disks with two or more neighbours"},
-    {"contacts", "", "mean contacts a disk"},
-    {"moved_mean", "", "mean number of disks that a drop moved by more than 0.1 d, itself left out"},
-    {"moved_max", "", "largest such number"},
-    {"moved_share", "", "share of drops that moved more than 10"},
-    {"settled", "", "disks that the relaxation at the end moved by more than 0.1 d"},
-    {"steps", "", "steps of the drops"},
-    {"relax_steps", "", "steps of the relaxation at the end"},
-    STRESS_DIP_BIN_LIST(SWEEP_BASE_BIN){NULL, NULL, NULL}};
+/* clang-format off */
+/* X(name, unit, meaning): OUT_name is its index among the values. */
+#define OUTPUTS(X) \
+    X(disks, "", "disks there at the end") \
+    X(base_disks, "", "of these, on the ground within the base") \
+    X(height, "d", "highest point") \
+    X(width, "d", "base that holds 98 % of the load, B") \
+    X(centroid, "d", "of the load") \
+    X(left_deg, "degree", "slope of the left side between 0.1 and 0.9 of the height, straight line") \
+    X(right_deg, "degree", "of the right side") \
+    X(dip, "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean") \
+    X(balance, "", "1 - load of the ground over weight") \
+    X(capped, "", "drops that did not come to rest within max_steps; a pile with one is no result") \
+    X(away, "", "disks that rolled away") \
+    X(psi6, "", "mean |psi_6| of the disks with two or more neighbours") \
+    X(contacts, "", "mean contacts a disk") \
+    X(moved_max, "", "largest number of disks that a drop moved by more than 0.1 d, itself left out") \
+    X(moved_share, "", "share of drops that moved more than 10") \
+    X(settled, "", "disks that the relaxation at the end moved by more than 0.1 d") \
+    X(steps, "", "steps of the drops") \
+    X(relax_steps, "", "steps of the relaxation at the end")
+/* clang-format on */
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
 
 typedef struct {
     const drop_params *p;
@@ -280,17 +260,15 @@ static rp_status drop_all(drop *d)
         capped += !rest;
     }
     if (status) return status;
-    v[OUT_CAPPED] = capped;
-    v[OUT_STEPS] = (double)dem_step(d->sim);
-    double sum = 0.0, most = 0.0, large = 0.0;
+    v[OUT_capped] = capped;
+    v[OUT_steps] = (double)dem_step(d->sim);
+    double most = 0.0, large = 0.0;
     for (long k = 0; k < d->p->N; k++) {
-        sum += (double)d->moved[k];
         most = fmax(most, (double)d->moved[k]);
         large += d->moved[k] > 10;
     }
-    v[OUT_MOVED_MEAN] = sum / (double)d->p->N;
-    v[OUT_MOVED_MAX] = most;
-    v[OUT_MOVED_SHARE] = large / (double)d->p->N;
+    v[OUT_moved_max] = most;
+    v[OUT_moved_share] = large / (double)d->p->N;
     return RP_OK;
 }
 
@@ -342,8 +320,8 @@ static rp_status relax(drop *d)
         before = falls ? 0.0 : rest.kinetic_energy;
     }
     if (status) return status;
-    d->result->values[OUT_RELAX_STEPS] = (double)steps;
-    d->result->values[OUT_SETTLED] = (double)count_moved(d, d->n);
+    d->result->values[OUT_relax_steps] = (double)steps;
+    d->result->values[OUT_settled] = (double)count_moved(d, d->n);
     d->relaxed = quiet >= ENOUGH;
     return RP_OK;
 }
@@ -377,11 +355,11 @@ static void measure_shape(const drop *d)
     for (size_t i = 0; i < d->n; i++)
         if (d->states[i].y + d->states[i].r > height)
             height = d->states[i].y + d->states[i].r, x = d->states[i].x;
-    v[OUT_DISKS] = (double)d->n;
-    v[OUT_AWAY] = (double)d->p->N - (double)d->n;
-    v[OUT_HEIGHT] = height;
-    v[OUT_LEFT] = slope(d, -1.0, x, height);
-    v[OUT_RIGHT] = slope(d, 1.0, x, height);
+    v[OUT_disks] = (double)d->n;
+    v[OUT_away] = (double)d->p->N - (double)d->n;
+    v[OUT_height] = height;
+    v[OUT_left_deg] = slope(d, -1.0, x, height);
+    v[OUT_right_deg] = slope(d, 1.0, x, height);
 }
 
 /* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
@@ -406,8 +384,8 @@ static void measure_order(const drop *d)
         sum += sqrt(re * re + im * im) / near;
         n += 1.0;
     }
-    d->result->values[OUT_PSI6] = sum / n;
-    d->result->values[OUT_CONTACTS] = contacts / (double)d->n;
+    d->result->values[OUT_psi6] = sum / n;
+    d->result->values[OUT_contacts] = contacts / (double)d->n;
 }
 
 static rp_status measure_base(const drop *d)
@@ -433,12 +411,12 @@ static rp_status measure_base(const drop *d)
     free(contacts);
     free(x);
     if (status) return status;
-    v[OUT_BALANCE] = 1.0 - load / weight;
-    v[OUT_BASE_DISKS] = disks;
-    v[OUT_WIDTH] = base.width;
-    v[OUT_CENTROID] = base.centroid;
-    v[OUT_DIP] = stress_dip(base.N);
-    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_N + k] = base.N[k];
+    v[OUT_balance] = 1.0 - load / weight;
+    v[OUT_base_disks] = disks;
+    v[OUT_width] = base.width;
+    v[OUT_centroid] = base.centroid;
+    v[OUT_dip] = stress_dip(base.N);
+    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_n_01 + k] = base.N[k];
     return RP_OK;
 }
 
@@ -460,13 +438,14 @@ static void conclude(const drop *d)
     enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
     const double *v = d->result->values;
     char drops[110] = "", layer[110] = "";
-    const bool pile = v[OUT_HEIGHT] >= LEAST_HEIGHT && isfinite(v[OUT_LEFT]) && isfinite(v[OUT_RIGHT]);
-    if (v[OUT_CAPPED] > 0.0)
+    const bool pile =
+        v[OUT_height] >= LEAST_HEIGHT && isfinite(v[OUT_left_deg]) && isfinite(v[OUT_right_deg]);
+    if (v[OUT_capped] > 0.0)
         snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
-                 v[OUT_CAPPED], d->p->N, d->p->max_steps);
+                 v[OUT_capped], d->p->N, d->p->max_steps);
     if (!pile)
-        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_HEIGHT],
-                 v[OUT_LEFT], v[OUT_RIGHT], *drops ? "; " : "");
+        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_height],
+                 v[OUT_left_deg], v[OUT_right_deg], *drops ? "; " : "");
     snprintf(d->result->status, sizeof d->result->status, "%s",
              !pile         ? "no_pile"
              : *drops      ? "drops_not_at_rest"

@@ -47,46 +47,28 @@ static const rp_param schema[] = {
     {0}};
 /* clang-format on */
 
-/* Places of the outputs in sweep_result.values; the list below has the same order. */
-enum {
-    OUT_LEVEL_STEP,
-    OUT_LEVEL_INSERTION,
-    OUT_THETA,
-    OUT_THETA_SD,
-    OUT_THETA_SE,
-    OUT_TAU,
-    OUT_DECORRELATED,
-    OUT_THETA_MAX,
-    OUT_THETA_MAX_DRAWS,
-    OUT_THETA_MS,
-    OUT_THETA_R_FLUX,
-    OUT_MS_LESS_R,
-    OUT_AVALANCHES,
-    OUT_GRAINS,
-    OUT_TOWER,
-    OUT_INSERTIONS,
-    OUT_STEPS,
-    N_OUTPUTS
-};
-static const sweep_output outputs[] = {
-    {"level_step", "", "step at which the angle levels off (MSER)"},
-    {"level_insertion", "", "insertions before that"},
-    {"theta_deg", "degree", "mean angle from there on, method 3"},
-    {"theta_sd_deg", "degree", "its standard deviation, the fluctuation"},
-    {"theta_se_deg", "degree", "standard error of the mean, by blocking"},
-    {"tau_insertions", "", "integrated correlation time, in insertions"},
-    {"decorrelated", "", "number of decorrelated angles, n/(2 tau)"},
-    {"theta_max_deg", "degree", "largest angle"},
-    {"theta_max_draws_deg", "degree", "expected largest of `draws` decorrelated angles"},
-    {"theta_ms_flux_deg", "degree", "mean angle just before avalanches"},
-    {"theta_r_flux_deg", "degree", "mean angle just after them"},
-    {"theta_ms_less_r_deg", "degree", "the difference of these"},
-    {"avalanches", "", "number of avalanches"},
-    {"grains", "", "mean number of grains with 0 < x < W"},
-    {"tower", "d", "mean height by which the first cell overtops the rest of the pile"},
-    {"insertions_made", "", "length of the series, from the first"},
-    {"steps", "", "steps in all"},
-    {NULL, NULL, NULL}};
+/* clang-format off */
+/* X(name, unit, meaning): OUT_name is its index among the values. */
+#define OUTPUTS(X) \
+    X(level_step, "", "step at which the angle levels off (MSER)") \
+    X(level_insertion, "", "insertions before that") \
+    X(theta_deg, "degree", "mean angle from there on, method 3") \
+    X(theta_sd_deg, "degree", "its standard deviation, the fluctuation") \
+    X(theta_se_deg, "degree", "standard error of the mean, by blocking") \
+    X(tau_insertions, "", "integrated correlation time, in insertions") \
+    X(decorrelated, "", "number of decorrelated angles, n/(2 tau)") \
+    X(theta_max_deg, "degree", "largest angle") \
+    X(theta_max_draws_deg, "degree", "expected largest of `draws` decorrelated angles") \
+    X(theta_ms_flux_deg, "degree", "mean angle just before avalanches") \
+    X(theta_ms_less_r_deg, "degree", "that less the mean angle just after avalanches") \
+    X(avalanches, "", "number of avalanches") \
+    X(grains, "", "mean number of grains with 0 < x < W") \
+    X(tower, "d", "mean height by which the first cell overtops the rest of the pile") \
+    X(insertions_made, "", "length of the series, from the first") \
+    X(steps, "", "steps in all")
+/* clang-format on */
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
 /* One run in the making; a row of the series is the quiet state before an insertion. */
 typedef struct {
@@ -154,7 +136,7 @@ static rp_status first_layer(flux *f, dem_grain *layer)
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
     def->grains = NULL;
-    return status ? status : sweep_box_settle(&f->box, "first layer", NULL, NULL);
+    return status ? status : sweep_box_settle(&f->box, "first layer");
 }
 
 static rp_status insert(flux *f, uint32_t *id)
@@ -239,10 +221,9 @@ static void avalanches(const flux *f, size_t from, double *v)
         after += f->theta[k];
         count++;
     }
-    v[OUT_AVALANCHES] = count;
-    v[OUT_THETA_MS] = before / count; /* NaN without any */
-    v[OUT_THETA_R_FLUX] = after / count;
-    v[OUT_MS_LESS_R] = (before - after) / count;
+    v[OUT_avalanches] = count;
+    v[OUT_theta_ms_flux_deg] = before / count; /* NaN without any */
+    v[OUT_theta_ms_less_r_deg] = (before - after) / count;
 }
 
 /* Largest of `draws` angles, one taken every two correlation times. NaN where there are too few. */
@@ -267,22 +248,22 @@ static rp_status analyse(flux *f)
     sweep_box_conclude(&f->box, "ok", "");
     status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
     if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "ok", rp_message()); /* no errors, but a mean */
-    if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_THETA_MAX_DRAWS]);
+    if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_theta_max_draws_deg]);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {
         grains += (double)f->grains[k];
         tower += f->tower[k];
-        v[OUT_THETA_MAX] = fmax(v[OUT_THETA_MAX], f->theta[k]);
+        v[OUT_theta_max_deg] = fmax(v[OUT_theta_max_deg], f->theta[k]);
     }
-    v[OUT_LEVEL_STEP] = (double)f->step[from];
-    v[OUT_LEVEL_INSERTION] = (double)from;
-    v[OUT_THETA] = series.mean;
-    v[OUT_THETA_SD] = series.sd;
-    v[OUT_THETA_SE] = series.se;
-    v[OUT_TAU] = series.tau;
-    v[OUT_DECORRELATED] = (double)series.n / (2.0 * series.tau);
-    v[OUT_GRAINS] = grains / (double)series.n;
-    v[OUT_TOWER] = tower / (double)series.n;
+    v[OUT_level_step] = (double)f->step[from];
+    v[OUT_level_insertion] = (double)from;
+    v[OUT_theta_deg] = series.mean;
+    v[OUT_theta_sd_deg] = series.sd;
+    v[OUT_theta_se_deg] = series.se;
+    v[OUT_tau_insertions] = series.tau;
+    v[OUT_decorrelated] = (double)series.n / (2.0 * series.tau);
+    v[OUT_grains] = grains / (double)series.n;
+    v[OUT_tower] = tower / (double)series.n;
     avalanches(f, from, v);
     return RP_OK;
 }
@@ -346,8 +327,8 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     flux f;
     rp_status status = make(&f, params, seed, run, tables, result);
     if (!status) status = analyse(&f);
-    result->values[OUT_INSERTIONS] = (double)f.n;
-    if (f.box.sim) result->values[OUT_STEPS] = (double)dem_step(f.box.sim);
+    result->values[OUT_insertions_made] = (double)f.n;
+    if (f.box.sim) result->values[OUT_steps] = (double)dem_step(f.box.sim);
     if ((status == RP_OK || status == RP_NO_RESULT) && f.box.sim) {
         rp_status left = write_series(&f);
         if (!left) left = sweep_box_write_state(&f.box, "pile");

@@ -38,60 +38,35 @@ static const rp_param schema[] = {
     {0}};
 /* clang-format on */
 
-/* Places of the outputs in sweep_result.values; the list below has the same order. */
-enum {
-    OUT_DISKS,
-    OUT_DIP,
-    OUT_DIP_DIAGONALS,
-    OUT_N_CENTRE,
-    OUT_N_CENTRE_DIAGONALS,
-    OUT_H_RATIO,
-    OUT_THRUST,
-    OUT_SLOPE,
-    OUT_N_RMS,
-    OUT_N_MAX,
-    OUT_N_CONTINUUM,
-    OUT_H_CONTINUUM,
-    OUT_MODES,
-    OUT_PIVOT,
-    OUT_CONTACTS,
-    OUT_HORIZONTAL,
-    OUT_STRONGEST_LEVEL,
-    OUT_WEAKEST_LEVEL,
-    OUT_BROKEN,
-    OUT_JUMPS,
-    OUT_LOAD,
-    OUT_LEFT,
-    OUT_RIGHT,
-    OUT_N,
-    N_OUTPUTS = OUT_N + STRESS_DIP_BINS
-};
-static const sweep_output outputs[] = {
-    {"n_disks", "", "disks"},
-    {"D", "", "mean N within 0.1 of the base from the centroid, less that from 0.1 to 0.3, over mean N"},
-    {"D_diagonals", "", "the same of what diagonals alone carry"},
-    {"N_centre", "", "N of the middle of the base over the largest"},
-    {"N_centre_diagonals", "", "the same of what diagonals alone carry"},
-    {"H_ratio", "", "largest H over that of diagonals alone"},
-    {"thrust_ratio", "", "sum of H outwards, both halves, over that of diagonals alone"},
-    {"H_slope_ratio", "", "slope of H within 0.1 B of the middle over that of diagonals alone"},
-    {"N_error_rms", "", "relative deviation of N from diagonals alone, root mean square"},
-    {"N_error_max", "", "the largest"},
-    {"N_continuum_rms", "",
-     "deviation of N from the continuum over its largest N, root mean square; not at 60 degrees"},
-    {"H_continuum_rms", "", "the same of H"},
-    {"negative_modes", "", "directions in which the state is not stable"},
-    {"smallest_pivot", "K_s", "of the stiffness"},
-    {"contacts", "", "between disks"},
-    {"horizontal", "", "of those, in a row"},
-    {"strongest_level", "", "part of the strongest contacts of the disks that is in a row"},
-    {"weakest_level", "", "the same of the weakest"},
-    {"broken", "", "wells of static friction that broke"},
-    {"jumps", "", "times that the primary branch ended"},
-    {"load", "", "part of the load up to which equilibrium was followed"},
-    {"left_deg", "degree", "slope of the left side; of a tent from the edge to the top"},
-    {"right_deg", "degree", "of the right side"},
-    STRESS_DIP_BIN_LIST(SWEEP_BASE_BIN){NULL, NULL, NULL}};
+/* clang-format off */
+/* X(name, unit, meaning): OUT_name is its index among the values. */
+#define OUTPUTS(X) \
+    X(n_disks, "", "disks") \
+    X(D, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.3 B, over the mean N") \
+    X(D_diagonals, "", "the same of what diagonals alone carry") \
+    X(N_centre, "", "N of the middle of the base over the largest") \
+    X(N_centre_diagonals, "", "the same of what diagonals alone carry") \
+    X(H_ratio, "", "largest H over that of diagonals alone") \
+    X(thrust_ratio, "", "sum of H outwards, both halves, over that of diagonals alone") \
+    X(H_slope_ratio, "", "slope of H within 0.1 B of the middle over that of diagonals alone") \
+    X(N_error_rms, "", "relative deviation of N from diagonals alone, root mean square") \
+    X(N_error_max, "", "the largest") \
+    X(N_continuum_rms, "", "deviation of N from the continuum over its largest N, root mean square; not at 60 degrees") \
+    X(H_continuum_rms, "", "the same of H") \
+    X(negative_modes, "", "directions in which the state is not stable") \
+    X(smallest_pivot, "K_s", "of the stiffness") \
+    X(contacts, "", "between disks") \
+    X(horizontal, "", "of those, in a row") \
+    X(strongest_level, "", "part of the strongest contacts of the disks that is in a row") \
+    X(weakest_level, "", "the same of the weakest") \
+    X(broken, "", "wells of static friction that broke") \
+    X(jumps, "", "times that the primary branch ended") \
+    X(load, "", "part of the load up to which equilibrium was followed") \
+    X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
+    X(right_deg, "degree", "of the right side")
+/* clang-format on */
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
 
 static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
 {
@@ -199,21 +174,21 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
     return RP_OK;
 }
 
-/* As protocol drop has it, from the load of the base disks alone. */
+/* As protocol drop has it, from the load of the base disks alone; `exact` is that of diagonals alone. */
 static rp_status base_profile(const pile_params *p, const sweep_outline *h, const double x[],
-                              const double N[], double *v)
+                              const double N[], const double exact[], double *v)
 {
     an_point outside[5];
     size_t n = 0;
-    stress_base base = {0};
-    double *r = malloc(h->k * sizeof *r);
-    rp_status status = r ? outline(p, outside, &n) : rp_fail(RP_NO_MEMORY, "pile: out of memory");
-    for (size_t i = 0; i < h->k && r; i++) r[i] = 0.5;
-    if (!status) status = stress_base_profile(h->k, x, r, N, &base);
-    free(r);
+    stress_base base, diagonals;
+    rp_status status = outline(p, outside, &n);
+    if (!status) status = sweep_outline_base(h->k, x, N, &base);
+    if (!status) status = sweep_outline_base(h->k, x, exact, &diagonals);
     if (status) return status;
-    v[OUT_LEFT] = v[OUT_RIGHT] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
-    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_N + k] = base.N[k];
+    v[OUT_D] = stress_dip(base.N);
+    v[OUT_D_diagonals] = stress_dip(diagonals.N);
+    v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
+    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_n_01 + k] = base.N[k];
     return RP_OK;
 }
 
@@ -231,21 +206,19 @@ static rp_status measure(const pile_params *p, const sweep_outline *h, const sta
             exact[i] = h->exact[i].N;
         }
         const sweep_outline_error e = sweep_outline_compare(h, N, H);
-        v[OUT_DIP] = sweep_outline_dip(k, x, N);
-        v[OUT_DIP_DIAGONALS] = sweep_outline_dip(k, x, exact);
-        v[OUT_N_CENTRE] = sweep_outline_centre(k, N);
-        v[OUT_N_CENTRE_DIAGONALS] = sweep_outline_centre(k, exact);
-        v[OUT_H_RATIO] = e.H_ratio;
-        v[OUT_THRUST] = e.thrust_ratio;
-        v[OUT_N_RMS] = e.N_rms;
-        v[OUT_N_MAX] = e.N_max;
+        v[OUT_N_centre] = sweep_outline_centre(k, N);
+        v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
+        v[OUT_H_ratio] = e.H_ratio;
+        v[OUT_thrust_ratio] = e.thrust_ratio;
+        v[OUT_N_error_rms] = e.N_rms;
+        v[OUT_N_error_max] = e.N_max;
         double deviation[2];
         compare_continuum(p, h, x, N, H, deviation);
-        v[OUT_N_CONTINUUM] = deviation[0];
-        v[OUT_H_CONTINUUM] = deviation[1];
-        v[OUT_SLOPE] = middle_slope(h, x, H);
-        status = find_level(pile, &v[OUT_STRONGEST_LEVEL], &v[OUT_WEAKEST_LEVEL]);
-        if (!status) status = base_profile(p, h, x, N, v);
+        v[OUT_N_continuum_rms] = deviation[0];
+        v[OUT_H_continuum_rms] = deviation[1];
+        v[OUT_H_slope_ratio] = middle_slope(h, x, H);
+        status = find_level(pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
+        if (!status) status = base_profile(p, h, x, N, exact, v);
     }
     free(disk);
     free(x);
@@ -267,14 +240,14 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     if (status == RP_OK || status == RP_NO_RESULT) {
         snprintf(result->status, sizeof result->status, "%s", statics_fault_text(r.fault));
         if (status) snprintf(result->message, sizeof result->message, "%s", rp_message());
-        v[OUT_DISKS] = (double)heap.n;
-        v[OUT_MODES] = status ? NAN : (double)r.negative_modes;
-        v[OUT_PIVOT] = status ? NAN : r.smallest_pivot;
-        v[OUT_CONTACTS] = (double)r.contacts;
-        v[OUT_HORIZONTAL] = (double)r.horizontal;
-        v[OUT_BROKEN] = (double)r.broken;
-        v[OUT_JUMPS] = (double)r.jumps;
-        v[OUT_LOAD] = r.load;
+        v[OUT_n_disks] = (double)heap.n;
+        v[OUT_negative_modes] = status ? NAN : (double)r.negative_modes;
+        v[OUT_smallest_pivot] = status ? NAN : r.smallest_pivot;
+        v[OUT_contacts] = (double)r.contacts;
+        v[OUT_horizontal] = (double)r.horizontal;
+        v[OUT_broken] = (double)r.broken;
+        v[OUT_jumps] = (double)r.jumps;
+        v[OUT_load] = r.load;
         status = status ? RP_OK : measure(p, &heap, pile, v);
     }
     statics_free(pile);
@@ -286,6 +259,21 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     const double DIGITS = 1e6;
+    static const int hashed[] = {OUT_n_disks,
+                                 OUT_D,
+                                 OUT_D_diagonals,
+                                 OUT_H_ratio,
+                                 OUT_N_error_rms,
+                                 OUT_N_continuum_rms,
+                                 OUT_H_continuum_rms,
+                                 OUT_negative_modes,
+                                 OUT_smallest_pivot,
+                                 OUT_contacts,
+                                 OUT_strongest_level,
+                                 OUT_broken,
+                                 OUT_load,
+                                 OUT_n_05,
+                                 -1};
     pile_params p;
     sweep_result result;
     rp_params_defaults(schema, &p);
@@ -296,7 +284,7 @@ static rp_status fingerprint(char digits[33])
     rp_status status = run_one(&p, 1, 0, &result);
     if (status) return status;
     for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
-    rp_hash_digits(XXH3_128bits(result.values, N_OUTPUTS * sizeof *result.values), digits);
+    sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;
 }
 

@@ -53,78 +53,42 @@ static const rp_param schema[] = {
     {0}};
 /* clang-format on */
 
-/* Places of the outputs in sweep_result.values; the list below has the same order. */
-enum {
-    OUT_THETA_R1,
-    OUT_THETA_R2,
-    OUT_THETA_R3,
-    OUT_THETA_R3_SE,
-    OUT_THETA_R12,
-    OUT_THETA_R23,
-    OUT_THETA_T_DISPLACEMENT,
-    OUT_THETA_T_ENERGY,
-    OUT_THETA_T_STATIC,
-    OUT_THETA_RT,
-    OUT_THETA_UPPER,
-    OUT_THETA_LOWER,
-    OUT_THETA_LOWER_LESS_UPPER,
-    OUT_THETA_R3_LOOSE,
-    OUT_THETA_R3_FIXED,
-    OUT_GRAINS,
-    OUT_CELLS,
-    OUT_FILL_STEPS,
-    OUT_RELAX_STEPS,
-    OUT_STEPS,
-    OUT_CONTACT_NUMBER,
-    OUT_ENERGY,
-    OUT_FORCE,
-    OUT_FILL_CONTACT_NUMBER,
-    OUT_SURFACES, /* the variants of the surface, N_SLOPES each */
-};
-
 /* The variants of the surface, four slopes each. */
 #define ONE(height, empty) +1
 enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
-enum { N_OUTPUTS = OUT_SURFACES + N_SURFACES * N_SLOPES };
 
-#define SURFACE_OUTPUT(name, height, empty, what)                                                            \
-    {                                                                                                        \
-        "theta_" name "_deg", "degree", what " for height = " #height ", empty = " #empty                    \
-    }
-#define SURFACE_OUTPUTS(height, empty)                                                                       \
-    SURFACE_OUTPUT("r1_" #height "_" #empty, height, empty, "method 1"),                                     \
-        SURFACE_OUTPUT("r2_" #height "_" #empty, height, empty, "method 2"),                                 \
-        SURFACE_OUTPUT("r3_" #height "_" #empty, height, empty, "method 3, parabola = free,"),               \
-        SURFACE_OUTPUT("r3_" #height "_" #empty "_origin", height, empty, "method 3, parabola = origin,"),
-
-static const sweep_output outputs[] = {
-    {"theta_r1_deg", "degree", "slope by method 1, first to last cell"},
-    {"theta_r2_deg", "degree", "slope by method 2, straight line"},
-    {"theta_r3_deg", "degree", "slope by method 3, parabola through the running sum"},
-    {"theta_r3_error_deg", "degree", "standard error of method 3 within the pile"},
-    {"theta_r12_deg", "degree", "method 1 less method 2, of the same pile"},
-    {"theta_r23_deg", "degree", "method 2 less method 3, of the same pile"},
-    {"theta_t_displacement_deg", "degree", "tilt at which 5 % of the grains have moved 0.1 d"},
-    {"theta_t_energy_deg", "degree", "tilt at which the kinetic energy exceeds 1e-5 m g d and the sway"},
-    {"theta_t_static_deg", "degree", "last quasi-static tilt before a grain moves 0.5 d"},
-    {"theta_rt_deg", "degree", "theta_r3 + theta_t by displacement"},
-    {"theta_upper_deg", "degree", "straight line through the cells left of W/2"},
-    {"theta_lower_deg", "degree", "straight line through the cells right of W/2, to the opening"},
-    {"theta_lower_less_upper_deg", "degree", "their difference, of the same pile"},
-    {"theta_r3_loose_deg", "degree",
-     "method 3 at the first test for rest with a mean kinetic energy below 1e-5 m g d"},
-    {"theta_r3_fixed_deg", "degree",
-     "method 3 at 50000 steps after the opening, or at rest if that came first"},
-    {"grains", "", "grains with 0 < x < W in the pile"},
-    {"cells", "", "occupied cells of the surface"},
-    {"fill_steps_used", "", "steps until the filled box was at rest"},
-    {"relax_steps_used", "", "steps from the opening to rest"},
-    {"steps", "", "steps in all"},
-    {"contact_number", "", "contacts a grain in the pile"},
-    {"residual_energy", "m g d", "mean kinetic energy of the pile"},
-    {"residual_force", "m g", "largest net force on a grain with a contact"},
-    {"fill_contact_number", "", "contacts a grain in the full box"},
-    ANG_SURFACES(SURFACE_OUTPUTS){NULL, NULL, NULL}};
+/* clang-format off */
+/* X(name, unit, meaning): OUT_name is its index among the values. */
+#define OUTPUTS(X) \
+    X(theta_r1_deg, "degree", "slope by method 1, first to last cell") \
+    X(theta_r2_deg, "degree", "slope by method 2, straight line") \
+    X(theta_r3_deg, "degree", "slope by method 3, parabola through the running sum") \
+    X(theta_r3_error_deg, "degree", "standard error of method 3 within the pile") \
+    X(theta_r12_deg, "degree", "method 1 less method 2, of the same pile") \
+    X(theta_r23_deg, "degree", "method 2 less method 3, of the same pile") \
+    X(theta_t_displacement_deg, "degree", "tilt at which 5 % of the grains have moved 0.1 d") \
+    X(theta_t_energy_deg, "degree", "tilt at which the kinetic energy exceeds 1e-5 m g d and the sway") \
+    X(theta_t_static_deg, "degree", "last quasi-static tilt before a grain moves 0.5 d") \
+    X(theta_rt_deg, "degree", "theta_r3 + theta_t by displacement") \
+    X(theta_lower_less_upper_deg, "degree", "straight line through the cells right of W/2, to the opening, less that through those left of W/2") \
+    X(grains, "", "grains with 0 < x < W in the pile") \
+    X(cells, "", "occupied cells of the surface") \
+    X(fill_steps_used, "", "steps until the filled box was at rest") \
+    X(relax_steps_used, "", "steps from the opening to rest") \
+    X(steps, "", "steps in all") \
+    X(contact_number, "", "contacts a grain in the pile") \
+    X(residual_energy, "m g d", "mean kinetic energy of the pile") \
+    X(residual_force, "m g", "largest net force on a grain with a contact")
+#define SURFACE(X, height, empty) \
+    X(theta_r1_##height##_##empty##_deg, "degree", "method 1 for height = " #height ", empty = " #empty) \
+    X(theta_r2_##height##_##empty##_deg, "degree", "method 2 for height = " #height ", empty = " #empty) \
+    X(theta_r3_##height##_##empty##_deg, "degree", "method 3, parabola = free, for height = " #height ", empty = " #empty) \
+    X(theta_r3_##height##_##empty##_origin_deg, "degree", "method 3, parabola = origin, for height = " #height ", empty = " #empty)
+#define SURFACE_INDICES(height, empty) SURFACE(SWEEP_OUTPUT_INDEX, height, empty)
+#define SURFACE_ROWS(height, empty) SURFACE(SWEEP_OUTPUT_ROW, height, empty)
+/* clang-format on */
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) ANG_SURFACES(SURFACE_INDICES) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) ANG_SURFACES(SURFACE_ROWS){0}};
 static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 /* One run in the making. */
@@ -198,27 +162,9 @@ static rp_status fill_box(experiment *e)
     if (status) return status;
     status = ramp_gravity(e, ramp);
     if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
-    e->values[OUT_FILL_STEPS] = (double)dem_step(e->box.sim);
-    dem_rest rest;
-    bool quiet;
-    if (!status) status = sweep_box_rest(&e->box, &rest, &quiet);
-    if (!status) e->values[OUT_FILL_CONTACT_NUMBER] = rest.contact_number;
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling");
+    e->values[OUT_fill_steps_used] = (double)dem_step(e->box.sim);
     return status;
-}
-
-/* What looser criteria of rest would have measured on the same pile; a run whose cells are too few ends. */
-static rp_status watch_slide(sweep_box_run *run, const dem_rest *rest, void *context)
-{
-    experiment *e = context;
-    double *loose = &e->values[OUT_THETA_R3_LOOSE], *fixed = &e->values[OUT_THETA_R3_FIXED];
-    ang_slope slopes[ANG_N_METHODS];
-    rp_status status = sweep_box_slopes(run, slopes);
-    if (status) return status;
-    const double theta = sweep_degrees(slopes[2].theta);
-    if (isnan(*loose) && rest->kinetic_energy < 1e-5 * run->mg * run->d) *loose = theta;
-    if (dem_step(run->sim) == e->opened_at + 50000) *fixed = theta;
-    return RP_OK;
 }
 
 static rp_status open_box(experiment *e)
@@ -228,9 +174,8 @@ static rp_status open_box(experiment *e)
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
     e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = e->opened_at + 1;
     rp_status status = sweep_box_advance(&e->box, e->p->stop == STOP_REST ? least : e->p->relax_steps);
-    if (!status && e->p->stop == STOP_REST)
-        status = sweep_box_settle(&e->box, "after the opening", watch_slide, e);
-    e->values[OUT_RELAX_STEPS] = (double)(dem_step(e->box.sim) - e->opened_at);
+    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle_pile(&e->box);
+    e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - e->opened_at);
     return status;
 }
 
@@ -242,10 +187,10 @@ static rp_status note_state(experiment *e)
     bool quiet;
     rp_status status = sweep_box_rest(&e->box, &rest, &quiet);
     if (status) return status;
-    v[OUT_GRAINS] = (double)rest.n;
-    v[OUT_CONTACT_NUMBER] = rest.contact_number;
-    v[OUT_ENERGY] = rest.kinetic_energy / (e->box.mg * e->box.d);
-    v[OUT_FORCE] = rest.net_force / e->box.mg;
+    v[OUT_grains] = (double)rest.n;
+    v[OUT_contact_number] = rest.contact_number;
+    v[OUT_residual_energy] = rest.kinetic_energy / (e->box.mg * e->box.d);
+    v[OUT_residual_force] = rest.net_force / e->box.mg;
     return RP_OK;
 }
 
@@ -267,13 +212,13 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
 /* The middle cell of an odd number belongs to neither half. */
 static rp_status measure_halves(experiment *e)
 {
-    double *v = e->values;
+    double upper = NAN, lower = NAN;
     const ang_options options = sweep_box_options(&e->p->box);
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
-    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &v[OUT_THETA_UPPER]);
-    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &v[OUT_THETA_LOWER]);
-    v[OUT_THETA_LOWER_LESS_UPPER] = v[OUT_THETA_LOWER] - v[OUT_THETA_UPPER];
+    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &upper);
+    if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &lower);
+    e->values[OUT_theta_lower_less_upper_deg] = lower - upper;
     ang_surface_free(&s);
     return status;
 }
@@ -283,7 +228,7 @@ static rp_status measure_variants(experiment *e)
 {
     rp_status status = RP_OK;
     for (int k = 0; !status && k < N_SURFACES; k++) {
-        double *v = e->values + OUT_SURFACES + k * N_SLOPES;
+        double *v = e->values + OUT_theta_r1_centre_zero_deg + k * N_SLOPES;
         const ang_options options = {e->box.d, (ang_height)(k / 2), (ang_empty)(k % 2), ANG_PARABOLA_FREE};
         ang_surface s;
         ang_slope free[ANG_N_METHODS], origin[ANG_N_METHODS];
@@ -311,11 +256,10 @@ static rp_status measure_pile(experiment *e)
     }
     status = sweep_box_slopes(&e->box, slopes);
     if (status) return status;
-    for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_THETA_R1 + m] = sweep_degrees(slopes[m].theta);
-    v[OUT_THETA_R3_SE] = sweep_degrees(slopes[2].theta_se);
-    if (e->p->stop == STOP_REST && isnan(v[OUT_THETA_R3_FIXED])) v[OUT_THETA_R3_FIXED] = v[OUT_THETA_R3];
-    v[OUT_THETA_R12] = v[OUT_THETA_R1] - v[OUT_THETA_R2];
-    v[OUT_THETA_R23] = v[OUT_THETA_R2] - v[OUT_THETA_R3];
+    for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_theta_r1_deg + m] = sweep_degrees(slopes[m].theta);
+    v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
+    v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
+    v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
     status = measure_halves(e);
     return status ? status : measure_variants(e);
 }
@@ -345,16 +289,16 @@ static rp_status tilt_at_rate(experiment *e)
         if (!status) status = dem_rest_state(e->box.sim, 0.0, e->p->box.W, &rest);
         if (status) break;
         if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
-        if (isnan(v[OUT_THETA_T_DISPLACEMENT]) && (double)moved >= 0.05 * (double)at.n)
-            v[OUT_THETA_T_DISPLACEMENT] = turned;
-        if (isnan(v[OUT_THETA_T_ENERGY]) && turned > sway_deg && rest.kinetic_energy > 10.0 * sway &&
+        if (isnan(v[OUT_theta_t_displacement_deg]) && (double)moved >= 0.05 * (double)at.n)
+            v[OUT_theta_t_displacement_deg] = turned;
+        if (isnan(v[OUT_theta_t_energy_deg]) && turned > sway_deg && rest.kinetic_energy > 10.0 * sway &&
             rest.kinetic_energy > 1e-5 * e->box.mg * e->box.d)
-            v[OUT_THETA_T_ENERGY] = turned;
-        if (isfinite(v[OUT_THETA_T_DISPLACEMENT]) && isfinite(v[OUT_THETA_T_ENERGY])) break;
+            v[OUT_theta_t_energy_deg] = turned;
+        if (isfinite(v[OUT_theta_t_displacement_deg]) && isfinite(v[OUT_theta_t_energy_deg])) break;
     }
     sweep_places_free(&at);
-    v[OUT_THETA_RT] = v[OUT_THETA_R3] + v[OUT_THETA_T_DISPLACEMENT];
-    if (!status && (isnan(v[OUT_THETA_T_DISPLACEMENT]) || isnan(v[OUT_THETA_T_ENERGY])))
+    v[OUT_theta_rt_deg] = v[OUT_theta_r3_deg] + v[OUT_theta_t_displacement_deg];
+    if (!status && (isnan(v[OUT_theta_t_displacement_deg]) || isnan(v[OUT_theta_t_energy_deg])))
         snprintf(e->box.result->message, sizeof e->box.result->message,
                  "tilt: stands, by a criterion, at %g degrees", most_deg);
     return status;
@@ -373,12 +317,12 @@ static rp_status tilt_quasi_static(experiment *e)
         turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
         turn(e, 0.0);
-        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", NULL, NULL);
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt");
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
         if (!status) status = sweep_places_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
-        if (!status && moved > 0) e->values[OUT_THETA_T_STATIC] = turned;
+        if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = turned;
         if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
     }
     sweep_places_free(&at);
@@ -426,7 +370,7 @@ static rp_status run_phases(experiment *e)
     if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
     if (!status)
         sweep_box_conclude(&e->box, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", e->box.result->message);
-    if (e->box.sim) e->values[OUT_STEPS] = (double)(dem_step(e->box.sim) + e->steps_before);
+    if (e->box.sim) e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */
     rp_status left = note_state(e);
@@ -445,7 +389,7 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     rp_status status = sweep_box_begin(&e.box, b, n + sweep_box_floor(b, NULL), tables, result);
     sweep_box_fill(&e.box, seed, run);
     if (!status) status = run_phases(&e);
-    e.values[OUT_CELLS] = e.box.cells;
+    e.values[OUT_cells] = e.box.cells;
     return sweep_box_end(&e.box, status);
 }
 
@@ -459,9 +403,20 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     enum { N_RUNS = 4 };
+    static const int hashed[] = {OUT_theta_r1_deg,
+                                 OUT_theta_r2_deg,
+                                 OUT_theta_r3_deg,
+                                 OUT_theta_t_displacement_deg,
+                                 OUT_theta_t_energy_deg,
+                                 OUT_theta_lower_less_upper_deg,
+                                 OUT_grains,
+                                 OUT_cells,
+                                 OUT_contact_number,
+                                 OUT_residual_energy,
+                                 OUT_residual_force,
+                                 -1};
     repose_params p[N_RUNS];
     sweep_result results[N_RUNS];
-    double bits[N_RUNS][N_OUTPUTS];
     for (int k = 0; k < N_RUNS; k++) {
         rp_params_defaults(schema, &p[k]);
         p[k].box.W = p[k].box.H = 1.0;
@@ -484,14 +439,8 @@ static rp_status fingerprint(char digits[33])
     for (int k = 0; k < N_RUNS; k++) {
         rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
         if (status) return status;
-        /* angles to a millionth of a degree: the C library's atan may differ in its last digits */
-        for (int i = 0; i < N_OUTPUTS; i++)
-            bits[k][i] = strcmp(outputs[i].unit, "degree") == 0 ? round(results[k].values[i] * 1e6)
-                                                                : results[k].values[i];
-        for (int i = 0; i < N_OUTPUTS; i++)
-            if (isnan(bits[k][i])) bits[k][i] = -1e300; /* one NaN for all */
     }
-    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
+    sweep_results_digits(N_RUNS, results, outputs, hashed, digits);
     return RP_OK;
 }
 

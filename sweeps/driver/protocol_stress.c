@@ -42,76 +42,42 @@ static const rp_param schema[] = {
 static const double tilts_deg[] = {0.0, 0.5, 1.0, 2.0, 4.0};
 enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS = 3 };
 
-/* Places of the outputs in sweep_result.values; the list below has the same order. */
-enum {
-    OUT_THETA_R,
-    OUT_THETA_T,
-    OUT_N_0,
-    OUT_N_1,
-    OUT_H_0,
-    OUT_H_1,
-    OUT_S_0,
-    OUT_S_1 = OUT_S_0 + 4,
-    OUT_FLOOR = OUT_S_1 + 4,
-    OUT_BULK = OUT_FLOOR + N_TILTS,
-    OUT_FLOOR_TILT = OUT_BULK + N_TILTS,
-    OUT_BULK_TILT,
-    OUT_BEYOND,
-    OUT_SLIDING_0,
-    OUT_SLIDING_LAST,
-    OUT_COUPLE,
-    OUT_TILTS,
-    OUT_WEIGHT,
-    OUT_BALANCE,
-    OUT_GRAINS,
-    OUT_STEPS,
-    N_OUTPUTS
-};
-static const sweep_output outputs[] = {
-    {"theta_r3_deg", "degree", "slope by method 3"},
-    {"theta_t_displacement_deg", "degree", "tilt at which 5 % of the grains have moved 0.1 d"},
-    {"n_0", "weight",
-     "normal force on the floor, 0 < x < W, over all grains' weight normal to it; at tilt 0"},
-    {"n_1", "weight", "its rise with the tangent of the tilt"},
-    {"h_0", "weight", "force of the pile along the floor, away from the wall; at tilt 0"},
-    {"h_1", "weight", "its rise with the tangent of the tilt"},
-    {"sxx_0", "weight d", "sum of force times branch over the contacts in 0 < x < W; at tilt 0"},
-    {"sxy_0", "weight d", "the same: force along x, branch along y"},
-    {"syx_0", "weight d", "the same: force along y, branch along x"},
-    {"syy_0", "weight d", "the same: yy"},
-    {"sxx_1", "weight d", "its rise with the tangent of the tilt"},
-    {"sxy_1", "weight d", "its rise with the tangent of the tilt"},
-    {"syx_1", "weight d", "its rise with the tangent of the tilt"},
-    {"syy_1", "weight d", "its rise with the tangent of the tilt"},
-    {"floor_friction_0", "", "h/n at tilt 0"},
-    {"floor_friction_05", "", "h/n at 0.5 degrees"},
-    {"floor_friction_1", "", "h/n at 1 degree"},
-    {"floor_friction_2", "", "h/n at 2 degrees"},
-    {"floor_friction_4", "", "h/n at 4 degrees"},
-    {"bulk_friction_0", "", "tangent of the angle that the pile's mean stress mobilises, at tilt 0"},
-    {"bulk_friction_05", "", "the same at 0.5 degrees"},
-    {"bulk_friction_1", "", "the same at 1 degree"},
-    {"bulk_friction_2", "", "the same at 2 degrees"},
-    {"bulk_friction_4", "", "the same at 4 degrees"},
-    {"floor_tilt_deg", "degree", "tilt at which h/n comes to the floor's mu"},
-    {"bulk_tilt_deg", "degree", "tilt at which the mean stress mobilises atan mu; negative: beyond it"},
-    {"floor_friction_beyond", "", "h/n at 4 degrees less what the response of up to 2 degrees gives"},
-    {"sliding_0", "", "part of the contacts within 1 % of the Coulomb limit at tilt 0"},
-    {"sliding_last", "", "the same at the last tilt"},
-    {"couple_0", "", "half of xy - yx, over the mean pressure, at tilt 0"},
-    {"tilts", "", "tilts at which forces were read, before 5 % of the grains had moved 0.1 d"},
-    {"weight_error", "weight", "floor, wall and shear through x = W less the weight of 0 < x < W, at tilt 0"},
-    {"balance_error", "m g",
-     "largest net force on a grain of the pile, of its contacts and weight, at any tilt"},
-    {"grains", "", "grains with 0 < x < W in the pile"},
-    {"steps", "", "steps in all"},
-    {NULL, NULL, NULL}};
+/* clang-format off */
+/* X(name, unit, meaning): OUT_name is its index among the values. */
+#define OUTPUTS(X) \
+    X(theta_r3_deg, "degree", "slope by method 3") \
+    X(theta_t_displacement_deg, "degree", "tilt at which 5 % of the grains have moved 0.1 d") \
+    X(n_0, "weight", "normal force on the floor, 0 < x < W, over all grains' weight normal to it; at tilt 0") \
+    X(n_1, "weight", "its rise with the tangent of the tilt") \
+    X(h_0, "weight", "force of the pile along the floor, away from the wall; at tilt 0") \
+    X(h_1, "weight", "its rise with the tangent of the tilt") \
+    X(sxx_0, "weight d", "sum of force times branch over the contacts in 0 < x < W; at tilt 0") \
+    X(sxy_0, "weight d", "the same: force along x, branch along y") \
+    X(syx_0, "weight d", "the same: force along y, branch along x") \
+    X(syy_0, "weight d", "the same: yy") \
+    X(sxx_1, "weight d", "its rise with the tangent of the tilt") \
+    X(sxy_1, "weight d", "its rise with the tangent of the tilt") \
+    X(syx_1, "weight d", "its rise with the tangent of the tilt") \
+    X(syy_1, "weight d", "its rise with the tangent of the tilt") \
+    X(floor_friction_0, "", "h/n at tilt 0") \
+    X(bulk_friction_0, "", "tangent of the angle that the pile's mean stress mobilises, at tilt 0") \
+    X(floor_tilt_deg, "degree", "tilt at which h/n comes to the floor's mu") \
+    X(floor_friction_beyond, "", "h/n at 4 degrees less what the response of up to 2 degrees gives") \
+    X(couple_0, "", "half of xy - yx, over the mean pressure, at tilt 0") \
+    X(tilts, "", "tilts at which forces were read, before 5 % of the grains had moved 0.1 d") \
+    X(weight_error, "weight", "floor, wall and shear through x = W less the weight of 0 < x < W, at tilt 0") \
+    X(balance_error, "m g", "largest net force on a grain of the pile, of its contacts and weight, at any tilt") \
+    X(grains, "", "grains with 0 < x < W in the pile") \
+    X(steps, "", "steps in all")
+/* clang-format on */
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
 /* What is read of one state, forces over the weight normal to the floor. */
 typedef struct {
     double t, n, h;  /* tan of the tilt */
     stress_tensor s; /* times d */
-    double sliding, weight_error, balance_error;
+    double weight_error, balance_error;
 } reading;
 
 typedef struct {
@@ -138,14 +104,6 @@ static rp_status check(const void *params)
     return RP_OK;
 }
 
-/* While it relaxes: the run ends as soon as too few cells are left for a slope. */
-static rp_status watch_pile(sweep_box_run *run, const dem_rest *rest, void *context)
-{
-    ang_slope slopes[ANG_N_METHODS];
-    (void)rest, (void)context;
-    return sweep_box_slopes(run, slopes);
-}
-
 static rp_status make_pile(experiment *e)
 {
     const long least = 5000;
@@ -153,17 +111,17 @@ static rp_status make_pile(experiment *e)
     rp_status status = dem_scene_start(&e->box.scene, &e->box.sim);
     if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
     if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps);
-    if (!status) status = sweep_box_settle(&e->box, "filling", NULL, NULL);
+    if (!status) status = sweep_box_settle(&e->box, "filling");
     if (status) return status;
     dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
     status = sweep_box_advance(&e->box, least);
-    if (!status) status = sweep_box_settle(&e->box, "after the opening", watch_pile, NULL);
+    if (!status) status = sweep_box_settle_pile(&e->box);
     if (!status && e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0) {
         sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
         status = RP_NO_RESULT;
     }
     if (!status) status = sweep_box_slopes(&e->box, slopes);
-    if (!status) e->values[OUT_THETA_R] = sweep_degrees(slopes[2].theta);
+    if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
     return status;
 }
 
@@ -172,7 +130,7 @@ static rp_status note_places(experiment *e)
     rp_status status = sweep_places_note(&e->box, &e->at);
     if (status) return status;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
-    e->values[OUT_GRAINS] = (double)e->at.n;
+    e->values[OUT_grains] = (double)e->at.n;
     return RP_OK;
 }
 
@@ -199,7 +157,7 @@ static rp_status tilt_until_moved(experiment *e)
         turned += (double)every * e->p->tilt_rate_deg;
         if (!status) status = has_moved(e, &moved);
     }
-    if (moved) e->values[OUT_THETA_T] = turned;
+    if (moved) e->values[OUT_theta_t_displacement_deg] = turned;
     return status;
 }
 
@@ -270,8 +228,6 @@ static rp_status read_forces(experiment *e, double tilt_deg)
     for (size_t k = 0; k < n; k++) {
         const dem_contact *c = &contacts[k];
         contact_force(c, &e->forces[k]);
-        const double mu = c->id_b ? b->mu : e->box.scene.def.walls[c->wall].material.mu;
-        r->sliding += fabs(c->shear_force) >= 0.99 * mu * c->normal_force ? 1.0 / (double)n : 0.0;
         if (c->id_b || c->wall != DEM_BOX_FLOOR || !(c->x > 0.0 && c->x < b->W)) continue;
         r->n += e->forces[k].fy / normal;
         r->h -= e->forces[k].fx / normal;
@@ -299,7 +255,7 @@ static rp_status tilt_to_rest(experiment *e)
         dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
-        if (!status) status = sweep_box_settle(&e->box, "tilt", NULL, NULL);
+        if (!status) status = sweep_box_settle(&e->box, "tilt");
         if (!status) status = has_moved(e, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[k]);
@@ -310,15 +266,14 @@ static rp_status tilt_to_rest(experiment *e)
 /* Value at t = 0 and rise of a quantity of the readings, by least squares. */
 static rp_status respond(const experiment *e, size_t field, double *at_0, double *rise)
 {
-    double t[N_TILTS], v[N_TILTS], one[N_TILTS];
+    double t[N_TILTS], v[N_TILTS];
     stats_line line;
     const size_t n = e->n_readings < N_FITTED ? e->n_readings : N_FITTED;
     for (size_t k = 0; k < n; k++) {
         t[k] = e->readings[k].t;
         memcpy(&v[k], (const char *)&e->readings[k] + field, sizeof v[k]);
-        one[k] = 1.0;
     }
-    rp_status status = stats_line_fit(n, t, v, one, false, &line);
+    rp_status status = stats_line_fit(n, t, v, NULL, false, &line);
     *at_0 = line.intercept;
     *rise = line.slope;
     return status;
@@ -328,19 +283,16 @@ static rp_status conclude(experiment *e)
 {
     double *v = e->values;
     stress_response r;
-    const double mu = e->p->box.mu, mu_floor = e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu;
+    const double mu_floor = e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu;
     const reading *first = &e->readings[0], *last = &e->readings[e->n_readings - 1];
-    v[OUT_SLIDING_0] = first->sliding;
-    v[OUT_SLIDING_LAST] = last->sliding;
-    v[OUT_COUPLE] = stress_mohr(&first->s).couple / stress_mohr(&first->s).pressure;
-    v[OUT_TILTS] = (double)e->n_readings;
-    v[OUT_WEIGHT] = first->weight_error;
-    v[OUT_BALANCE] = 0.0;
-    for (size_t k = 0; k < e->n_readings; k++) {
-        v[OUT_FLOOR + k] = e->readings[k].h / e->readings[k].n;
-        v[OUT_BULK + k] = tan(stress_mohr(&e->readings[k].s).mobilised);
-        v[OUT_BALANCE] = fmax(v[OUT_BALANCE], e->readings[k].balance_error);
-    }
+    v[OUT_couple_0] = stress_mohr(&first->s).couple / stress_mohr(&first->s).pressure;
+    v[OUT_tilts] = (double)e->n_readings;
+    v[OUT_weight_error] = first->weight_error;
+    v[OUT_balance_error] = 0.0;
+    v[OUT_floor_friction_0] = first->h / first->n;
+    v[OUT_bulk_friction_0] = tan(stress_mohr(&first->s).mobilised);
+    for (size_t k = 0; k < e->n_readings; k++)
+        v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
     if (e->n_readings < LEAST_TILTS) {
         sweep_box_conclude(&e->box, "no_response", "the pile moves at the first tilts");
         return RP_NO_RESULT;
@@ -350,13 +302,13 @@ static rp_status conclude(experiment *e)
     for (size_t k = 0; k < 4 && !status; k++)
         status = respond(e, offsetof(reading, s) + k * sizeof(double), &r.s[0].xx + k, &r.s[1].xx + k);
     if (status) return status;
-    memcpy(&v[OUT_N_0], r.n, sizeof r.n);
-    memcpy(&v[OUT_H_0], r.h, sizeof r.h);
-    memcpy(&v[OUT_S_0], r.s, sizeof r.s);
-    v[OUT_FLOOR_TILT] = sweep_degrees(stress_floor_tilt(&r, mu_floor));
-    v[OUT_BULK_TILT] = sweep_degrees(stress_bulk_tilt(&r, atan(mu)));
+    memcpy(&v[OUT_n_0], r.n, sizeof r.n);
+    memcpy(&v[OUT_h_0], r.h, sizeof r.h);
+    memcpy(&v[OUT_sxx_0], r.s, sizeof r.s);
+    v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r, mu_floor));
     if (e->n_readings == N_TILTS)
-        v[OUT_BEYOND] = last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
+        v[OUT_floor_friction_beyond] =
+            last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
     sweep_box_conclude(&e->box, "ok", "");
     return RP_OK;
 }
@@ -378,7 +330,7 @@ static rp_status run_phases(experiment *e)
         status = tilt_until_moved(e);
     }
     if (!status) status = conclude(e);
-    if (e->box.sim) e->values[OUT_STEPS] = (double)(steps + dem_step(e->box.sim));
+    if (e->box.sim) e->values[OUT_steps] = (double)(steps + dem_step(e->box.sim));
     dem_free(copy);
     return status;
 }
@@ -408,7 +360,20 @@ static rp_status fingerprint(char digits[33])
 {
     stress_params p;
     sweep_result result;
-    double bits[N_OUTPUTS];
+    static const int hashed[] = {OUT_theta_r3_deg,
+                                 OUT_theta_t_displacement_deg,
+                                 OUT_n_0,
+                                 OUT_n_1,
+                                 OUT_h_0,
+                                 OUT_h_1,
+                                 OUT_sxx_0,
+                                 OUT_syx_1,
+                                 OUT_floor_tilt_deg,
+                                 OUT_weight_error,
+                                 OUT_balance_error,
+                                 OUT_grains,
+                                 OUT_steps,
+                                 -1};
     rp_params_defaults(schema, &p);
     p.box.W = 2.0;
     p.box.H = 1.0;
@@ -417,9 +382,7 @@ static rp_status fingerprint(char digits[33])
     p.box.rest_force = 1e3;
     rp_status status = run_one(&p, 1, 0, &result);
     if (status) return status;
-    for (int i = 0; i < N_OUTPUTS; i++) /* the C library's tan may differ in its last digits */
-        bits[i] = isnan(result.values[i]) ? -1e300 : round(result.values[i] * 1e6);
-    rp_hash_digits(XXH3_128bits(bits, sizeof bits), digits);
+    sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;
 }
 

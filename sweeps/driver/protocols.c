@@ -1,4 +1,8 @@
-/* The list of protocols; see protocol.h. */
+/* The list of protocols, and what they share; see protocol.h. */
+#include <math.h>
+#include <string.h>
+#include <xxhash.h>
+
 #include "sweeps/driver/sweep.h"
 
 const sweep_protocol *const sweep_protocols[] = {
@@ -6,3 +10,20 @@ const sweep_protocol *const sweep_protocols[] = {
     SWEEP_PROTOCOLS(X)
 #undef X
         NULL};
+
+void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
+                          const int indices[], char digits[33])
+{
+    const double DIGITS = 1e6;
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    for (const sweep_result *r = results; r < results + n; r++)
+        for (const int *i = indices; *i >= 0; i++) {
+            double v = r->values[*i];
+            if (strcmp(outputs[*i].unit, "degree") == 0) v = round(v * DIGITS);
+            if (isnan(v)) v = -1e300;
+            XXH3_128bits_update(hash, &v, sizeof v);
+        }
+    rp_hash_digits(XXH3_128bits_digest(hash), digits);
+    XXH3_freeState(hash);
+}
