@@ -16,6 +16,7 @@
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
     X(suite_forensics)                                                                                       \
+    X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
