@@ -30,7 +30,9 @@ for entry; do
 done
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
-elif ! find analytic src sweeps tests validation -name '*.[ch]' -exec clang-format --dry-run -Werror {} +; then
-    bad=1
+else
+    for file in $(find analytic src sweeps tests validation -name '*.[ch]'); do
+        clang-format "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
+    done
 fi
 exit $bad
