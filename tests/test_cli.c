@@ -188,10 +188,10 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Options that are off unless given: help states neither a default nor that they are required. */
 static const char *const without_default[] = {
-    "--help ",       "--set ",       "--box ",      "--reduce ",    "--base ",    "--pair ",
-    "--successive ", "-o ",          "--runs ",     "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ", "--summary ",  "--threshold ", "--map ",     "--ledger ",
-    "--profile ",    "--start ",     "--variants ", "--published ", NULL};
+    "--help ",   "--study ",      "--set ",       "--box ",      "--reduce ",    "--base ",
+    "--pair ",   "--successive ", "-o ",          "--runs ",     "--missing ",   "--outline ",
+    "--disks ",  "--linear ",     "--set-again ", "--summary ",  "--threshold ", "--map ",
+    "--ledger ", "--profile ",    "--start ",     "--variants ", "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
