@@ -18,6 +18,7 @@
     X(suite_forensics)                                                                                       \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
+    X(suite_laws)                                                                                            \
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \

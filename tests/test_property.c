@@ -250,7 +250,7 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     const double seed = x[0], c = cos(angle), s = sin(angle), way = 0.15 + 0.04 * x[1];
     dem_definition def = dem_definition_default();
     def.gravity[0] = def.gravity[1] = 0.0;
-    def.normal = pick(seed, 0) < 0.5 ? DEM_HERTZ : DEM_LINEAR;
+    def.normal = (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N);
     def.slip = pick(seed, 1) < 0.5 ? DEM_TRUNCATED : DEM_TOTAL;
     def.damping = pick(seed, 2) < 0.5 ? DEM_DAMPING_OUTSIDE : DEM_DAMPING_INSIDE;
     def.tension = pick(seed, 3) < 0.5;
