@@ -13,25 +13,32 @@ static void base_name(const char *file, char *name, size_t size)
     snprintf(name, size, "%.*s", (int)strcspn(base, "."), base);
 }
 
-static rp_status read_tables(const config_setting_t *group, sweep_recipe *recipe)
+/* "lh3_phi = angle phi @/lh3_runs.tsv" */
+static rp_status read_table(const config_setting_t *setting, const char *sweep, sweep_table *table)
 {
-    const size_t n = (size_t)config_setting_length(group), length = strlen(recipe->name);
+    const char *text = config_setting_get_string(setting), *equals = text ? strstr(text, " = ") : NULL;
+    const size_t length = strlen(sweep);
+    if (!equals) return rp_config_fail(setting, "tables: \"NAME = COMMAND\" expected");
+    table->name = strndup(text, (size_t)(equals - text));
+    table->command = strdup(equals + strlen(" = "));
+    if (!table->name || !table->command) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
+    if (strncmp(table->name, sweep, length) != 0 || (table->name[length] && table->name[length] != '_') ||
+        strchr(table->name, '/'))
+        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name, sweep);
+    return RP_OK;
+}
+
+static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
+{
+    if (!config_setting_is_array(list) && !config_setting_is_list(list))
+        return rp_config_fail(list, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
+    const size_t n = (size_t)config_setting_length(list);
+    rp_status status = RP_OK;
     recipe->tables = calloc(n + 1, sizeof *recipe->tables);
     if (!recipe->tables) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
-    for (unsigned i = 0; i < n; i++) {
-        const config_setting_t *table = config_setting_get_elem(group, i);
-        const char *name = config_setting_name(table), *command = config_setting_get_string(table);
-        if (!command)
-            return rp_config_fail(table, "%s: a command expected, such as \"stats trend ...\"", name);
-        if (strncmp(name, recipe->name, length) != 0 || (name[length] && name[length] != '_'))
-            return rp_config_fail(table, "%s: the table's name must begin with %s_", name, recipe->name);
-        recipe->tables[i].name = strdup(name);
-        recipe->tables[i].command = strdup(command);
-        if (!recipe->tables[i].name || !recipe->tables[i].command)
-            return rp_fail(RP_NO_MEMORY, "tables: out of memory");
-        recipe->n_tables++;
-    }
-    return RP_OK;
+    for (size_t i = 0; !status && i < n; i++)
+        status = read_table(config_setting_get_elem(list, (unsigned)i), recipe->name, &recipe->tables[recipe->n_tables++]);
+    return status;
 }
 
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
@@ -47,9 +54,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
         recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
         recipe->study =
             config_setting_lookup_int(root, "study", &replicas) && replicas > 0 ? (size_t)replicas : 0;
-        if (tables && !config_setting_is_group(tables))
-            status = rp_config_fail(tables, "tables: a group { NAME = \"COMMAND\"; ... } expected");
-        else if (tables)
+        if (tables)
             status = read_tables(tables, recipe);
         else if (!recipe->has_runs)
             status = rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
@@ -60,7 +65,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 
 void sweep_recipe_free(sweep_recipe *recipe)
 {
-    for (size_t i = 0; recipe->tables && i <= recipe->n_tables; i++) {
+    for (size_t i = 0; i < recipe->n_tables; i++) {
         free(recipe->tables[i].name);
         free(recipe->tables[i].command);
     }

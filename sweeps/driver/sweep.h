@@ -12,7 +12,7 @@
  * and their differences can be taken pile by pile.
  *
  * Two more settings are for `repose sweep make`: study, the replicas of a larger ensemble, and tables, what
- * is derived from the runs, in order: tables = { lh3_trend = "stats trend @/lh3_runs.tsv --x mu"; }, where @
+ * is derived from the runs, in order: tables = [ "lh3_phi = angle phi @/lh3_runs.tsv" ], where @
  * is the folder of the tables. A file without a protocol has tables alone.
  *
  * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
