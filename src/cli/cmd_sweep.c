@@ -2,6 +2,7 @@
 #include "cli/progress.h"
 
 #include <errno.h>
+#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -165,20 +166,21 @@ static rp_status digest(int argc, char **argv)
     return status;
 }
 
-/* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder.
- */
+/* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder, and *
+ * stands for what is there. */
 static void become(const char *command, const char *tables, FILE *out)
 {
-    char *words[64] = {"repose"}, *text = strdup(command), *save;
-    size_t n = 1;
+    glob_t words = {.gl_offs = 1};
+    char *text = strdup(command), *save;
+    int flags = GLOB_NOCHECK | GLOB_DOOFFS;
     for (char *word = text ? strtok_r(text, " ", &save) : NULL; word; word = strtok_r(NULL, " ", &save)) {
-        const size_t size = strlen(tables) + strlen(word) + 1;
-        char *full = malloc(size);
-        if (n + 1 == sizeof words / sizeof *words || !full) _exit(RP_NO_MEMORY);
-        snprintf(full, size, "%s%s", *word == '@' ? tables : "", *word == '@' ? word + 1 : word);
-        words[n++] = full;
+        char full[4096];
+        snprintf(full, sizeof full, "%s%s", *word == '@' ? tables : "", *word == '@' ? word + 1 : word);
+        if (glob(full, flags, NULL, &words)) _exit(RP_NO_MEMORY);
+        flags |= GLOB_APPEND;
     }
-    if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", words);
+    words.gl_pathv[0] = "repose";
+    if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", words.gl_pathv);
     _exit(RP_IO);
 }
 
@@ -188,6 +190,7 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     char path[4096];
     FILE *out;
     int code = 0;
+    if (!*table->command) return rp_fail(RP_BAD_INPUT, "%s: a command is missing", table->name);
     snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
     rp_status status = rp_file_open(path, &out);
     if (status) return status;

@@ -1,4 +1,5 @@
 # Softness above which the symmetric state of an equilateral pile of k layers is unstable.
+# tables: pile_threshold.tsv
 set xlabel '{/:Italic k}'
 set ylabel 'ε_c {/:Italic k}^3'
 set logscale x

@@ -1,5 +1,6 @@
 # The equilateral pile of 45 layers: deviation of N from hard disks against eps = m g/(K_s sigma), symmetric state;
 # slope by least squares over the stable points.
+# tables: pile_eps.tsv
 set xlabel 'ε'
 set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
