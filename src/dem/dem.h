@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "core/status.h"
+#include "dem/physics.h"
 
 enum { DEM_HERTZ, DEM_LINEAR }; /* normal law */
 /* tangential law: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a spring
@@ -28,20 +29,6 @@ enum { DEM_SPHERE, DEM_DISK };
  * loop that decides at run time, or that for the laws with no more than these instructions. */
 enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS };
 enum { DEM_MAX_WALLS = 8 };
-
-/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
- * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
- * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. */
-typedef struct {
-    double k_n;        /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
-    double gamma_n;    /* normal damping, 1/time, times m_eff */
-    double k_s;        /* shear stiffness, force/length */
-    double gamma_s;    /* shear damping, 1/time, times m_eff */
-    double mu;         /* Coulomb's coefficient */
-    double mu_roll;    /* rolling resistance: limit of its force over the normal force */
-    double k_roll;     /* its stiffness, force/length */
-    double gamma_roll; /* its damping, 1/time, times m_eff */
-} dem_material;
 
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
  * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
@@ -127,6 +114,21 @@ typedef struct {
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
+
+/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved; taken
+ * from one that makes grains of this density. */
+dem_physics dem_physics_default(void);
+void dem_physics_apply(const dem_physics *p, dem_definition *def);
+dem_physics dem_physics_of(const dem_definition *def, double density);
+
+/* The coefficients of a wall: those given, and for negative ones the grains' times the factor of the list. */
+dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
+extern const dem_material dem_material_auto; /* all negative */
+
+/* Refuse parameters that contradict one another: those of a definition, with `m` the coefficients of its
+ * grains or a wall; radii to draw from. Errors: RP_BAD_INPUT. */
+rp_status dem_physics_check(const dem_definition *def, const dem_material *m);
+rp_status dem_radius_check(double mean, double least, double most);
 
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
@@ -281,8 +283,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
     X(taken_out, -)                                                                                          \
     X(gravity_turn, +)                                                                                       \
     X(wall_work, +)                                                                                          \
-    X(normal_damping, -) X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -)              \
-        X(integration, +)
+    X(normal_damping, -)                                                                                     \
+    X(shear_damping, -) X(sliding, -) X(rolling, -) X(wells, -) X(hard, -) X(integration, +)
 typedef struct {
     double start;
 #define X(channel, sign) double channel;

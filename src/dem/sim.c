@@ -18,24 +18,17 @@ enum { CHUNK = 8192 };
 
 dem_definition dem_definition_default(void)
 {
-    return (dem_definition){
+    dem_definition def = {
         .gravity = {0.0, -981.0},
-        .dt = 5e-5,
-        .normal = DEM_HERTZ,
-        .tangential = DEM_SPRING,
-        .slip = DEM_TRUNCATED,
-        .tension = true,
-        .material = {.k_n = 1e6,
-                     .gamma_n = 500.0,
-                     .k_s = 1e4,
-                     .gamma_s = 5.0,
-                     .mu = 0.2,
-                     .k_roll = 1e4,
-                     .gamma_roll = 5.0},
         .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
+    dem_physics physics = dem_physics_default();
+    physics.tangential = DEM_SPRING;
+    physics.mu = 0.2;
+    dem_physics_apply(&physics, &def);
+    return def;
 }
 
 void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
@@ -278,13 +271,9 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
     if (!status && def->tangential != DEM_NONE) status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
-    if (!status && def->tangential == DEM_NONE && c->mu > 0.0)
-        status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
     if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
-    if (!status && c->mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
-        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
-                         def->rotation ? "a tangential law, but the scene declares none" : "rotation");
+    if (!status) status = dem_physics_check(def, c);
     if (!status && has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
     if (!status && has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
     return status ? rp_prefix(status, "%s: ", of) : RP_OK;
@@ -402,8 +391,6 @@ static rp_status check_definition(const dem_definition *def)
                        def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
     if (!(def->dt > 0.0) || !isfinite(def->dt))
         return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
-    if (def->rotation && def->integrator == DEM_GEAR5)
-        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
         !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
