@@ -13,7 +13,7 @@ CC      := gcc
 WERROR  :=
 SAN     :=
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
-           -Wmissing-prototypes -Wconversion -Wno-sign-conversion \
+           -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
 
@@ -253,20 +253,24 @@ $(T)/li_size_limit_%.tsv: $(T)/li_size_all_runs.tsv
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
 
+# The published numbers, for figures.
+$(T)/published.tsv: figures/claims.tsv $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) claims --published >$@
+
 # Which choices that the paper leaves open agree with its numbers; and a second look at what is left.
 FORENSICS := combinations effects levels
 FACTORS_lh_forensics := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
 FACTORS_lh_forensics_confirm := slip,mu_wall,open
 define forensics_rule
-$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv sweeps/lh_forensics_claims.tsv
-	@$(REPOSE) forensics $$< --claims $$(word 2,$$^) --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
+$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv figures/claims.tsv
+	@$(REPOSE) forensics $$< --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
 endef
 $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))))
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
 STUDY_lh3 := 20
-STUDY_lh3_best := 20
 STUDY_lh3_total := 20
 STUDY_lh5 := 10
 STUDY_lh_floor := 40

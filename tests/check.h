@@ -16,6 +16,7 @@
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
     X(suite_forensics)                                                                                       \
+    X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
@@ -98,7 +99,7 @@ void check_table_close(FILE *table, const char *name);
     do {                                                                                                     \
         rp_status got_ = (call);                                                                             \
         if (got_)                                                                                            \
-            fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, rp_status_text(got_),          \
+            fprintf(stderr, "%s:%d: %s: status %d: %s\n", __FILE__, __LINE__, #call, (int)got_,              \
                     rp_message());                                                                           \
         CU_ASSERT(got_ == RP_OK);                                                                            \
     } while (0)

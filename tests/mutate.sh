@@ -61,7 +61,7 @@ fi
 
 build=$1 number=$2 jobs=$3
 work=$build/mutate
-files='analytic/*.c src/dem/law_*.h src/dem/contact.inl src/dem/integrators.c src/dem/walls.c src/dem/ground.c
+files='analytic/*.c src/dem/law_*.h src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/walls.c src/dem/ground.c
     src/dem/impact.c src/dem/implicit.c src/dem/ledger.c src/dem/equilibrium.c src/dem/stiffness.c
     src/dem/sim.c src/dem/observe.c src/angle/surface.c src/angle/criterion.c sweeps/protocol_repose.c
     sweeps/protocol_pile.c'

@@ -187,7 +187,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 static const char *const without_default[] = {
     "--help ",    "--set ",       "--box ",     "--reduce ",  "--base ",    "--pair ",   "--successive ",
     "-o ",        "--runs ",      "--missing ", "--outline ", "--disks ",   "--linear ", "--set-again ",
-    "--summary ", "--threshold ", "--map ",     "--ledger ",  "--profile ", "--start ",  NULL};
+    "--summary ", "--threshold ", "--map ",     "--ledger ",  "--profile ", "--start ",  "--variants ", "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -948,15 +948,20 @@ static void write_forensics(void)
     fclose(file);
 }
 
-#define CLAIMS "# claim\tkind\tvalue\terror\theld_out\tcoefficient\tcolumn\tW\n"
+#define CLAIMS                                                                                               \
+    "# at: W=4\n# "                                                                                          \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"       \
+    "forensics\tstatement\tnote\n"
+#define CLAIM(id, number, forensics)                                                                         \
+    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\tt v\t-\t" forensics "\t" id "\t-\n"
 
 static void test_forensics(void)
 {
     enter();
     write_forensics();
-    write_text("claims.tsv",
-               CLAIMS "angle\tvalue\t20\t0.5\t0\t1\ttheta_r3\t4\nrise\tsign\t1\t0.5\t0\t1\ttheta_r3\t8\n"
-                      "rise\tsign\t1\t0.5\t0\t-1\ttheta_r3\t4\nlater\tvalue\t23\t1\t1\t1\ttheta_r3\t8\n");
+    write_text("claims.tsv", CLAIMS CLAIM("angle", "20\t0.5",
+                                          "theta_r3") CLAIM("rise", "1\t-", "+ theta_r3 W=8 less theta_r3")
+                                 CLAIM("unused", "3\t1", "-") CLAIM("later", "23\t1", "held theta_r3 W=8"));
     GOOD("forensics runs.tsv --claims claims.tsv --factors law,k");
     CU_ASSERT(strstr(out, "# combinations: 4, each with 12 ways") != NULL);
     CU_ASSERT(strstr(out, "# complete: 36\n# not_excluded: 12\n") != NULL);
@@ -967,6 +972,7 @@ static void test_forensics(void)
     CU_ASSERT(strstr(t.cells[2], "origin") == NULL); /* 9 degrees more */
     CHECK_NEAR(cell(&t, 0, "angle_deg"), 20.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "rise_deg"), 3.0, 1e-12);
+    CU_ASSERT(rp_table_column(&t, "unused_deg") < 0);
     /* four values of variance 0.16 * 5/3: the same in all combinations, so the pooled one */
     CHECK_NEAR(cell(&t, 0, "angle_se_deg"), sqrt(0.16 * 5.0 / 3.0 / 4.0), 1e-12);
     CU_ASSERT(cell(&t, 0, "p_held_out") > 0.2);
@@ -979,11 +985,14 @@ static void test_forensics(void)
     CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
     rp_table_free(&t);
     FAILS(65, "no column \"frob\"", "forensics runs.tsv --claims claims.tsv --factors frob");
-    write_text("bad.tsv", CLAIMS "a\tguess\t1\t1\t0\t1\ttheta_r3\t4\n");
-    FAILS(65, "bad.tsv:2: kind = guess: allowed: value | sign",
+    /* a number that nobody gave an error for is no data */
+    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t-", "theta_r3"));
+    FAILS(65, "bad.tsv: claim a: a published number with its error",
           "forensics runs.tsv --claims bad.tsv --factors law");
-    write_text("bad.tsv", CLAIMS "a\tvalue\t1\t1\t0\t1\ttheta_r3\t4\na\tvalue\t2\t1\t0\t1\ttheta_r3\t8\n");
-    FAILS(65, "bad.tsv:3: claim a: kind, value", "forensics runs.tsv --claims bad.tsv --factors law");
+    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t1", "theta_r3 H=4"));
+    FAILS(65, "claim a: \"H=4\": not among the keys", "forensics runs.tsv --claims bad.tsv --factors law");
+    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t1", "held -"));
+    FAILS(65, "a column expected", "forensics runs.tsv --claims bad.tsv --factors law");
     leave();
 }
 

@@ -34,7 +34,7 @@ typedef struct {
     const char *const *hashed; /* names of outputs, at most MAX_HASHED */
     const char *status;
     uint64_t digest;
-    named_number angles[5];
+    named_number angles[11];
 } golden_run;
 
 static const char *const repose_hashed[] = {"grains",
@@ -52,9 +52,9 @@ static const char *const repose_hashed[] = {"grains",
 static const char *const flux_hashed[] = {"level_step", "level_insertion", "avalanches", "grains",
                                           "tower",      "insertions_made", "steps",      NULL};
 
-static const char *const stress_hashed[] = {"n_0",   "n_1",          "h_0",           "h_1",   "sxx_0",
-                                            "sxy_0", "syx_1",        "syy_1",         "tilts", "grains",
-                                            "steps", "weight_error", "balance_error", NULL};
+/* Without the coefficients of lines, whose last digits are GSL's. */
+static const char *const stress_hashed[] = {"tilts",        "grains",        "steps",
+                                            "weight_error", "balance_error", NULL};
 
 /* Counts: the forces of a static solve depend on the order of its operations in the last digits. */
 static const char *const pile_hashed[] = {"n_disks", "contacts", "horizontal", "negative_modes",
@@ -104,7 +104,7 @@ static const golden_run runs[] = {
      pile_hashed,
      "ok",
      0xccfb61335d8449d0,
-     {{"D", 0.20410622915407042},
+     {{"D", 0.22332242852920325},
       {"H_ratio", 1.3531349113022209},
       {"N_error_rms", 0.080162131496141514},
       {"N_continuum_rms", 0.046214916864963797}}},
@@ -112,8 +112,17 @@ static const golden_run runs[] = {
      {{"W", "2"}, {"H", "2"}},
      stress_hashed,
      "ok",
-     0x62586396e22b5fad,
-     {{"theta_r3_deg", 18.30022251707566}, {"floor_tilt_deg", 12.129609284937734}}},
+     0xa9269f5f27ff7173,
+     {{"theta_r3_deg", 18.30022251707566},
+      {"floor_tilt_deg", 12.129609284937734},
+      {"n_0", 0.57734545187972242},
+      {"n_1", -0.027938305390767484},
+      {"h_0", 0.048157327989494722},
+      {"h_1", 0.30760390526714404},
+      {"sxx_0", 0.74586531836112901},
+      {"sxy_0", -0.21902502432444304},
+      {"syx_1", -0.12825093952911693},
+      {"syy_1", -0.12225664625404206}}},
     {"drop",
      {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}},
      drop_hashed,
@@ -141,9 +150,9 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 
 /* Runs are stored under it: one that changes by oversight loses all that are there. */
 static const named_text fingerprints[] = {{"repose", "222c3416a4ed0035acdf8ea5779a1dd7"},
-                                          {"stress", "f6cf0345a5a424cdbccc2a08972e8ed6"},
+                                          {"stress", "0473a29740d88bdab4abec2970e83db5"},
                                           {"flux", "4c519ca0550eacb1b3a31074392d3c50"},
-                                          {"pile", "b990e7ca896080252f1f47d35723d3e5"},
+                                          {"pile", "35a07936c7ac88f206d4971e786c3b61"},
                                           {"drop", "29311b63ae04938ffc04493394c33446"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/dem.h"
+#include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -71,12 +71,13 @@ static void impacts(void)
 {
     for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++)
         for (int tension = 0; tension < 2; tension++)
-            for (int integrator = DEM_VERLET; integrator <= DEM_GEAR5; integrator++) {
+            for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
+                const bool one_force = dem_schemes[integrator]->pair_parts; /* adds next to nothing */
                 dem_grain grains[2];
                 dem_definition def = two_grains(grains, law, 900.0, tension);
                 def.integrator = integrator;
                 const dem_ledger l = run_closed("impact", &def, 2000, 40);
-                CU_ASSERT(seen(l.normal_damping, &l) && l.integration != 0.0);
+                CU_ASSERT(seen(l.normal_damping, &l) && (one_force || l.integration != 0.0));
                 CU_ASSERT(l.shear_damping == 0.0 && l.sliding == 0.0 && l.at_walls == 0.0);
                 CU_ASSERT(l.normal_damping > 0.0 && fabs(l.integration) < 0.01 * l.normal_damping);
             }
@@ -340,12 +341,13 @@ static void implicit_conserves(void)
  * and of two in the midst of an impact. */
 static void sticking(void)
 {
-    for (int integrator = DEM_VERLET; integrator <= DEM_GEAR5; integrator++) {
+    for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
         dem_grain grain;
         const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
         dem_definition def = kicked(&grain, 3.0, &floor);
         def.integrator = integrator;
         def.dt = 9e-5;
+        if (dem_scheme_check(&def)) continue;
         const dem_ledger l = run_closed("sticks", &def, 3000, 10);
         CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
         CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));

@@ -658,7 +658,7 @@ static void test_refusals(void)
         {{{"floor_grains", "true"}, {"tilt", "box"}, {"measure", "theta_t"}, {0}},
          "tilt = \"box\": a floor of fixed grains cannot turn"},
         {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
-        {{{"rotation", "true"}, {"integrator", "gear5"}, {0}}, "rotation = true: needs integrator"},
+        {{{"rotation", "true"}, {"integrator", "gear5"}, {0}}, "grains that rotate need the integrator verlet"},
         {{{"slip", "total"}, {0}}, "needs stop = \"steps\""},
         {{{"stop", "steps"}, {"measure", "theta_t_static"}, {0}}, "needs stop = \"rest\""},
         {{{"dt", "2e-4"}, {0}}, "dt = 0.0002: too large"},

@@ -123,7 +123,7 @@ void ang_surface_free(ang_surface *surface);
  * (3) parabola through the running sum of h. Each is a linear combination of the heights, whose error is
  * propagated from the scatter of h about its least-squares line. h[n] are the heights of the cells
  * column[n] (ascending; NULL: 0, 1, ...) of width `cell`; n >= 3.
- * Errors: RP_BAD_INPUT. */
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
                      ang_slope slopes[ANG_N_METHODS]);
 
@@ -192,16 +192,11 @@ typedef struct {
 
 const char *ang_against_word(ang_against against);
 
-/* How far phi is from the piles: minus twice the logarithm of the likelihood ratio, see phi.c. `against` is
- * an equation; phi in (theta_r + theta_t of every mean, pi/2): the flank of a failing pile is less steep than
- * the rays. Errors: RP_BAD_INPUT (a value, fewer than ANG_PHI_PILES piles), RP_NO_RESULT (piles without
- * spread). */
-rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against against, double phi,
-                         double *chi2);
-
-/* The phi that serves all groups best, against each equation, and the differences. n_resamples >= 2.
- * Errors: as ang_phi_misfit; RP_NO_RESULT for no groups or piles steeper than any ray; RP_NO_MEMORY;
- * RP_BROKEN (NLopt). */
+/* The phi that serves all groups best, against each equation, and the differences: where minus twice the
+ * logarithm of the likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean
+ * and pi/2: the flank of a failing pile is less steep than the rays. n_resamples >= 2. Errors: RP_BAD_INPUT
+ * (a value, fewer than ANG_PHI_PILES piles); RP_NO_RESULT (no groups, piles without spread or steeper than
+ * any ray); RP_NO_MEMORY; RP_BROKEN (NLopt, GSL). */
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
                       ang_phi fit[ANG_N_AGAINST]);
 

@@ -15,7 +15,9 @@
  * u)/ (1 - t u), rays near 45 degrees and twice the friction. What can be tested is by how much the two phi
  * differ, on common resamples of the piles. */
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
 #include <gsl/gsl_math.h>
+#include <gsl/gsl_roots.h>
 #include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
@@ -30,7 +32,8 @@ static const double margin = 2e-4;            /* rad, between phi and where it e
 static const double tolerance = 1e-9;         /* of phi, rad */
 static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
 static const double level = 0.95;
-enum { SCAN = 48, HALVINGS = 40, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
+static const double root_tolerance = 1e-12; /* of the interval's ends, rad */
+enum { SCAN = 48, ITERATIONS = 200, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
 
 /* A group as the fit sees it; var and cov of one pile. */
 typedef struct {
@@ -183,16 +186,39 @@ static rp_status minimise(problem *q, nlopt_opt optimiser, double *phi)
                : rp_fail(RP_BROKEN, "phi: NLopt: %s", nlopt_result_to_string(result));
 }
 
-/* Where chi2 has risen to `most` between the best phi and `end`; *open if it has not, and then `end`. */
-static double profile_end(const problem *q, double phi, double end, double most, bool *open)
+typedef struct {
+    const problem *q;
+    double most;
+} level_of_chi2;
+
+static double above_level(double phi, void *data)
 {
-    *open = misfit(q, end) < most;
-    double inside = phi, outside = end;
-    for (int i = 0; i < HALVINGS && !*open; i++) {
-        double middle = 0.5 * (inside + outside);
-        *(misfit(q, middle) < most ? &inside : &outside) = middle;
+    const level_of_chi2 *l = data;
+    return misfit(l->q, phi) - l->most;
+}
+
+/* Where chi2 has risen to `most` between the best phi and `end`; *open if it has not, and then `end`. */
+static rp_status profile_end(const problem *q, double phi, double end, double most, bool *open, double *at)
+{
+    level_of_chi2 l = {q, most};
+    gsl_function f = {above_level, &l};
+    *at = end;
+    *open = above_level(end, &l) < 0.0;
+    if (*open) return RP_OK;
+    gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    if (!solver) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
+    int code = gsl_root_fsolver_set(solver, &f, fmin(phi, end), fmax(phi, end));
+    for (int i = 0; i < ITERATIONS && code == GSL_SUCCESS; i++) {
+        code = gsl_root_fsolver_iterate(solver);
+        if (code) break;
+        code = gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver),
+                                      root_tolerance, 0.0);
+        if (code == GSL_SUCCESS) break;
+        if (code == GSL_CONTINUE) code = i + 1 < ITERATIONS ? GSL_SUCCESS : GSL_EMAXITER;
     }
-    return outside;
+    *at = gsl_root_fsolver_root(solver);
+    gsl_root_fsolver_free(solver);
+    return code ? rp_fail(RP_BROKEN, "phi: GSL: %s", gsl_strerror(code)) : RP_OK;
 }
 
 static rp_status fit_equation(problem *q, nlopt_opt optimiser, ang_phi *fit)
@@ -204,9 +230,9 @@ static rp_status fit_equation(problem *q, nlopt_opt optimiser, ang_phi *fit)
     fit->chi2 = misfit(q, fit->phi);
     fit->dof = q->n_groups - 1;
     fit->p_value = fit->dof > 0 ? gsl_cdf_chisq_Q(fit->chi2, (double)fit->dof) : NAN;
-    fit->lo = profile_end(q, fit->phi, lo, fit->chi2 + rise, &fit->lo_open);
-    fit->hi = profile_end(q, fit->phi, hi, fit->chi2 + rise, &fit->hi_open);
-    return RP_OK;
+    status = profile_end(q, fit->phi, lo, fit->chi2 + rise, &fit->lo_open, &fit->lo);
+    if (!status) status = profile_end(q, fit->phi, hi, fit->chi2 + rise, &fit->hi_open, &fit->hi);
+    return status;
 }
 
 /* Resample the piles of each group. `pick` has room for a group. */
@@ -256,27 +282,6 @@ static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resample
         }
     }
     if (!status) compare_samples(n_resamples, sample, fit);
-    return status;
-}
-
-rp_status ang_phi_misfit(size_t n_groups, const ang_piles groups[], ang_against against, double phi,
-                         double *chi2)
-{
-    if ((int)against < 0 || against >= (ang_against)N_EQUATIONS)
-        return rp_fail(RP_BAD_INPUT, "against = %d: no equation, allowed: 0 to %d", (int)against,
-                       N_EQUATIONS - 1);
-    problem q;
-    rp_status status = set_problem(n_groups, groups, &q);
-    if (!status) {
-        double lo, hi;
-        phi_range(&q, &lo, &hi);
-        q.against = against;
-        if (phi >= lo && phi <= hi)
-            *chi2 = misfit(&q, phi);
-        else
-            status = rp_fail(RP_BAD_INPUT, "phi = %g rad: out of range, allowed: [%g, %g]", phi, lo, hi);
-    }
-    free(q.group);
     return status;
 }
 

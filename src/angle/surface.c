@@ -2,6 +2,8 @@
  *
  * Every slope is a linear combination of the heights, sum c_j h_j, so with independent scatter of variance
  * s^2 about the straight line its standard error is s sqrt(sum c_j^2). */
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -94,11 +96,10 @@ void ang_surface_free(ang_surface *surface)
     surface->h = NULL;
 }
 
-/* The heights as the methods see them; lengths in cells until the end. */
+/* The heights as the methods see them: x counts cells from the first. Lengths in cells until the end. */
 typedef struct {
     size_t n;
-    const size_t *column;
-    const double *h;
+    const double *x, *h;
 } heights;
 
 /* A slope downwards per cell, and the sum of its squared coefficients. */
@@ -106,36 +107,19 @@ typedef struct {
     double slope, gain;
 } combination;
 
-static double place(const heights *s, size_t k)
-{
-    return s->column ? (double)(s->column[k] - s->column[0]) : (double)k;
-}
-
 static combination end_to_end(const heights *s)
 {
-    double run = place(s, s->n - 1);
+    double run = s->x[s->n - 1];
     return (combination){(s->h[0] - s->h[s->n - 1]) / run, 2.0 / (run * run)};
 }
 
 /* Also the residual variance of h about the line, on n - 2 degrees of freedom. */
 static combination straight_line(const heights *s, double *variance)
 {
-    double n = (double)s->n, x_mean = 0.0, h_mean = 0.0, sxx = 0.0, sxh = 0.0, squares = 0.0;
-    for (size_t k = 0; k < s->n; k++) {
-        x_mean += place(s, k) / n;
-        h_mean += s->h[k] / n;
-    }
-    for (size_t k = 0; k < s->n; k++) {
-        double x = place(s, k) - x_mean;
-        sxx += x * x;
-        sxh += x * (s->h[k] - h_mean);
-    }
-    for (size_t k = 0; k < s->n; k++) {
-        double rest = s->h[k] - h_mean - sxh / sxx * (place(s, k) - x_mean);
-        squares += rest * rest;
-    }
-    *variance = squares / (n - 2.0);
-    return (combination){-sxh / sxx, 1.0 / sxx};
+    double intercept, slope, cov[3], squares;
+    gsl_fit_linear(s->x, 1, s->h, 1, s->n, &intercept, &slope, &cov[0], &cov[1], &cov[2], &squares);
+    *variance = squares / ((double)s->n - 2.0);
+    return (combination){-slope, 1.0 / gsl_stats_tss(s->x, 1, s->n)};
 }
 
 /* The parabola's second coefficient is sum e_k S_k / sum e_k^2, with e the part of z^2 that the lower
@@ -148,18 +132,18 @@ static combination running_sum(const heights *s, ang_parabola parabola)
 {
     bool is_free = parabola == ANG_PARABOLA_FREE;
     double n = (double)s->n, start = is_free ? 0.0 : -1.0, m2 = 0.0, m3 = 0.0, norm = 0.0;
-    for (size_t k = 0; is_free && k < s->n; k++) start += place(s, k) / n;
+    for (size_t k = 0; is_free && k < s->n; k++) start += s->x[k] / n;
     for (size_t k = 0; k < s->n; k++) {
-        double z = place(s, k) - start;
+        double z = s->x[k] - start;
         m2 += z * z;
         m3 += z * z * z;
     }
     combination c = {0.0, 0.0};
     double tail = 0.0, shared = 0.0; /* sum of e from k on; what the gap after k adds to h_k */
     for (size_t k = s->n; k-- > 0;) {
-        double z = place(s, k) - start;
+        double z = s->x[k] - start;
         double e = z * z - m3 / m2 * z - (is_free ? m2 / n : 0.0);
-        double gap = k > 0 ? place(s, k) - place(s, k - 1) - 1.0 : 0.0;
+        double gap = k > 0 ? s->x[k] - s->x[k - 1] - 1.0 : 0.0;
         norm += e * e;
         tail += e;
         double weight = tail + 0.5 * gap * tail + shared;
@@ -181,13 +165,16 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
         if (column && k > 0 && column[k] <= column[k - 1])
             return rp_fail(RP_BAD_INPUT, "column %zu: numbers must ascend", k + 1);
     }
-    heights s = {n, column, h};
-    double variance;
+    double variance, *x = malloc(n * sizeof *x);
+    if (!x) return rp_fail(RP_NO_MEMORY, "slopes: out of memory");
+    for (size_t k = 0; k < n; k++) x[k] = column ? (double)(column[k] - column[0]) : (double)k;
+    heights s = {n, x, h};
     combination line = straight_line(&s, &variance);
     combination all[ANG_N_METHODS] = {end_to_end(&s), line, running_sum(&s, parabola)};
     for (int i = 0; i < ANG_N_METHODS; i++) {
         double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
         slopes[i] = (ang_slope){slope, se, atan(slope), se / (1.0 + slope * slope)};
     }
+    free(x);
     return RP_OK;
 }

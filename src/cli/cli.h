@@ -66,6 +66,7 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
     X("calibrate", cmd_calibrate, "friction that gives a measured angle of repose, with its interval")       \
+    X("claims", cmd_claims, "what the papers claim, and what the tables say of each claim")                  \
     X("forensics", cmd_forensics, "which unsaid choices agree with published numbers")                       \
     X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
     X("bench", cmd_bench, "particle-steps a second on this machine")                                         \

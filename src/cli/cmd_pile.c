@@ -241,11 +241,15 @@ static rp_status sum_up(const sweep_outline *h, const size_t *disk, const double
                         size_t k, base_summary *b)
 {
     double *x = malloc((3 * k + 1) * sizeof *x), *exact_N = x ? x + k : NULL, *exact_H = x ? x + 2 * k : NULL;
+    rp_status status;
     if (!x) return no_memory();
     for (size_t i = 0; i < k; i++) x[i] = h->disks[disk[i]].x;
     b->friction = sweep_outline_friction(k, N, H);
     b->centre = sweep_outline_centre(k, N);
-    b->dip = sweep_outline_dip(k, x, N);
+    stress_base base;
+    status = sweep_outline_base(k, x, N, &base);
+    b->dip = status ? NAN : stress_dip(base.N);
+    if (status == RP_NO_RESULT) status = RP_OK; /* a single disk has no profile */
     if (h->exact) {
         for (size_t i = 0; i < k; i++) {
             exact_N[i] = h->exact[i].N;
@@ -255,7 +259,7 @@ static rp_status sum_up(const sweep_outline *h, const size_t *disk, const double
         b->friction_diagonals = sweep_outline_friction(k, exact_N, exact_H);
     }
     free(x);
-    return RP_OK;
+    return status;
 }
 
 static void write_summary(const options *o, const sweep_outline *h, const statics_result *r,

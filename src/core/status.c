@@ -7,17 +7,6 @@
 
 static _Thread_local char message[1024];
 
-const char *rp_status_text(rp_status status)
-{
-    switch (status) {
-#define X(name, code, text)                                                                                  \
-    case name: return text;
-        RP_STATUS_LIST(X)
-#undef X
-    }
-    return "unknown status";
-}
-
 rp_status rp_fail(rp_status status, const char *format, ...)
 {
     va_list args;

@@ -22,9 +22,6 @@ typedef enum {
 #undef X
 } rp_status;
 
-/* Meaning of a status, never NULL. */
-const char *rp_status_text(rp_status status);
-
 /* Record a message and return `status`, so that a caller can write: return rp_fail(RP_BAD_INPUT, ...). */
 rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -13,21 +13,29 @@
 #include <stdint.h>
 
 #include "core/status.h"
+#include "dem/laws.h"
 #include "dem/physics.h"
 
-enum { DEM_HERTZ, DEM_LINEAR }; /* normal law */
-/* tangential law: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a spring
- * (Liffman, Chan & Hughes 1992, eqs (27)-(32)) */
-enum { DEM_NONE, DEM_SPRING, DEM_SLIP_ROLL };
-enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
-/* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
-enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
-enum { DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT }; /* time integration */
+/* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
+#define DEM_INTEGRATOR_LIST(X)                                                                               \
+    X(DEM_VERLET, verlet)                                                                                    \
+    X(DEM_GEAR5, gear5)                                                                                      \
+    X(DEM_IMPLICIT, implicit)
+typedef enum {
+#define X(name, word) name,
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+} dem_integrator;
+#define X(name, word) +1
+enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
+#undef X
+#define DEM_INTEGRATOR_WORD(name, word) " | " #word
+#define DEM_INTEGRATOR_WORDS            (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
-enum { DEM_SPHERE, DEM_DISK };
+typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
-enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS };
+typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
 enum { DEM_MAX_WALLS = 8 };
 
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
@@ -55,11 +63,11 @@ typedef struct {
  * `set` says when a grain gets its s0: at first touch, or once it is at rest along the ground (it slows down,
  * and the well is deep enough to hold it: m v_s^2 + I omega^2 <= mu_static N a), or then and again after each
  * break. */
-enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN };
+typedef enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN } dem_well_set;
 typedef struct {
     int wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
-    int set;
+    dem_well_set set;
 } dem_ground;
 
 /* Hard collisions of what approaches fast; impact.h. Grains, or a grain and a wall, that would come to touch
@@ -75,9 +83,9 @@ typedef struct {
  * factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own Newton
  * step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more than
  * `tolerance` of its radius. */
-enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR };
+typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
 typedef struct {
-    int solver;
+    dem_solver solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */
     double tolerance;  /* [1e-15, 1e-3] */
     long max_iterations;
@@ -87,10 +95,14 @@ typedef struct {
     double gravity[2];
     double dt;
     double skin; /* of the neighbour list; 0: each grain has its own, by its speed */
-    int integrator, normal, tangential, slip, damping;
-    bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
-    bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
-    int shape;     /* gives the moments of inertia */
+    dem_integrator integrator;
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    dem_slip slip;
+    dem_damping damping;
+    bool tension;    /* true: the damped normal force may pull, as (2a) is printed */
+    bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
+    dem_shape shape; /* gives the moments of inertia */
     dem_material material;
     dem_ground ground;            /* not with the tangential law DEM_SPRING */
     dem_hard hard;                /* needs DEM_VERLET and no tension */
@@ -100,7 +112,7 @@ typedef struct {
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
-    int kernel;
+    dem_kernel_choice kernel;
     bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
@@ -125,9 +137,10 @@ dem_physics dem_physics_of(const dem_definition *def, double density);
 dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
 extern const dem_material dem_material_auto; /* all negative */
 
-/* Refuse parameters that contradict one another: those of a definition, with `m` the coefficients of its
- * grains or a wall; radii to draw from. Errors: RP_BAD_INPUT. */
-rp_status dem_physics_check(const dem_definition *def, const dem_material *m);
+/* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
+ * and the integrator; radii to draw from. Errors: RP_BAD_INPUT. */
+rp_status dem_material_check(const dem_definition *def, const dem_material *m);
+rp_status dem_physics_check(const dem_definition *def);
 rp_status dem_radius_check(double mean, double least, double most);
 
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
@@ -223,7 +236,7 @@ void dem_gravity(const dem_sim *sim, double gravity[2]);
 const char *dem_kernel_name(const dem_sim *sim);
 
 /* Whether this processor can run it. */
-bool dem_kernel_runs(int kernel);
+bool dem_kernel_runs(dem_kernel_choice kernel);
 
 /* How much work the run was. */
 typedef struct {
@@ -248,14 +261,14 @@ typedef struct {
  * Errors: RP_NO_MEMORY. */
 rp_status dem_states(const dem_sim *sim, dem_state *states);
 
-enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN };
+typedef enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN } dem_well;
 typedef struct dem_contact {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
-    int well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
+    dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
 
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
@@ -323,7 +336,7 @@ typedef struct {
     double W, H; /* grains lie inside (0, W) x (0, H) */
     double radius_mean, radius_width, radius_min, radius_max;
     double density;
-    int shape;
+    dem_shape shape;
     long seed, run; /* names of the random streams */
 } dem_fill;
 
@@ -333,8 +346,8 @@ typedef struct {
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
 /* Mass of a grain, and its moment of inertia. */
-double dem_mass(int shape, double density, double r);
-double dem_inertia(int shape, double m, double r);
+double dem_mass(dem_shape shape, double density, double r);
+double dem_inertia(dem_shape shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
  * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4
@@ -343,11 +356,7 @@ double dem_inertia(int shape, double m, double r);
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;
-rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, double m_eff, double v,
-                        dem_collision_result *result);
-
-/* Speed below which a Hertz pair whose damping may pull never parts: gamma_n (m_eff/k_n)^(2/5) v^(-1/5)
- * = 1.12799. */
-double dem_sticking_speed(double k_n, double gamma_n, double m_eff);
+rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
+                        double v, dem_collision_result *result);
 
 #endif

@@ -23,8 +23,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "dem/law_normal.h"
-#include "dem/sim.h"
+#include "dem/integrator.h"
+#include "dem/law.h"
 #include "core/stiffness.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
@@ -38,7 +38,7 @@ typedef struct {
     uint32_t pair;
 } bond;
 
-struct dem_implicit {
+typedef struct {
     dem_vec *u, *force, *residual;
     double *stiffness;   /* of the contacts of each grain: trace */
     double *step, *next; /* Newton's, 2 n */
@@ -48,17 +48,19 @@ struct dem_implicit {
     bond *bond;
     rp_stiffness *matrix;
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
-};
+} workspace;
+
+static inline workspace *work(const dem_sim *sim)
+{
+    return sim->work;
+}
 
 static const size_t NOBODY = SIZE_MAX;
 
-rp_status dem_implicit_check(const dem_definition *def)
+static rp_status check(const dem_definition *def)
 {
     const dem_implicit_solver *s = &def->implicit;
-    if (def->integrator != DEM_IMPLICIT) return RP_OK;
-    if (def->rotation)
-        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
-    if (def->tangential == DEM_SPRING)
+    if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
@@ -84,9 +86,9 @@ static rp_status no_memory(const dem_sim *sim)
     return rp_fail(RP_NO_MEMORY, "implicit integrator for %zu particles: out of memory", sim->n);
 }
 
-rp_status dem_implicit_alloc(dem_sim *sim)
+static rp_status alloc_work(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit = calloc(1, sizeof *m);
+    workspace *m = sim->work = calloc(1, sizeof *m);
     if (!m) return no_memory(sim);
     m->list = -1;
     m->u = malloc(sim->room * sizeof *m->u);
@@ -100,15 +102,14 @@ rp_status dem_implicit_alloc(dem_sim *sim)
                                                                                              : no_memory(sim);
 }
 
-void dem_implicit_free(dem_sim *sim)
+static void free_work(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
-    if (!m) return;
+    workspace *m = work(sim);
     rp_stiffness_free(m->matrix);
     free(m->u), free(m->force), free(m->residual), free(m->stiffness), free(m->step), free(m->next),
         free(m->first);
     free(m->contact), free(m->bond), free(m->of), free(m);
-    sim->implicit = NULL;
+    sim->work = NULL;
 }
 
 static bool is_fixed(const dem_sim *sim, size_t i)
@@ -118,46 +119,47 @@ static bool is_fixed(const dem_sim *sim, size_t i)
 
 /* ---- Forces of a step ---------------------------------------------------------------------------------- */
 
-/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second. Nowhere
- * a difference of numbers that are nearly the same. */
-static void quotient(int law, double k, double before, double after, double *force, double *slope)
+/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second, both
+ * above 0. */
+static double quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
 {
-    if (before > 0.0 && after > 0.0) {
-        if (law == DEM_LINEAR) {
-            *force = 0.5 * k * (before + after);
-            *slope = 0.5 * k;
-            return;
-        }
-        /* (s^5 - t^5)/(s^2 - t^2) */
-        const double s = sqrt(before), t = sqrt(after), sum = s + t;
-        *force = 0.4 * k * (before * before + after * after + s * t * (before + s * t + after)) / sum;
-        *slope = 0.2 * k * (s * before * 2.0 + t * (4.0 * before + 6.0 * s * t + 3.0 * after)) / (sum * sum);
-        return;
+    switch (law) {
+#define X(id, word, spring, ...)                                                                             \
+    case id: return spring##_quotient(k_n, before, after, slope);
+        DEM_NORMAL_LAWS(X)
+#undef X
     }
+    __builtin_unreachable();
+}
+
+/* The same from or to a gap, where the potential is 0. */
+static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
+{
     const double in = fmax(before, after), way = fabs(after - before),
-                 potential = law == DEM_HERTZ ? 0.4 : 0.5;
-    const double end = dem_law_elastic(law, k, in); /* the force there */
-    *force = potential * end * in / way;
-    *slope = (after > 0.0 ? end - *force : *force) / way;
+                 force = dem_normal_descriptors[law].potential(k_n, in) / way;
+    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / way;
+    return force;
 }
 
 /* What the step knows of a contact before it is solved. */
 typedef struct {
     const dem_material *c;
     double mu, m_eff;
-} law;
+} coefficients;
 
 /* Normal force of the step, and its derivative by the overlap at the end; here and below, its parts too where
  * `p` is not NULL. */
-static inline double normal_force(const dem_sim *sim, const law *l, double before, double after,
+static inline double normal_force(const dem_sim *sim, const coefficients *l, double before, double after,
                                   double *slope, dem_parts *p)
 {
-    double force;
-    quotient(sim->def.normal, l->c->k_n, before, after, &force, slope);
+    const dem_normal_law law = sim->def.normal;
+    const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
+                 dt = sim->def.dt;
+    double force = before > 0.0 && after > 0.0 ? quotient(law, k_n, before, after, slope)
+                                               : end_quotient(law, k_n, before, after, slope);
     if (p) p->elastic = force;
-    const double dashpot = l->c->gamma_n * l->m_eff / sim->def.dt;
-    force += dashpot * (fmax(after, 0.0) - fmax(before, 0.0));
-    if (after > 0.0) *slope += dashpot;
+    force += dem_law_mean_rate(law, k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
+    if (after > 0.0) *slope += dem_law_damping_rate(law, k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
     if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
     if (p) p->damping = force - p->elastic;
     return force;
@@ -173,10 +175,10 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
 }
 
 /* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
-static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before,
+static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double way, double before,
                             double after, double f_n, contact *to, dem_parts *p)
 {
-    if (sim->def.tangential == DEM_NONE) return;
+    if (!dem_has_friction(sim->def.tangential)) return;
     const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
     const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
     const bool slides = fabs(viscous * way) > cap;
@@ -188,7 +190,7 @@ static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double 
 static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const size_t i = sim->pair_i[k], j = sim->pair_j[k];
-    const dem_vec from = sim->grain[i].x - sim->grain[j].x, u = sim->implicit->u[i] - sim->implicit->u[j];
+    const dem_vec from = sim->grain[i].x - sim->grain[j].x, u = work(sim)->u[i] - work(sim)->u[j];
     const dem_vec to = from + u, sum = from + to;
     const double r = sqrt(dem_dot(from, from)), before = sim->pair_radii[k] - r;
     contact f = {0};
@@ -196,7 +198,7 @@ static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
      */
     const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
+    const coefficients l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
     double slope;
     const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = f_n / both;
     const dem_vec s = sum / both;
@@ -213,7 +215,7 @@ static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_v
                             contact *to, dem_parts *p)
 {
     const dem_ground *g = &sim->def.ground;
-    const double before = dem_ground_displacement(sim, slot), way = dem_dot(sim->implicit->u[slot->grain], t);
+    const double before = dem_ground_displacement(sim, slot), way = dem_dot(work(sim)->u[slot->grain], t);
     const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
     const bool holds = fabs(before + way) <= a;
     const double pull = holds ? k * (before + 0.5 * way) : 0.5 * k * (a - before) * (a + before) / way;
@@ -229,10 +231,10 @@ static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, 
     double before, slope;
     if (!dem_wall_touch(sim, &slot, &n, &before, &still)) return f;
     const size_t i = slot.grain;
-    const dem_vec u = sim->implicit->u[i], t = dem_clockwise(n);
+    const dem_vec u = work(sim)->u[i], t = dem_clockwise(n);
     const double after = before - dem_dot(u, n);
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
+    const coefficients l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
     const double f_n = normal_force(sim, &l, before, after, &slope, p);
     add_along(&f, n, f_n, slope);
     add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
@@ -247,14 +249,14 @@ static contact any_contact(const dem_sim *sim, size_t c)
                             : slot_contact(sim, &sim->wall_slot[c - sim->n_pairs], NULL);
 }
 
-dem_parts dem_implicit_pair(const dem_sim *sim, size_t k)
+static dem_parts pair_parts(const dem_sim *sim, size_t k)
 {
     dem_parts p = {0};
     pair_contact(sim, k, &p);
     return p;
 }
 
-dem_parts dem_implicit_slot(const dem_sim *sim, size_t k)
+static dem_parts slot_parts(const dem_sim *sim, size_t k)
 {
     dem_parts p = {0};
     slot_contact(sim, &sim->wall_slot[k], &p);
@@ -268,7 +270,7 @@ static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
 {
     const double dt = sim->def.dt, m = sim->mass[i];
     if (is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
-    return m * (sim->implicit->u[i] - dt * sim->grain[i].v - 0.5 * dt * dt * sim->gravity) -
+    return m * (work(sim)->u[i] - dt * sim->grain[i].v - 0.5 * dt * dt * sim->gravity) -
            0.5 * dt * dt * force;
 }
 
@@ -296,7 +298,7 @@ static void note_own_step(lack *l, size_t i, double step)
 /* All contacts, forces and residuals for the ways u. */
 static lack evaluate(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     for (size_t i = 0; i < sim->n; i++) {
         m->force[i] = (dem_vec){0.0, 0.0};
         m->stiffness[i] = 0.0;
@@ -339,7 +341,7 @@ static int by_ends(const void *a, const void *b)
 
 static rp_status make_matrix(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     const size_t n = sim->n_pairs;
     rp_stiffness_free(m->matrix);
     m->matrix = NULL;
@@ -363,7 +365,7 @@ static rp_status make_matrix(dem_sim *sim)
 
 static void assemble(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     const double c = 0.5 * sim->def.dt * sim->def.dt;
     rp_stiffness_clear(m->matrix, 0.0);
     for (size_t i = 0; i < sim->n; i++) {
@@ -384,7 +386,7 @@ static void assemble(dem_sim *sim)
  * largest of a grain. */
 static rp_status newton_step(dem_sim *sim, double *step, double *size, double *far)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     for (size_t i = 0; i < sim->n; i++)
         for (size_t a = 0; a < 2; a++) step[2 * i + a] = m->residual[i][a];
     rp_status status = rp_stiffness_solve(m->matrix, step, step);
@@ -400,7 +402,7 @@ static rp_status newton_step(dem_sim *sim, double *step, double *size, double *f
 /* Go a part of m->step, and see. */
 static lack go(dem_sim *sim, double part)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     for (size_t i = 0; i < sim->n; i++)
         if (!is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
     return evaluate(sim);
@@ -414,17 +416,17 @@ static lack go(dem_sim *sim, double part)
 static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
-    rp_status status = newton_step(sim, sim->implicit->step, &before, &far);
+    rp_status status = newton_step(sim, work(sim)->step, &before, &far);
     const double most = fmin(1.0, 0.5 * sim->skin / far);
     for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
         *l = go(sim, part - gone);
         gone = part;
         if (l->largest <= sim->def.implicit.tolerance) {
-            status = newton_step(sim, sim->implicit->step, &after, &unused);
+            status = newton_step(sim, work(sim)->step, &after, &unused);
             go(sim, 1.0);
             break;
         }
-        status = newton_step(sim, sim->implicit->next, &after, &unused);
+        status = newton_step(sim, work(sim)->next, &after, &unused);
         if (after < before) break;
     }
     return status;
@@ -438,7 +440,7 @@ static rp_status solve_direct(dem_sim *sim)
         rp_pivots pivots;
         if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
         assemble(sim);
-        rp_status status = rp_stiffness_factorise(sim->implicit->matrix, &pivots);
+        rp_status status = rp_stiffness_factorise(work(sim)->matrix, &pivots);
         if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
         if (!status) status = improve(sim, &l);
         if (status) return status;
@@ -451,7 +453,7 @@ static rp_status solve_direct(dem_sim *sim)
 
 static rp_status make_contacts_of(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     free(m->of);
     m->of = malloc((2 * m->n_contacts + 1) * sizeof *m->of);
     if (!m->of) return no_memory(sim);
@@ -477,7 +479,7 @@ static rp_status make_contacts_of(dem_sim *sim)
 /* Newton's step of grain i while all others stay, or the part of it that is taken. */
 static void relax(dem_sim *sim, size_t i, lack *l)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     const double c = 0.5 * sim->def.dt * sim->def.dt;
     contact sum = {0};
     for (size_t k = m->first[i]; k < m->first[i + 1]; k++) {
@@ -514,7 +516,7 @@ static rp_status solve_sor(dem_sim *sim)
 /* Bring what depends on the neighbour list up to date. */
 static rp_status prepare(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     if (m->list == sim->rebuilds) return RP_OK;
     m->n_contacts = sim->n_pairs + sim->n_wall_slots;
     free(m->contact);
@@ -527,7 +529,7 @@ static rp_status prepare(dem_sim *sim)
 
 static rp_status solve(dem_sim *sim)
 {
-    struct dem_implicit *m = sim->implicit;
+    workspace *m = work(sim);
     const double dt = sim->def.dt;
     rp_status status = prepare(sim);
     if (status) return status;
@@ -541,15 +543,35 @@ static rp_status solve(dem_sim *sim)
 static size_t beyond_list(const dem_sim *sim)
 {
     for (size_t i = 0; i < sim->n; i++) {
-        const dem_vec moved = sim->grain[i].x + sim->implicit->u[i] - sim->ref[i];
+        const dem_vec moved = sim->grain[i].x + work(sim)->u[i] - sim->ref[i];
         if (!(dem_dot(moved, moved) <= 0.25 * sim->skin * sim->skin)) return i;
     }
     return NOBODY;
 }
 
-rp_status dem_implicit_step(dem_sim *sim, unsigned *left)
+/* Where grains left, the list is rebuilt too: the solver's contacts are in its order. */
+static rp_status move_grains(dem_sim *sim, unsigned *left)
 {
-    struct dem_implicit *m = sim->implicit;
+    const workspace *m = work(sim);
+    const double dt = sim->def.dt;
+    rp_status status = sim->book ? dem_ledger_between(sim, m->force) : RP_OK;
+    if (status) return status;
+    for (size_t i = 0; i < sim->n; i++) {
+        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
+        if (is_fixed(sim, i)) continue;
+        /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
+        sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);
+        sim->grain[i].x += m->u[i];
+        if (dem_beyond(sim, sim->grain[i].x)) *left = DEM_LIST_OUT;
+    }
+    sim->grain_steps += (double)sim->n;
+    return RP_OK;
+}
+
+static rp_status step(dem_sim *sim, bool last)
+{
+    (void)last;
+    unsigned left = 0;
     rp_status status = solve(sim);
     if (!status && beyond_list(sim) != NOBODY) {
         status = dem_neighbours_rebuild(sim);
@@ -557,19 +579,21 @@ rp_status dem_implicit_step(dem_sim *sim, unsigned *left)
         const size_t i = status ? NOBODY : beyond_list(sim);
         if (i != NOBODY)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
-                            sqrt(dem_dot(m->u[i], m->u[i])), 0.5 * sim->skin);
+                            sqrt(dem_dot(work(sim)->u[i], work(sim)->u[i])), 0.5 * sim->skin);
     }
-    if (!status && sim->book) status = dem_ledger_between(sim, m->force);
-    if (status) return status;
-    const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++) {
-        *dem_force(sim, i) = (dem_vec){0.0, 0.0};
-        if (is_fixed(sim, i)) continue;
-        /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
-        sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);
-        sim->grain[i].x += m->u[i];
-        if (dem_beyond(sim, sim->grain[i].x)) *left |= DEM_GRAIN_OUT;
-    }
-    sim->grain_steps += (double)sim->n;
-    return RP_OK;
+    if (!status) status = move_grains(sim, &left);
+    if (!status) status = dem_step_lists(sim, left);
+    return status ? status : dem_step_forces(sim);
 }
+
+const dem_scheme dem_scheme_implicit = {
+    .name = "implicit",
+    .order = {2, 2},
+    .even_margins = true,
+    .check = check,
+    .alloc = alloc_work,
+    .free = free_work,
+    .step = step,
+    .pair_parts = pair_parts,
+    .slot_parts = slot_parts,
+};

@@ -8,90 +8,24 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+/* The laws of a kind of contact. */
 typedef struct {
-    dem_material c;
-    double mu;
-    bool hertz, tension, shear, slip_roll, truncated, inside;
-    bool friction; /* shear or slip_roll; asked for as two bytes, the compiler reads what it has just written
-                    */
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    bool tension;
+    double k_n, gamma_n;
+    dem_slider shear, rolls;
 } laws;
-
-/* A spring and a dashpot under a limit: shear, or rolling. */
-typedef struct {
-    wide k, inverse_k, gamma, mu;
-    bool truncated, inside;
-} slider;
-
-INLINE slider slider_of(double k, double gamma, double mu, bool truncated, bool inside)
-{
-    const wide zero = {0};
-    return (slider){zero + k, zero + 1.0 / k, zero + gamma, zero + mu, truncated, inside};
-}
 
 INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
 {
-    return (laws){*c,
-                  mu,
-                  def->normal == DEM_HERTZ,
-                  def->tension,
-                  def->tangential == DEM_SPRING,
-                  def->tangential == DEM_SLIP_ROLL,
-                  def->slip == DEM_TRUNCATED,
-                  def->damping == DEM_DAMPING_INSIDE,
-                  def->tangential != DEM_NONE};
+    return (laws){def->normal, def->tangential,          def->tension,   c->k_n,
+                  c->gamma_n,  dem_shear_of(def, c, mu), dem_rolls_of(c)};
 }
 
-INLINE slider shear_of(const laws *law)
+INLINE wide normal_force(const laws *law, wide m_eff, wide overlap, wide v_n)
 {
-    const dem_material *c = &law->c;
-    return slider_of(c->k_s, c->gamma_s, law->mu, law->truncated, law->inside);
-}
-
-INLINE slider rolls_of(const laws *law)
-{
-    const dem_material *c = &law->c;
-    return slider_of(c->k_roll, c->gamma_roll, c->mu_roll, true, true);
-}
-
-/* law_normal.h */
-INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
-{
-    wide f = law->c.k_n * overlap;
-    if (law->hertz) f *= wide_sqrt(overlap);
-    f -= law->c.gamma_n * m_eff * v_n;
-    return law->tension ? f : wide_max(f, (wide){0});
-}
-
-/* dem_law_shear */
-INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *spring)
-{
-    wide ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
-    wide cap = c.mu * wide_max(f_n, (wide){0});
-    wide pull = c.k * ds;
-    if (c.inside) pull += dashpot;
-    lanes slides;
-    wide held = wide_limit(pull, cap, &slides), of_spring = held, force = -held;
-    if (c.inside)
-        of_spring -= dashpot;
-    else
-        force = -dashpot - held;
-    if (c.truncated) ds = wide_choose(slides, of_spring * c.inverse_k, ds);
-    *spring = ds;
-    return force;
-}
-
-/* dem_law_slip_roll */
-INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
-{
-    wide slip = law->c.gamma_s * m_eff * v_s, cap = law->mu * wide_max(f_n, (wide){0});
-    lanes slides;
-    return -wide_limit(slip, cap, &slides);
-}
-
-/* Rolling resistance: the couple on grain i. */
-INLINE wide law_rolling(slider c, wide r_eff, wide m_eff, wide omega, wide f_n, double h, wide *roll)
-{
-    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, roll);
+    return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
 }
 
 /* Where the pairs of a block touch: normal from j to i, overlap, relative velocity. */
@@ -109,7 +43,7 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
     m.touch = wide_less(r2, radii * radii);
     m.nx = m.ny = m.overlap = (wide){0};
     if (!wide_bits(m.touch)) return m;
-    const wide r = wide_sqrt(r2), inverse = 1.0 / r;
+    const wide r = num_sqrt(r2), inverse = 1.0 / r;
     m.overlap = radii - r, m.nx = x * inverse, m.ny = y * inverse;
     return m;
 }
@@ -130,7 +64,7 @@ INLINE void push_subtract(dem_push *to, const dem_push *b)
  * since it starts from +0. The list ends in pairs that never touch. */
 INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
-    const slider shear = shear_of(&law), rolls = rolls_of(&law);
+    const bool friction = dem_has_friction(law.tangential), has_spring = dem_has_spring(law.tangential);
     dem_vec *restrict force = sim->force;
     const double *restrict omega = sim->omega;
     dem_push *restrict push = sim->push;
@@ -149,44 +83,40 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
         dem_note(touching, k, wide_bits(touch), &word);
         if (!wide_bits(touch)) {
-            if (law.shear) wide_store(spring + k, zero);
+            if (has_spring) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
         const wide m_eff = wide_load(sim->pair_mass + k);
         alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
-        wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
+        wide f_n = normal_force(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (law.friction) {
+        if (friction) {
             /* along s = (ny, -nx), the normal turned clockwise */
-            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
+            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, ds = zero;
             if (rotation) {
                 r_i = wide_load(sim->radius_i + k), r_j = wide_load(sim->radius_j + k);
                 omega_i = wide_gather(omega, i, 1);
                 omega_j = wide_gather(omega, j, 1);
                 v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
             }
-            if (law.shear) {
-                wide ds = wide_load(spring + k);
-                f_s = law_shear(shear, m_eff, v_s, f_n, h, &ds);
-                wide_store(spring + k, wide_choose(touch, ds, zero));
-            } else {
-                f_s = law_slip_roll(&law, m_eff, v_s, f_n);
-            }
+            if (has_spring) ds = wide_load(spring + k);
+            const wide f_s = dem_law_tangential(law.tangential, law.shear, m_eff, v_s, f_n, h, &ds);
+            if (has_spring) wide_store(spring + k, num_choose(touch, ds, zero));
             fx = fx + f_s * ny;
             fy = fy - f_s * nx;
             if (rotation) {
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j,
-                                         f_n, h, &xi);
-                    wide_store(roll + k, wide_choose(touch, xi, zero));
+                    couple = dem_law_rolling(law.rolls, wide_load(sim->roll_radius + k), m_eff,
+                                             omega_i - omega_j, f_n, h, &xi);
+                    wide_store(roll + k, num_choose(touch, xi, zero));
                 }
                 dem_push on_i[WIDTH], on_j[WIDTH];
-                const wide x = wide_choose(touch, fx, zero), y = wide_choose(touch, fy, zero);
-                wide_store_pushes(on_i, x, y, wide_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
-                wide_store_pushes(on_j, x, y, wide_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
+                const wide x = num_choose(touch, fx, zero), y = num_choose(touch, fy, zero);
+                wide_store_pushes(on_i, x, y, num_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
+                wide_store_pushes(on_j, x, y, num_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
                 for (int p = 0; p < WIDTH; p++) {
                     push_add(push + i[p], on_i + p);
                     push_subtract(push + j[p], on_j + p);
@@ -195,7 +125,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
             }
         }
         dem_vec f[WIDTH];
-        wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));
+        wide_store_vectors(f, num_choose(touch, fx, zero), num_choose(touch, fy, zero));
         for (int p = 0; p < WIDTH; p++) {
             *(rotation ? &push[i[p]].force : &force[i[p]]) += f[p];
             *(rotation ? &push[j[p]].force : &force[j[p]]) -= f[p];
@@ -204,32 +134,43 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
     sim->alarm |= alarm != 0;
 }
 
-/* A law with truncated springs of these kinds, told in a way that the compiler can leave the others out. */
-INLINE laws spring_law(laws law, bool hertz, bool tension, bool inside)
+/* The laws with these choices, known to the compiler, so that it can leave the others out. */
+INLINE laws spring_laws(laws law, bool tension, dem_damping damping)
 {
-    law.hertz = hertz, law.tension = tension, law.inside = inside;
-    law.shear = law.truncated = law.friction = true, law.slip_roll = false;
+    law.tangential = DEM_SPRING, law.tension = tension;
+    law.shear.slip = DEM_TRUNCATED, law.shear.damping = damping;
     return law;
 }
 
 /* With instances of their own for the laws of a box and of dropped piles. */
-void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
+INLINE void run_loop(dem_sim *sim, size_t from, size_t to, double h, laws law)
 {
-    const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
-    const bool turns = sim->def.rotation;
-    const bool spring = law.shear && !law.slip_roll && law.truncated;
-    if (!turns && spring && law.hertz && law.tension && !law.inside)
-        wide_loop(sim, from, to, h, spring_law(law, true, true, false), false, false);
-    else if (!turns && !law.friction && law.hertz && law.tension)
-        wide_loop(sim, from, to, h, law, false, false);
-    else if (!turns)
+    const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
+               inside = law.shear.damping == DEM_DAMPING_INSIDE;
+    if (!sim->def.rotation && spring && law.tension && !inside)
+        wide_loop(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE), false, false);
+    else if (!sim->def.rotation)
         wide_loop(sim, from, to, h, law, false, false);
     else if (!sim->rolling)
         wide_loop(sim, from, to, h, law, true, false);
-    else if (spring && !law.hertz && !law.tension && law.inside)
-        wide_loop(sim, from, to, h, spring_law(law, false, false, true), true, true);
+    else if (spring && !law.tension && inside)
+        wide_loop(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE), true, true);
     else
         wide_loop(sim, from, to, h, law, true, true);
+}
+
+void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
+{
+    laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    switch (law.normal) {
+#define X(id, ...)                                                                                           \
+    case id:                                                                                                 \
+        law.normal = id;                                                                                     \
+        run_loop(sim, from, to, h, law);                                                                     \
+        break;
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
 }
 
 /* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
@@ -254,23 +195,22 @@ INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uin
                vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
     const wide distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
                nx = side * n[0], ny = side * n[1];
-    const wide f_n = law_normal(law, mass, overlap, vx * nx + vy * ny);
+    const wide f_n = normal_force(law, mass, overlap, vx * nx + vy * ny);
     blows b = {.fx = f_n * nx,
                .fy = f_n * ny,
                .spring = wide_gather(&slot->spring, at, of_slot),
                .roll = wide_gather(&slot->roll, at, of_slot),
                .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
                .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
-    if (!law->friction) return b;
+    if (!dem_has_friction(law->tangential)) return b;
     const wide arm = radius - overlap, omega = sim->omega ? wide_gather(sim->omega, i, 1) : zero;
-    wide v_s = vx * ny - vy * nx, f_s;
+    wide v_s = vx * ny - vy * nx;
     if (sim->omega) v_s += arm * omega;
-    f_s = law->shear ? law_shear(shear_of(law), mass, v_s, f_n, h, &b.spring)
-                     : law_slip_roll(law, mass, v_s, f_n);
+    const wide f_s = dem_law_tangential(law->tangential, law->shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;
-    if (sim->rolling) b.couple = law_rolling(rolls_of(law), radius, mass, omega, f_n, h, &b.roll);
+    if (sim->rolling) b.couple = dem_law_rolling(law->rolls, radius, mass, omega, f_n, h, &b.roll);
     return b;
 }
 
@@ -384,7 +324,7 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
             }
             moved *= moved;
             moved += wide_swap(moved);
-            if (!look) fast = wide_max(moved, fast);
+            if (!look) fast = num_max(moved, fast);
             /* written so that NaN counts as moved */
             far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
             out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
@@ -419,8 +359,8 @@ size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, do
         const wide margin = wide_load_twice(sim->margin2 + i);
         /* written so that NaN counts as moved */
         far |= wide_bits(wide_at_most(moved, margin)) ^ ALL;
-        widest = wide_max(margin, widest);
-        most = wide_max(moved - margin, most);
+        widest = num_max(margin, widest);
+        most = num_max(moved - margin, most);
     }
     *left |= (far != 0) * DEM_LIST_OUT;
     *margin2 = largest(widest);
@@ -470,8 +410,8 @@ size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
             wide_load_records(sim->grain + at, &x, &v);
             const wide v_next = v + dt * (force * inverse_mass + gravity), x_next = x + dt * v_next;
             const lanes moves = wide_less(zero, inverse_mass);
-            v = some_fixed ? wide_choose(moves, v_next, v) : v_next;
-            x = some_fixed ? wide_choose(moves, x_next, x) : x_next;
+            v = some_fixed ? num_choose(moves, v_next, v) : v_next;
+            x = some_fixed ? num_choose(moves, x_next, x) : x_next;
             wide_store_records(sim->next + at, x, v);
             wide moved = x - wide_load((const double *)(sim->ref + at));
             moved *= moved;

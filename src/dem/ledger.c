@@ -7,8 +7,8 @@
  * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
  * the grains, and the potentials are those of dem_energies.
  *
- * The implicit integrator has one force all through a step, which dem_implicit_step knows: there the contacts
- * of a step's ends have energies alone, and a list of their own has the works.
+ * An integrator may have one force all through a step, whose parts it knows: there the contacts of a step's
+ * ends have energies alone, and a list of their own has the works.
  *
  * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
  * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
@@ -17,9 +17,8 @@
 #include <string.h>
 
 #include "dem/impact.h"
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
-#include "dem/sim.h"
+#include "dem/integrator.h"
+#include "dem/law.h"
 
 /* A grain, by id, as it was read last; then its way and turn in the step, and the energy that hard collisions
  * of the step gave to it. Mass 0: it is fixed. */
@@ -48,9 +47,14 @@ struct dem_book {
     ledger_grain *grain;
     size_t n_old, n_new, contact_room;
     ledger_contact *old_contact, *new_contact;
-    size_t n_between, between_room; /* of the implicit integrator: through the step */
+    size_t n_between, between_room; /* forces that are one through the step */
     ledger_contact *between;
 };
+
+static bool one_force(const dem_sim *sim)
+{
+    return sim->scheme->pair_parts != NULL;
+}
 
 static rp_status no_memory(void)
 {
@@ -95,21 +99,23 @@ static double split_forces(const dem_sim *sim, const dem_material *c, double mu,
         dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
     e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
     e->damping = f_n - e->elastic;
-    if (def->tangential == DEM_SPRING) {
-        double ds = r->spring, pull = c->k_s * ds;
-        const double cap = mu * fmax(f_n, 0.0);
+    const dem_slider shear = dem_shear_of(def, c, mu);
+    double ds = r->spring, pull = c->k_s * ds;
+    const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
+                 cap = mu * fmax(f_n, 0.0);
+    switch (def->tangential) {
+    case DEM_NONE: break;
+    case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
         e->spring = -pull;
-        e->dashpot = pull + dem_law_shear(def->slip, def->damping, c->k_s, c->gamma_s, mu, r->m_eff, r->v_s,
-                                          f_n, 0.0, &ds);
-    } else if (def->tangential == DEM_SLIP_ROLL) {
-        const double f_s = dem_law_slip_roll(c->gamma_s, mu, r->m_eff, r->v_s, f_n);
-        *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s;
+        e->dashpot = pull + f_s;
+        break;
+    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s; break;
     }
     if (sim->rolling) {
         double xi = r->roll;
         e->roll_spring = -c->k_roll * xi;
-        e->roll_dashpot = dem_law_rolling(c, r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
+        e->roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
     }
     return f_n;
 }
@@ -123,7 +129,7 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     const double distance = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - distance;
     *e = (ledger_contact){.a = sim->id[i], .b = sim->id[j], .place = k, .n = d * (1.0 / distance)};
     e->key = (uint64_t)e->a << 32 | e->b;
-    if (sim->implicit) return;
+    if (one_force(sim)) return;
     e->s = dem_clockwise(e->n);
     relative r = {.m_eff = sim->pair_mass[k],
                   .overlap = overlap,
@@ -157,7 +163,7 @@ static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     double overlap;
     *e = (ledger_contact){.a = sim->id[i], .place = k};
     e->key = slot_key(sim, &slot);
-    if (sim->implicit || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
+    if (one_force(sim) || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
         return;
     const dem_vec v = sim->grain[i].v - wall_velocity;
     e->s = dem_clockwise(e->n);
@@ -219,11 +225,11 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
     for (size_t i = 0; i < sim->n; i++) b->grain[sim->id[i]].force = force[i];
     for (size_t k = 0; k < sim->n_pairs; k++)
         note_between(b, (ledger_contact){.a = sim->id[sim->pair_i[k]], .b = sim->id[sim->pair_j[k]]},
-                     dem_implicit_pair(sim, k));
+                     sim->scheme->pair_parts(sim, k));
     for (size_t k = 0; k < sim->n_wall_slots; k++) {
         const dem_wall_slot *slot = &sim->wall_slot[k];
         note_between(b, (ledger_contact){.a = sim->id[slot->grain], .key = slot_key(sim, slot)},
-                     dem_implicit_slot(sim, k));
+                     sim->scheme->slot_parts(sim, k));
     }
     return RP_OK;
 }
@@ -274,7 +280,7 @@ static void move_grains(dem_sim *sim)
         now.way = now.x - g->x;
         now.turn = now.angle - g->angle;
         if (now.mass > 0.0) {
-            const dem_vec force = sim->implicit ? g->force : 0.5 * (g->force + now.force);
+            const dem_vec force = one_force(sim) ? g->force : 0.5 * (g->force + now.force);
             const double work = dem_dot(force, now.way) + 0.5 * (g->torque + now.torque) * now.turn;
             const double fall = now.mass * dem_dot(b->gravity, now.way), change = now.kinetic - g->kinetic;
             b->sum.integration += change - work - fall - g->hard;

@@ -1,32 +1,25 @@
-/* What can be read of a simulation. Nothing here changes the state: velocities are brought to the time of
- * the positions, v(n) = v(n-1/2) + dt/2 a(n), on the way out where the integrator is Verlet. */
+/* What can be read of a simulation. Nothing here changes the state: the integrator brings velocities to the
+ * time of the positions on the way out. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
-#include "dem/sim.h"
+#include "dem/integrator.h"
+#include "dem/law.h"
 
 static bool is_fixed(const dem_sim *sim, size_t i)
 {
     return sim->inverse_mass[i] == 0.0;
 }
 
-static dem_vec acceleration(const dem_sim *sim, size_t i)
-{
-    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
-}
-
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
-    if (sim->gear || sim->implicit || is_fixed(sim, i)) return sim->grain[i].v;
-    return sim->grain[i].v + 0.5 * sim->def.dt * acceleration(sim, i);
+    return sim->scheme->velocity && !is_fixed(sim, i) ? sim->scheme->velocity(sim, i) : sim->grain[i].v;
 }
 
 static double omega(const dem_sim *sim, size_t i)
 {
-    return sim->omega[i] + 0.5 * sim->def.dt * sim->inverse_inertia[i] * sim->push[i].torque;
+    return sim->scheme->spin ? sim->scheme->spin(sim, i) : sim->omega[i];
 }
 
 double dem_kinetic_energy(const dem_sim *sim, size_t i)
@@ -79,7 +72,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         if (place[id] == 0) continue;
         const size_t i = place[id] - 1;
         dem_vec x = sim->grain[i].x, v = velocity(sim, i);
-        dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * acceleration(sim, i);
+        dem_vec f = is_fixed(sim, i) ? *dem_force(sim, i) : sim->mass[i] * dem_acceleration(sim, i);
         *states++ = (dem_state){.id = (uint32_t)id,
                                 .x = x[0],
                                 .y = x[1],
@@ -116,13 +109,12 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
                (sim->radius[j] - 0.5 * overlap) * sim->omega[j];
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pair_mass[k],
                                 overlap, dem_dot(v, n));
-    if (sim->def.tangential != DEM_NONE)
-        f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c, sim->mu,
-                                 sim->pair_mass[k], v_s, f_n, 0.0, &spring);
+    f_s = dem_law_tangential(sim->def.tangential, dem_shear_of(&sim->def, c, sim->mu), sim->pair_mass[k], v_s,
+                             f_n, 0.0, &spring);
     if (sim->rolling) {
         const double r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
-        couple = r_eff * dem_law_rolling(c, sim->pair_mass[k], r_eff * (sim->omega[i] - sim->omega[j]), f_n,
-                                         0.0, &roll);
+        couple = dem_law_rolling(dem_rolls_of(c), r_eff, sim->pair_mass[k], sim->omega[i] - sim->omega[j],
+                                 f_n, 0.0, &roll);
     }
     return (dem_contact){sim->id[i], sim->id[j], -1,  a[0],   a[1],   b[0], b[1],
                          overlap,    f_n,        f_s, spring, couple, roll};
@@ -145,17 +137,15 @@ static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
                                 dem_dot(v, normal));
     double v_s = dem_dot(v, dem_clockwise(normal));
     if (sim->omega) v_s += (sim->radius[i] - overlap) * sim->omega[i];
-    if (sim->def.tangential != DEM_NONE)
-        f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c, sim->wall_mu[w],
-                                 sim->mass[i], v_s, f_n, 0.0, &spring);
+    f_s = dem_law_tangential(sim->def.tangential, dem_shear_of(&sim->def, c, sim->wall_mu[w]), sim->mass[i],
+                             v_s, f_n, 0.0, &spring);
     if (well != DEM_WELL_NONE) {
         f_s += dem_ground_force(sim, slot, f_n);
         spring = well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, slot) : 0.0;
     }
     if (sim->rolling)
-        couple = sim->radius[i] * dem_law_rolling(c, sim->mass[i],
-                                                  sim->radius[i] * (sim->omega[i] + sim->box_swing[1]), f_n,
-                                                  0.0, &roll);
+        couple = dem_law_rolling(dem_rolls_of(c), sim->radius[i], sim->mass[i],
+                                 sim->omega[i] + sim->box_swing[1], f_n, 0.0, &roll);
     *contact = (dem_contact){sim->id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
                              overlap,    f_n, f_s,    spring, couple, roll,  well};
     return true;
@@ -175,14 +165,12 @@ rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
 static dem_elastic elastic(const dem_sim *sim, const dem_material *c, double mu, const dem_contact *contact)
 {
     const double overlap = contact->overlap, ds = fabs(contact->shear_spring);
-    dem_elastic energy = {.normal = sim->def.normal == DEM_HERTZ
-                                        ? 0.4 * c->k_n * overlap * overlap * sqrt(overlap)
-                                        : 0.5 * c->k_n * overlap * overlap,
+    dem_elastic energy = {.normal = dem_normal_descriptors[sim->def.normal].potential(c->k_n, overlap),
                           .rolling = 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring};
     if (contact->well == DEM_WELL_HOLDS)
         energy.well =
             0.5 * sim->def.ground.mu_static * fmax(contact->normal_force, 0.0) / sim->def.ground.a * ds * ds;
-    if (sim->def.tangential == DEM_SPRING) {
+    if (dem_has_spring(sim->def.tangential)) {
         double pull = c->k_s * ds;
         if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
         energy.shear = pull * ds - 0.5 * pull * pull / c->k_s;
@@ -241,7 +229,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         double x = dem_to_box(sim, sim->grain[i].x)[0];
         if (!(x > lo && x < hi) || is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i) - dem_box_velocity(sim, sim->grain[i].x);
-        dem_vec f = sim->mass[i] * acceleration(sim, i);
+        dem_vec f = sim->mass[i] * dem_acceleration(sim, i);
         rest->n++;
         rest->kinetic_energy +=
             0.5 * sim->mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->box_swing[1]);

@@ -1,5 +1,5 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
-#include "dem/dem.h"
+#include "dem/integrator.h"
 
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
@@ -46,17 +46,21 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
     return m;
 }
 
-rp_status dem_physics_check(const dem_definition *def, const dem_material *m)
+rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
-    if (def->rotation && def->integrator == DEM_GEAR5)
-        return rp_fail(RP_BAD_INPUT, "rotation = true: needs integrator = \"verlet\"");
-    if (def->tangential == DEM_NONE && m->mu > 0.0)
+    if (!dem_has_friction(def->tangential) && m->mu > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
-    if (def->tangential == DEM_NONE && m->mu_roll > 0.0)
+    if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs a tangential law, as spring", m->mu_roll);
     if (!def->rotation && m->mu_roll > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", m->mu_roll);
     return RP_OK;
+}
+
+rp_status dem_physics_check(const dem_definition *def)
+{
+    rp_status status = dem_scheme_check(def);
+    return status ? status : dem_material_check(def, &def->material);
 }
 
 rp_status dem_radius_check(double mean, double least, double most)

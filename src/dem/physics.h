@@ -24,20 +24,20 @@
     X(SCENE, shape, "shape", "", RP_CHOICE, "sphere", "sphere | disk", "", 0, 0, \
       "gives mass (from the density) and moment of inertia") \
     X(GRAIN, density, "density", "g/cm^3", RP_REAL, "1.0", "(0, inf)", "", 0, 0, "of the grains (disk: g/cm^2)") \
-    X(SCENE, integrator, "integrator", "", RP_CHOICE, "verlet", "verlet | gear5 | implicit", "", 0, 0, \
+    X(SCENE, integrator, "integrator", "", RP_CHOICE, "verlet", DEM_INTEGRATOR_WORDS, "", 0, 0, \
       "velocity Verlet, Gear's predictor-corrector of fifth order, or energy-conserving at any dt") \
     X(SCENE, dt, "dt", "s", RP_REAL, "5e-5", "(0, inf)", "", 0, 0, "time step")
 
 /* Group `normal`. */
 #define DEM_NORMAL_PARAMS(X) \
-    X(SCENE, normal, "law", "", RP_CHOICE, "hertz", "hertz | linear", "", 0, 0, "normal force, eq (2a)") \
-    X(MATERIAL, k_n, "k_n", "dyn/cm^1.5", RP_REAL, "1e6", "[0, inf)", "", m->k_n, 2.0, "normal stiffness (linear: dyn/cm)") \
-    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "500.0", "[0, inf)", "", m->gamma_n, 1.0, "normal damping") \
+    X(SCENE, normal, "law", "", RP_CHOICE, "hertz", DEM_NORMAL_WORDS, "", 0, 0, "normal force, eq (2a)") \
+    X(MATERIAL, k_n, "k_n", "dyn/cm^1.5", RP_REAL, "1e6", "[0, inf)", "", m->k_n, 2.0, "normal stiffness, in units of the law: " DEM_K_N_UNITS) \
+    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "500.0", "[0, inf)", "", m->gamma_n, 1.0, "normal damping, in units of the law: " DEM_GAMMA_N_UNITS) \
     X(SCENE, tension, "tension", "", RP_BOOL, "true", "", "", 0, 0, "whether the damped normal force may pull, as printed")
 
 /* Group `tangential`. */
 #define DEM_TANGENTIAL_PARAMS(X) \
-    X(SCENE, tangential, "law", "", RP_CHOICE, "none", "none | spring | slip_roll", "", 0, 0, \
+    X(SCENE, tangential, "law", "", RP_CHOICE, "none", DEM_TANGENTIAL_WORDS, "", 0, 0, \
       "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n") \
     X(MATERIAL, k_s, "k_s", "dyn/cm", RP_REAL, "1e4", "(0, inf)", "", m->k_s, 1.0, "shear stiffness") \
     X(MATERIAL, gamma_s, "gamma_s", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->gamma_n / 100.0, 1.0, \

@@ -160,7 +160,7 @@ static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_
         rp_status status = group ? rp_config_group(group, groups[k].schema, p, NULL) : RP_OK;
         if (status) return status;
         dem_physics_apply(p, def);
-        status = group ? dem_physics_check(def, &def->material) : RP_OK;
+        status = group ? dem_material_check(def, &def->material) : RP_OK;
         if (status) return rp_config_fail(group, "%s", rp_message());
     }
     return RP_OK;
@@ -190,7 +190,7 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
         return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
                               wall->extent[1]);
     wall->material = dem_wall_material(&v.material, &def->material);
-    status = dem_physics_check(def, &wall->material);
+    status = dem_material_check(def, &wall->material);
     return status ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
 }
 

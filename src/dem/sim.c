@@ -11,7 +11,7 @@
 #endif
 
 #include "core/clock.h"
-#include "dem/sim.h"
+#include "dem/integrator.h"
 
 /* Pairs of a chunk: some 3000 grains. What a step reads and writes of them fits into the second cache. */
 enum { CHUNK = 8192 };
@@ -43,15 +43,29 @@ void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
     def->walls[DEM_BOX_RIGHT].point[0] = W;
 }
 
-double dem_mass(int shape, double density, double r)
+double dem_mass(dem_shape shape, double density, double r)
 {
-    return density * M_PI * r * r * (shape == DEM_SPHERE ? 4.0 / 3.0 * r : 1.0);
+    switch (shape) {
+    case DEM_SPHERE: return density * M_PI * r * r * (4.0 / 3.0 * r);
+    case DEM_DISK: return density * M_PI * r * r;
+    }
+    __builtin_unreachable();
 }
 
-double dem_inertia(int shape, double m, double r)
+double dem_inertia(dem_shape shape, double m, double r)
 {
-    return (shape == DEM_SPHERE ? 0.4 : 0.5) * m * r * r;
+    switch (shape) {
+    case DEM_SPHERE: return 0.4 * m * r * r;
+    case DEM_DISK: return 0.5 * m * r * r;
+    }
+    __builtin_unreachable();
 }
+
+const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
+#define X(name, word) [name] = &dem_scheme_##word,
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+};
 
 const char *dem_fault_text(dem_fault fault)
 {
@@ -67,9 +81,7 @@ const char *dem_fault_text(dem_fault fault)
 /* Overlap that an impact at speed v reaches without damping. */
 static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
 {
-    if (!(c->k_n > 0.0)) return 0.0;
-    return def->normal == DEM_HERTZ ? pow(5.0 * m_eff * v * v / (4.0 * c->k_n), 0.4)
-                                    : v * sqrt(m_eff / c->k_n);
+    return c->k_n > 0.0 ? dem_normal_descriptors[def->normal].impact_overlap(c->k_n, m_eff, v) : 0.0;
 }
 
 /* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
@@ -104,61 +116,37 @@ static meeting meet(double m_a, double crowd_a, double m_b, double crowd_b)
 static void contact_rates(const dem_definition *def, const dem_material *c, meeting of, double overlap,
                           double *gamma, double *omega_squared)
 {
-    const double k_n = def->normal == DEM_HERTZ ? 1.5 * c->k_n * sqrt(overlap) : c->k_n;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    const double k_n = law->stiffness(c->k_n, overlap),
+                 gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
-    const bool shear = def->tangential != DEM_NONE, spring = def->tangential == DEM_SPRING,
+    const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    *gamma = of.crowd * packing_sum(c->gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
+    *gamma = of.crowd * packing_sum(gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
     *omega_squared =
         of.crowd / of.m_eff * packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns);
 }
 
-/* Largest time step of a contact at this overlap. Verlet with velocities of the half step needs
- * 4 - 6 gamma dt - 3 omega^2 dt^2 > 0. Of that root, 0.95 are allowed where the stiffness is known, and 0.85
- * of Hertz' law, whose contacts may become deeper than foreseen: without damping about 1/omega. */
-static double contact_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap)
+/* Largest time step of a contact at this overlap. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap,
+                                 dem_load load)
 {
-    double gamma, square;
-    contact_rates(def, c, of, overlap, &gamma, &square);
-    const double rate = 3.0 * gamma + sqrt(9.0 * gamma * gamma + 12.0 * square),
-                 part = def->normal == DEM_LINEAR && def->integrator == DEM_VERLET ? 0.95 : 0.85;
-    return rate > 0.0 ? part * 4.0 / rate : INFINITY;
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    dem_rates rates;
+    contact_rates(def, c, of, overlap, &rates.gamma, &rates.omega2);
+    return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
 
-/* The same for the Gear scheme. Where damping rules, a scheme of one force evaluation a step is as stable as
- * its predictor, gamma dt < 90/551 (Adams-Bashforth), with the damping of three contacts on a grain. Without
- * damping a mode loses energy below omega dt = 0.33 and gains above it, 0.5 % a period at 0.5, which damping
- * outweighs. A packing's modes are free of growth below 1/hypot(18.4 gamma, 3 omega) or a little less. */
-static double gear_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap,
-                              double springs)
-{
-    double gamma, square;
-    contact_rates(def, c, of, overlap, &gamma, &square);
-    double rate = hypot(3.0 * gamma * 551.0 / 90.0, springs * sqrt(square));
-    return rate > 0.0 ? 1.0 / rate : INFINITY;
-}
-
-static double overlap_step_limit(const dem_definition *def, const dem_material *c, meeting of, double overlap)
-{
-    if (def->integrator == DEM_IMPLICIT) return INFINITY;
-    double limit = contact_step_limit(def, c, of, overlap);
-    return def->integrator == DEM_GEAR5 ? fmin(limit, 0.85 * gear_step_limit(def, c, of, overlap, 3.0))
-                                        : limit;
-}
-
-/* Largest time step for impacts at speed v, and with the Gear scheme for what rests under a column as high as
- * v is fallen from, of grains of radius r. Two of the lightest grains bear less than a column: in boxes of
- * 110 to 440 grains with k_n of 1e5 to 1e7, gamma_n of 50 to 1000, also linear, they begin to rattle for ever
- * between 1.0 and 1.2 times this limit; of 60 and 200, three each, gamma_n of 50 to 4500, none does at 1.05.
- */
+/* Largest time step for impacts at speed v, and for a contact at rest under a column as high as v is fallen
+ * from, of grains of radius r. */
 static double speed_step_limit(const dem_definition *def, const dem_material *c, meeting of, double r,
                                double v)
 {
-    double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v));
-    if (def->integrator == DEM_VERLET || !(c->k_n > 0.0)) return limit;
+    double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v), DEM_AT_IMPACT);
+    if (!(c->k_n > 0.0)) return limit;
     double weight = of.m_eff * v * v / (4.0 * r);
-    double overlap = def->normal == DEM_HERTZ ? pow(weight / c->k_n, 2.0 / 3.0) : weight / c->k_n;
-    return fmin(limit, gear_step_limit(def, c, of, overlap, 2.0));
+    double overlap = dem_normal_descriptors[def->normal].rest_overlap(c->k_n, weight);
+    return fmin(limit, contact_step_limit(def, c, of, overlap, DEM_AT_REST));
 }
 
 /* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
@@ -214,7 +202,7 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
 {
     double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
     const dem_grain *first, *second;
-    if (def->integrator == DEM_IMPLICIT) {
+    if (!dem_schemes[def->integrator]->step_limit) {
         if (what) *what = "nothing: the integrator is implicit";
         return INFINITY;
     }
@@ -267,13 +255,14 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 {
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
     if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
-    if (!status && def->tangential == DEM_SPRING) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && def->tangential != DEM_NONE) status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
+    if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
+    if (!status && dem_has_friction(def->tangential))
+        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
     if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
-    if (!status) status = dem_physics_check(def, c);
+    if (!status) status = dem_material_check(def, c);
     if (!status && has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
     if (!status && has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
     return status ? rp_prefix(status, "%s: ", of) : RP_OK;
@@ -313,7 +302,7 @@ static rp_status check_ground(const dem_definition *def)
     const dem_wall *w = &def->walls[g->wall - 1];
     if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
         return rp_fail(RP_BAD_INPUT, "ground: wall = %d: must be a whole line that never opens", g->wall);
-    if (def->tangential == DEM_SPRING)
+    if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
     if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
@@ -329,8 +318,6 @@ static rp_status check_hard(const dem_definition *def)
                        hard->restitution);
     if (!(hard->mu >= 0.0))
         return rp_fail(RP_BAD_INPUT, "hard: mu = %g: out of range, allowed: [0, inf) | infinite", hard->mu);
-    if (def->integrator != DEM_VERLET)
-        return rp_fail(RP_BAD_INPUT, "hard: collisions need the integrator verlet");
     /* a pair that has just collided must not be held back */
     if (def->tension)
         return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
@@ -375,6 +362,16 @@ static rp_status check_grain_values(const dem_definition *def)
     return RP_OK;
 }
 
+rp_status dem_scheme_check(const dem_definition *def)
+{
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    if (def->rotation && !scheme->rotation)
+        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
+    if (def->hard.on && !scheme->hard)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need the integrator verlet");
+    return scheme->check ? scheme->check(def) : RP_OK;
+}
+
 static rp_status check_definition(const dem_definition *def)
 {
     if (def->n_walls > DEM_MAX_WALLS)
@@ -384,7 +381,7 @@ static rp_status check_definition(const dem_definition *def)
     if (!status) status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
-    if (!status) status = dem_implicit_check(def);
+    if (!status) status = dem_scheme_check(def);
     if (status) return status;
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
@@ -444,7 +441,7 @@ void dem_gravity_set(dem_sim *sim, const double g[2])
 {
     dem_vec before = sim->gravity;
     set_gravity(sim, g);
-    dem_integrate_gravity(sim, sim->gravity - before);
+    if (sim->scheme->gravity) sim->scheme->gravity(sim, sim->gravity - before);
     if (sim->book) dem_ledger_gravity(sim);
 }
 
@@ -469,9 +466,7 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
                    sim->id[grain], text);
 }
 
-/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
- * find one that is beyond the smaller of its own two. */
-static rp_status check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
 {
     sim->alarm = false;
     for (; k < to; k++) {
@@ -521,7 +516,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
     sim->inverse_mass = dem_array(room, sizeof *sim->inverse_mass);
     sim->id = dem_array(room, sizeof *sim->id);
     sim->fixed = dem_array(room, sizeof *sim->fixed);
-    const bool gear = sim->def.integrator == DEM_GEAR5;
+    const bool gear = sim->scheme->excess;
     if (gear) sim->gear = dem_array(room, sizeof *sim->gear);
     if (sim->def.rotation) {
         sim->angle = dem_array(room, sizeof *sim->angle);
@@ -544,7 +539,7 @@ static rp_status alloc_arrays(dem_sim *sim, size_t n)
         !sim->grain || !sim->ref || !sim->radius || !sim->mass || !sim->inverse_mass || !sim->margin2 ||
         !sim->reach || !sim->slack || !sim->id || !sim->fixed)
         return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
-    return sim->def.integrator == DEM_IMPLICIT ? dem_implicit_alloc(sim) : RP_OK;
+    return sim->scheme->alloc ? sim->scheme->alloc(sim) : RP_OK;
 }
 
 static meeting meeting_of(const dem_sim *sim, size_t i, size_t j)
@@ -562,16 +557,17 @@ static rp_status check_start_overlaps(const dem_sim *sim)
     DEM_EACH_TOUCHING (sim, k) {
         const size_t i = sim->pair_i[k], j = sim->pair_j[k];
         dem_vec d = sim->grain[i].x - sim->grain[j].x;
-        limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.material, meeting_of(sim, i, j),
-                                               sim->pair_radii[k] - sqrt(dem_dot(d, d))));
+        limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.material, meeting_of(sim, i, j),
+                                               sim->pair_radii[k] - sqrt(dem_dot(d, d)), DEM_AT_START));
     }
     for (size_t k = 0; k < sim->n_wall_slots; k++) {
         dem_vec normal, velocity;
         double overlap;
         dem_wall_slot slot = sim->wall_slot[k];
         if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
-            limit = fmin(limit, overlap_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
-                                                   meet(sim->mass[slot.grain], 1.0, INFINITY, 0.0), overlap));
+            limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
+                                                   meet(sim->mass[slot.grain], 1.0, INFINITY, 0.0), overlap,
+                                                   DEM_AT_START));
     }
     return sim->def.dt <= limit
                ? RP_OK
@@ -641,11 +637,11 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     if (status) return status;
     sim->kernel(sim, 0, sim->n_pairs, 0.0);
     dem_walls_apply(sim, 0, sim->n, 0.0);
-    if (sim->alarm) status = check_overlaps(sim, 0, sim->n_pairs, 0);
+    if (sim->alarm) status = dem_check_overlaps(sim, 0, sim->n_pairs, 0);
     if (!status) status = check_start_overlaps(sim);
     if (!status && sim->book) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;
-    dem_integrate_start(sim, 0);
+    if (sim->scheme->start) sim->scheme->start(sim, 0);
     if (sim->book) dem_ledger_start(sim);
     return RP_OK;
 }
@@ -687,6 +683,7 @@ static void note_radius(dem_sim *sim, double r)
 static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 {
     sim->def = *def;
+    sim->scheme = dem_schemes[def->integrator];
     sim->def.grains = NULL;
     sim->def.contacts = NULL;
     sim->def.n_contacts = 0;
@@ -713,7 +710,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
         sim->mass_mean += p->m / (double)sim->n;
     }
     sim->skin = def->skin > 0.0 ? def->skin : 0.4 * sim->radius_mean;
-    sim->even_margins = def->skin > 0.0 || def->integrator == DEM_IMPLICIT; /* that has no speeds to go by */
+    sim->even_margins = def->skin > 0.0 || sim->scheme->even_margins;
     sim->start_speed = impact_speed(def);
     sim->dt_limit = dem_time_step_limit(def, &sim->dt_limit_of);
     status = dem_neighbours_alloc(sim, NULL);
@@ -747,7 +744,7 @@ static rp_status copy_with_room(const dem_sim *sim, size_t room, dem_sim **copy)
     c->room = room;
     c->margin2 = c->reach = c->slack = NULL, c->grain = NULL, c->force = c->ref = NULL,
     c->radius = c->mass = c->inverse_mass = NULL, c->id = NULL;
-    c->gear = NULL, c->implicit = NULL, c->fixed = NULL, c->push = NULL;
+    c->gear = NULL, c->work = NULL, c->fixed = NULL, c->push = NULL;
     c->angle = c->omega = c->inverse_inertia = NULL;
     c->next = NULL, c->next_angle = c->next_omega = NULL;
     c->pair_i = c->pair_j = NULL, c->touching = NULL,
@@ -845,7 +842,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     if (sim->book && (status = dem_ledger_add(sim, grain)) != RP_OK) return status;
     note_radius(sim, grain->r);
     sim->id[sim->n++] = ++sim->last_id;
-    dem_integrate_start(sim, sim->n - 1);
+    if (sim->scheme->start) sim->scheme->start(sim, sim->n - 1);
     if (id) *id = sim->last_id;
     return dem_neighbours_rebuild(sim);
 }
@@ -854,7 +851,7 @@ void dem_free(dem_sim *sim)
 {
     if (!sim) return;
     dem_neighbours_free(sim);
-    dem_implicit_free(sim);
+    if (sim->work) sim->scheme->free(sim);
     dem_ledger_free(sim);
     free(sim->margin2), free(sim->reach), free(sim->slack), free(sim->gear), free(sim->fixed);
     free(sim->next), free(sim->next_angle), free(sim->next_omega);
@@ -866,81 +863,50 @@ void dem_free(dem_sim *sim)
         free(sim);
 }
 
-static inline void lap(double *phase, double *clock)
+/* Give the time since the last reading to a phase. */
+static inline void lap(dem_sim *sim, double *phase)
 {
     const double now = rp_clock();
-    *phase += now - *clock;
-    *clock = now;
+    *phase += now - sim->clock;
+    sim->clock = now;
 }
 
-/* May grains go on before the forces on all the others are there? */
-static bool runs_ahead(const dem_sim *sim)
+rp_status dem_step_lists(dem_sim *sim, unsigned left)
 {
-    const dem_definition *def = &sim->def;
-    return sim->n_chunks > 0 && def->integrator == DEM_VERLET && def->kernel != DEM_REFERENCE &&
-           !def->hard.on && !sim->book && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
+    rp_status status = RP_OK;
+    sim->step++;
+    if (sim->times) lap(sim, &sim->times->integration);
+    if (left & DEM_LIST_OUT || sim->box_swept > sim->box_room)
+        status = dem_neighbours_rebuild(sim);
+    else if (left)
+        dem_neighbours_drop(sim);
+    if (sim->times) lap(sim, &sim->times->lists);
+    return status;
 }
 
-/* The forces, and the next step of the grains behind them while these are in the cache; gives what
- * dem_integrate does in *left. */
-static rp_status run_ahead(dem_sim *sim, unsigned *left)
-{
-    rp_status status;
-    for (size_t c = 0, k = 0, i = 0; c < sim->n_chunks; c++) {
-        const size_t end = c + 1 < sim->n_chunks ? k + sim->chunk : sim->n_pairs, done = sim->done[c];
-        sim->kernel(sim, k, end, sim->def.dt);
-        dem_walls_apply(sim, i, done, sim->def.dt);
-        if (sim->alarm && (status = check_overlaps(sim, k, end, i)) != RP_OK) return status;
-        *left |= dem_integrate(sim, i, done);
-        k = end, i = done;
-    }
-    return RP_OK;
-}
-
-/* With `times` NULL, as the compiler knows, no more than the steps. */
-static inline __attribute__((always_inline)) rp_status advance(dem_sim *sim, long steps, dem_phases *times)
+rp_status dem_step_forces(dem_sim *sim)
 {
     const double h = sim->def.dt;
-    double clock = times ? rp_clock() : 0.0;
-    unsigned left = 0;
-    bool ahead = false; /* the step to come is made already */
     rp_status status;
+    sim->kernel(sim, 0, sim->n_pairs, h);
+    if (sim->times) lap(sim, &sim->times->contacts);
+    dem_walls_apply(sim, 0, sim->n, h);
+    if (sim->alarm && (status = dem_check_overlaps(sim, 0, sim->n_pairs, 0)) != RP_OK) return status;
+    if (sim->times) lap(sim, &sim->times->walls);
+    return sim->book ? dem_ledger_forces(sim, h) : RP_OK;
+}
+
+static rp_status advance(dem_sim *sim, long steps)
+{
+    /* the box may turn since the start */
     if (sim->n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return refuse_turn();
-    if (sim->implicit && (status = dem_implicit_check(&sim->def)) != RP_OK) return status; /* a turn since */
-    for (; steps > 0; steps--) {
+    rp_status status = dem_scheme_check(&sim->def);
+    for (; steps > 0 && !status; steps--) {
         if (sim->def.turn_per_step != 0.0 && sim->step >= sim->def.turn_from_step) turn_gravity(sim);
-        if (sim->def.hard.on && (status = dem_impacts_apply(sim)) != RP_OK) return status;
-        dem_walls_turn(sim);
-        if (sim->def.hard.on)
-            left = dem_impacts_integrate(sim);
-        else if (!sim->implicit)
-            left = ahead ? left : dem_integrate(sim, 0, sim->n);
-        else if ((status = dem_implicit_step(sim, &left)) != RP_OK)
-            return status;
-        sim->step++;
-        if (times) lap(&times->integration, &clock);
-        if (left & DEM_LIST_OUT || (left && sim->implicit) || sim->box_swept > sim->box_room) {
-            if ((status = dem_neighbours_rebuild(sim)) != RP_OK) return status;
-        } else if (left) {
-            dem_neighbours_drop(sim);
-        }
-        if (times) lap(&times->lists, &clock);
-        ahead = !times && steps > 1 && runs_ahead(sim);
-        left = 0;
-        if (ahead) {
-            if ((status = run_ahead(sim, &left)) != RP_OK) return status;
-            continue;
-        }
-        sim->kernel(sim, 0, sim->n_pairs, h);
-        if (times) lap(&times->contacts, &clock);
-        dem_walls_apply(sim, 0, sim->n, h);
-        if (sim->alarm && (status = check_overlaps(sim, 0, sim->n_pairs, 0)) != RP_OK) return status;
-        if (times) lap(&times->walls, &clock);
-        if (sim->book && (status = dem_ledger_forces(sim, h)) != RP_OK) return status;
-        if (sim->gear) dem_integrate_correct(sim);
-        if (sim->book) dem_ledger_step(sim);
+        status = sim->scheme->step(sim, steps == 1);
+        if (!status && sim->book) dem_ledger_step(sim);
     }
-    return RP_OK;
+    return status;
 }
 
 /* From now on numbers below the smallest normal one, 2.2e-308, count as 0; gives the mode before. Speeds and
@@ -970,16 +936,17 @@ static void restore_mode(unsigned mode)
 rp_status dem_run(dem_sim *sim, long steps)
 {
     const unsigned mode = count_as_zero();
-    rp_status status = advance(sim, steps, NULL);
+    rp_status status = advance(sim, steps);
     restore_mode(mode);
     return status;
 }
 
 rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times)
 {
-    const unsigned mode = count_as_zero();
-    rp_status status = advance(sim, steps, times);
-    restore_mode(mode);
+    sim->times = times;
+    sim->clock = rp_clock();
+    rp_status status = dem_run(sim, steps);
+    sim->times = NULL;
     return status;
 }
 

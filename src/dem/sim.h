@@ -11,6 +11,8 @@
 /* Two doubles as one value: + - * act on both. */
 typedef double dem_vec __attribute__((vector_size(16)));
 
+typedef struct dem_scheme dem_scheme; /* descriptor of an integrator; integrator.h */
+
 /* What the pair loop reads of a grain, in one 32-byte piece. Verlet's velocity is that of half a step before
  * the positions: v(n - 1/2); observers add half a step's acceleration. Others' is that of the positions. */
 typedef struct {
@@ -29,7 +31,7 @@ typedef struct {
     uint32_t wall, grain;
     double spring, roll, side;
     double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
-    int well;
+    dem_well well;
 } dem_wall_slot;
 
 /* What the Gear scheme keeps of a grain besides: its derivatives 2 to 5, x^(k) dt^k/k!, and by how much the
@@ -53,9 +55,9 @@ typedef void dem_line(struct dem_sim *sim, size_t k, size_t end, double h);
  * number is not finite; take out grains that left. */
 enum { DEM_LIST_OUT = 1, DEM_GRAIN_OUT = 2 };
 enum { DEM_GROUP = 64, DEM_HITS = 8 };
-/* Advance as many as it can of the grains from..to, returns up to where; *left as of dem_integrate. With
- * speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest speed,
- * INFINITY for NaN. */
+/* Advance as many as it can of the grains from..to by Verlet's step, returns up to where; *left as there.
+ * With speed2 not NULL, margins are not looked at, and *speed2, 0 before, becomes the square of the largest
+ * speed, INFINITY for NaN. */
 typedef size_t dem_advance(struct dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2);
 /* Have as many as it can of the grains from..to left their margins? Returns up to where; raises *margin2 to
  * the largest square of a margin, *beyond to the largest of that of the way less that of the margin. */
@@ -81,7 +83,13 @@ dem_closing dem_closing_avx512, dem_closing_avx2;
 dem_deflected dem_deflected_avx512, dem_deflected_avx2;
 
 struct dem_sim {
-    dem_definition def; /* its `grains` is NULL */
+    dem_definition def;       /* its `grains` is NULL */
+    const dem_scheme *scheme; /* the integrator */
+    void *work;               /* its own; NULL where it has none */
+    bool ahead;               /* grains are already where the step to come takes them */
+    unsigned ahead_left;      /* as of dem_step_lists */
+    dem_phases *times;        /* of dem_run_timed, and the clock of its last reading; NULL without */
+    double clock;
     long step;
     dem_fault fault;
     char kernel_name[40];
@@ -119,7 +127,6 @@ struct dem_sim {
     dem_vec *force; /* contact forces, without gravity; NULL with rotation */
     dem_vec *ref;
     dem_gear *gear;                       /* NULL for other integrators */
-    struct dem_implicit *implicit;        /* the same */
     double *radius, *mass, *inverse_mass; /* 1/mass is 0 where a grain is fixed */
     double *margin2, *reach;              /* of the neighbour list: the margin's square; radius and margin */
     bool even_margins;                    /* half the skin for all */
@@ -244,39 +251,6 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
-/* Advance velocities and positions of the grains from..to by a step, Gear's as a prediction, and clear their
- * forces; `from` is a multiple of DEM_GROUP. Gives DEM_LIST_OUT and DEM_GRAIN_OUT. Fixed grains are put back
- * with the last. integrators.c. */
-unsigned dem_integrate(dem_sim *sim, size_t from, size_t to);
-
-/* After the start's forces, for the grains at places from `from` on; and after the forces of a step that was
- * predicted. */
-void dem_integrate_start(dem_sim *sim, size_t from);
-void dem_integrate_correct(dem_sim *sim);
-
-/* Gravity changes between steps by this. */
-void dem_integrate_gravity(dem_sim *sim, dem_vec change);
-
-/* The implicit integrator: what it refuses; its work space, for sim->room grains; a step from sim->step to
- * the next, that clears the forces as dem_integrate does, and gives the same in *left; implicit.c.
- * Errors: RP_BAD_INPUT; RP_NO_MEMORY; RP_BROKEN (not solved; a grain moves too far), RP_NO_MEMORY. */
-rp_status dem_implicit_check(const dem_definition *def);
-rp_status dem_implicit_alloc(dem_sim *sim);
-void dem_implicit_free(dem_sim *sim);
-rp_status dem_implicit_step(dem_sim *sim, unsigned *left);
-
-/* Parts of the force that a contact has all through a step of the implicit integrator, on its first grain:
- * along n, which is shorter than 1 where a pair turns, and along s. */
-typedef struct {
-    dem_vec n, s;
-    double elastic, damping, dashpot, slip, well;
-} dem_parts;
-
-/* Of a pair and of a wall slot, once the step is solved and before it is gone; all 0 where they do not
- * touch. */
-dem_parts dem_implicit_pair(const dem_sim *sim, size_t k);
-dem_parts dem_implicit_slot(const dem_sim *sim, size_t k);
-
 /* Neighbour list: allocate (with `like`, as a copy of its pairs and slots), free; neighbours.c. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
@@ -308,7 +282,7 @@ double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double no
 dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
                         dem_vec ground_velocity);
 
-/* Hard collisions of the coming step, before it; then, in place of dem_integrate, that step; impact.c.
+/* Hard collisions of the coming step of Verlet, before it; then that step; impact.c.
  * Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_impacts_apply(dem_sim *sim);
 unsigned dem_impacts_integrate(dem_sim *sim);

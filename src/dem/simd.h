@@ -23,13 +23,13 @@ static inline void wide_store(double *to, wide a)
     _mm512_storeu_pd(to, a);
 }
 
-static inline wide wide_sqrt(wide a)
+static inline wide num_sqrt(wide a)
 {
     return _mm512_sqrt_pd(a);
 }
 
 /* a where a > b, else b */
-static inline wide wide_max(wide a, wide b)
+static inline wide num_max(wide a, wide b)
 {
     return _mm512_max_pd(a, b);
 }
@@ -49,14 +49,14 @@ static inline unsigned wide_bits(lanes l)
     return l;
 }
 
-static inline wide wide_choose(lanes l, wide yes, wide no)
+static inline wide num_choose(lanes l, wide yes, wide no)
 {
     return _mm512_mask_blend_pd(l, no, yes);
 }
 
 /* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
  * `most`. */
-static inline wide wide_limit(wide a, wide most, lanes *less)
+static inline wide num_limit(wide a, wide most, lanes *less)
 {
     const wide limited = _mm512_range_pd(a, most, 2);
     *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
@@ -180,12 +180,12 @@ static inline void wide_store(double *to, wide a)
     _mm256_storeu_pd(to, a);
 }
 
-static inline wide wide_sqrt(wide a)
+static inline wide num_sqrt(wide a)
 {
     return _mm256_sqrt_pd(a);
 }
 
-static inline wide wide_max(wide a, wide b)
+static inline wide num_max(wide a, wide b)
 {
     return _mm256_max_pd(a, b);
 }
@@ -205,16 +205,16 @@ static inline unsigned wide_bits(lanes l)
     return (unsigned)_mm256_movemask_pd(l);
 }
 
-static inline wide wide_choose(lanes l, wide yes, wide no)
+static inline wide num_choose(lanes l, wide yes, wide no)
 {
     return _mm256_blendv_pd(no, yes, l);
 }
 
-static inline wide wide_limit(wide a, wide most, lanes *less)
+static inline wide num_limit(wide a, wide most, lanes *less)
 {
     const wide mask = _mm256_set1_pd(-0.0);
     *less = wide_less(most, _mm256_andnot_pd(mask, a));
-    return wide_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
+    return num_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
 static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
@@ -301,5 +301,8 @@ static inline wide wide_firsts(wide a, wide b)
     return _mm256_permute4x64_pd(_mm256_unpacklo_pd(a, b), 0xd8);
 }
 #endif
+
+typedef wide num;
+#include "dem/law.inl"
 
 #endif

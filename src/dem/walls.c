@@ -3,8 +3,7 @@
  * is a corner, and the shear spring lives on as a grain rolls over it. */
 #include <math.h>
 
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
+#include "dem/law.h"
 #include "dem/sim.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
@@ -79,20 +78,18 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
     double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
                                 dem_dot(v, n));
     dem_vec f = f_n * n;
-    if (sim->def.tangential != DEM_NONE) {
+    if (dem_has_friction(sim->def.tangential)) {
         dem_vec s = dem_clockwise(n);
-        if (sim->gear && sim->def.tangential == DEM_SPRING) slot->spring += dem_dot(sim->gear[i].slide, s);
+        if (sim->gear && dem_has_spring(sim->def.tangential)) slot->spring += dem_dot(sim->gear[i].slide, s);
         double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
         if (sim->omega) v_s += arm * sim->omega[i];
-        double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
-                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+        const dem_slider shear = dem_shear_of(&sim->def, c, sim->wall_mu[slot->wall]);
+        double f_s = dem_law_tangential(sim->def.tangential, shear, sim->mass[i], v_s, f_n, h, &slot->spring);
         f += s * f_s;
         if (sim->omega) sim->push[i].torque += arm * f_s;
         if (sim->rolling)
-            sim->push[i].torque +=
-                sim->radius[i] * dem_law_rolling(c, sim->mass[i],
-                                                 sim->radius[i] * (sim->omega[i] + sim->box_swing[1]), f_n, h,
-                                                 &slot->roll);
+            sim->push[i].torque += dem_law_rolling(dem_rolls_of(c), sim->radius[i], sim->mass[i],
+                                                   sim->omega[i] + sim->box_swing[1], f_n, h, &slot->roll);
     }
     if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
     *dem_force(sim, i) += f;

@@ -1,8 +1,8 @@
-/* Statistics of an ensemble: moments, bootstrap, straight lines; see angle.h. */
+/* Moments of an ensemble and straight lines; see stats.h. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics_double.h>
+#include <gsl/gsl_fit.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "stats/stats.h"
 
@@ -44,35 +44,13 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
     return stats_paired(n, v, 0.0, NULL, stats);
 }
 
-rp_status stats_bootstrap(size_t n, const double v[], double level, size_t n_resamples, gsl_rng *rng,
-                          double means[], double *lo, double *hi)
-{
-    *lo = *hi = NAN;
-    rp_status status = check_values(n, v);
-    if (status) return status;
-    if (!(level > 0.0 && level < 1.0))
-        return rp_fail(RP_BAD_INPUT, "level = %g: out of range, allowed: (0, 1)", level);
-    if (n_resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
-    if (n == 1) return RP_OK;
-    for (size_t k = 0; k < n_resamples; k++) {
-        double sum = 0.0;
-        for (size_t i = 0; i < n; i++) sum += v[gsl_rng_uniform_int(rng, n)] - v[0];
-        means[k] = v[0] + sum / (double)n;
-    }
-    gsl_sort(means, 1, n_resamples);
-    *lo = gsl_stats_quantile_from_sorted_data(means, 1, n_resamples, 0.5 * (1.0 - level));
-    *hi = gsl_stats_quantile_from_sorted_data(means, 1, n_resamples, 0.5 * (1.0 + level));
-    return RP_OK;
-}
-
 static rp_status check_points(size_t n, const double x[], const double y[], const double se[], bool origin)
 {
     bool spread = false;
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(x[i]) || !isfinite(y[i]))
             return rp_fail(RP_BAD_INPUT, "point %zu: (%g, %g): finite numbers expected", i + 1, x[i], y[i]);
-        if (!(se[i] > 0.0 && isfinite(se[i])))
+        if (se && !(se[i] > 0.0 && isfinite(se[i])))
             return rp_fail(RP_BAD_INPUT, "point %zu: standard error = %g: out of range, allowed: (0, inf)",
                            i + 1, se[i]);
         spread = spread || x[i] != (origin ? 0.0 : x[0]);
@@ -88,29 +66,21 @@ rp_status stats_line_fit(size_t n, const double x[], const double y[], const dou
     *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     rp_status status = check_points(n, x, y, se, origin);
     if (status) return status;
-    double sw = 0.0, x_mean = 0.0, y_mean = 0.0, sxx = 0.0, sxy = 0.0, chi2 = 0.0;
-    for (size_t i = 0; i < n; i++) sw += 1.0 / (se[i] * se[i]);
-    for (size_t i = 0; i < n && !origin; i++) {
-        x_mean += x[i] / (se[i] * se[i] * sw);
-        y_mean += y[i] / (se[i] * se[i] * sw);
-    }
-    for (size_t i = 0; i < n; i++) {
-        double dx = (x[i] - x_mean) / se[i];
-        sxx += dx * dx;
-        sxy += dx * (y[i] - y_mean) / se[i];
-    }
-    double slope = sxy / sxx;
-    for (size_t i = 0; i < n; i++) {
-        double rest = (y[i] - y_mean - slope * (x[i] - x_mean)) / se[i];
-        chi2 += rest * rest;
-    }
+    double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
+    if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
+    for (size_t i = 0; i < n; i++) w[i] = se ? 1.0 / (se[i] * se[i]) : 1.0;
+    line->intercept = line->covariance = 0.0;
+    if (origin)
+        gsl_fit_wmul(x, 1, w, 1, y, 1, n, &line->slope, &slope_variance, &line->chi2);
+    else
+        gsl_fit_wlinear(x, 1, w, 1, y, 1, n, &line->intercept, &line->slope, &variance, &line->covariance,
+                        &slope_variance, &line->chi2);
+    free(w);
     line->dof = n - (origin ? 1 : 2);
-    line->slope = slope;
-    line->slope_se = sqrt(1.0 / sxx);
-    line->intercept = origin ? 0.0 : y_mean - slope * x_mean;
-    line->intercept_se = origin ? 0.0 : sqrt(1.0 / sw + x_mean * x_mean / sxx);
-    line->covariance = origin ? 0.0 : -x_mean / sxx;
-    line->chi2 = chi2;
-    line->p_value = line->dof > 0 ? gsl_cdf_chisq_Q(chi2, (double)line->dof) : NAN;
+    const double scale = se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
+    line->covariance *= scale;
+    line->slope_se = sqrt(slope_variance * scale);
+    line->intercept_se = origin ? 0.0 : sqrt(variance * scale);
+    line->p_value = se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
     return RP_OK;
 }

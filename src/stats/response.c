@@ -362,7 +362,7 @@ static rp_status find_scale(problem *s)
     const double lo = log(0.05 * range), hi = log(3.0 * range);
     double best = HUGE_VAL, at = lo, value;
     for (int i = 0; i <= 12; i++) {
-        double x = lo + (hi - lo) * i / 12.0;
+        double x = fmin(lo + (hi - lo) * i / 12.0, hi); /* round-off must not leave the bounds */
         value = chi2_of_scale(1, &x, NULL, s);
         if (value < best) best = value, at = x;
     }

@@ -1,4 +1,4 @@
-/* Statistics of one series in time, whose values are correlated; see angle.h. */
+/* Statistics of one series in time, whose values are correlated; see stats.h. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <string.h>

@@ -23,20 +23,17 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
 /* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats);
 
-/* Percentile bootstrap interval of the mean at `level` in (0, 1), from n_resamples >= 2 resamples;
- * means[n_resamples] is work space. NaN for n = 1. Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT. */
-rp_status stats_bootstrap(size_t n, const double v[], double level, size_t n_resamples, gsl_rng *rng,
-                          double means[], double *lo, double *hi);
-
-/* y = intercept + slope x with weights 1/se^2; the se are taken at their word, not rescaled by chi2.
- * p_value: chance of a larger chi2; NaN without degrees of freedom. */
+/* y = intercept + slope x. chi2: sum of squared residuals over se^2, or over 1 without se.
+ * p_value: chance of a larger chi2; NaN without se or degrees of freedom. */
 typedef struct {
     size_t n, dof;
     double slope, intercept, slope_se, intercept_se, covariance, chi2, p_value;
 } stats_line;
 
-/* Straight line, or with `origin` the line through (0, 0), whose intercept and its errors are 0.
- * se > 0. Errors: RP_NO_RESULT for fewer points than coefficients or no spread in x, RP_BAD_INPUT. */
+/* Straight line by least squares, or with `origin` the line through (0, 0), whose intercept and its errors
+ * are 0. Weights 1/se^2, se > 0; errors follow from se and are not rescaled. With se NULL all weights are
+ * equal, and errors follow from the scatter about the line. Errors: RP_NO_RESULT for fewer points than
+ * coefficients or no spread in x, RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
                          stats_line *line);
 

@@ -65,7 +65,7 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     dem_scene scene;
     sweep_box_scene(b, &scene);
     rp_status status = dem_radius_check(b->radius_mean, b->radius_min, b->radius_max);
-    if (!status) status = dem_physics_check(&scene.def, &scene.def.material);
+    if (!status) status = dem_physics_check(&scene.def);
     if (status) return status;
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,

@@ -1,4 +1,4 @@
-/* Close-packed heaps of disks; see heap.h. */
+/* Close-packed heaps of disks; see outline.h. */
 #include "sweeps/driver/outline.h"
 
 #include <math.h>
@@ -128,55 +128,14 @@ sweep_outline_error sweep_outline_compare(const sweep_outline *h, const double N
     return (sweep_outline_error){sqrt(sum / (double)h->k), most, H_most / exact_most, thrust / exact_thrust};
 }
 
-/* Loads of which each is even over its disk's share of the base, which ends half-way to the neighbours. */
-typedef struct {
-    size_t k;
-    const double *x, *N;
-} base_load;
-
-static double edge(const base_load *b, size_t i)
+rp_status sweep_outline_base(size_t k, const double x[], const double N[], stress_base *base)
 {
-    const double *x = b->x;
-    if (i == 0) return x[0] - (x[1] - x[0]) / 2;
-    return i == b->k ? x[i - 1] + (x[i - 1] - x[i - 2]) / 2 : (x[i - 1] + x[i]) / 2;
-}
-
-/* Where `part` of the load lies to the left. */
-static double quantile(const base_load *b, double load, double part)
-{
-    double left = part * load;
-    size_t i = 0;
-    while (i + 1 < b->k && left > b->N[i]) left -= b->N[i++];
-    return edge(b, i) + left / b->N[i] * (edge(b, i + 1) - edge(b, i));
-}
-
-/* Mean N of a disk over from..to, weighted with its share. */
-static double mean_between(const base_load *b, double from, double to)
-{
-    double sum = 0, width = 0;
-    for (size_t i = 0; i < b->k; i++) {
-        const double w = fmax(fmin(edge(b, i + 1), to) - fmax(edge(b, i), from), 0);
-        sum += w * b->N[i];
-        width += w;
-    }
-    return sum / width;
-}
-
-double sweep_outline_dip(size_t k, const double x[], const double N[])
-{
-    const double OUT = 0.01, INNER = 0.1, OUTER = 0.3;
-    const base_load b = {k, x, N};
-    double load = 0, moment = 0;
-    if (k < 2) return NAN;
-    for (size_t i = 0; i < k; i++) {
-        load += N[i];
-        moment += N[i] * x[i];
-    }
-    const double c = moment / load, from = quantile(&b, load, OUT), to = quantile(&b, load, 1 - OUT),
-                 inner = INNER * (to - from), outer = OUTER * (to - from);
-    const double sides =
-        (mean_between(&b, c - outer, c - inner) + mean_between(&b, c + inner, c + outer)) / 2;
-    return (mean_between(&b, c - inner, c + inner) - sides) / mean_between(&b, from, to);
+    double *r = malloc(k * sizeof *r);
+    if (!r) return no_memory();
+    for (size_t i = 0; i < k; i++) r[i] = 0.5;
+    rp_status status = stress_base_profile(k, x, r, N, base);
+    free(r);
+    return status;
 }
 
 double sweep_outline_centre(size_t k, const double N[])

@@ -8,6 +8,7 @@
 
 #include "analytic/analytic.h"
 #include "statics/equilibrium.h"
+#include "stress/dip.h"
 
 typedef struct {
     size_t n, k; /* disks; in the base */
@@ -39,12 +40,9 @@ typedef struct {
 } sweep_outline_error;
 sweep_outline_error sweep_outline_compare(const sweep_outline *heap, const double N[], const double H[]);
 
-/* The dip D = (mean N over |x - c| < 0.1 b less mean N over 0.1 b to 0.3 b on both sides)/mean N over b, of
- * the loads N of disks at x, from left to right, each taken as even over the base up to half-way to its
- * neighbours: c is their centroid, and b the part of the base that holds 98 % of them, 1 % being left out on
- * each side. A negative D is a dip; without one D is 0 only where N is flat out to 0.3 b, and positive (0.1
- * under 30 degrees, 0.25 under 20) where flanks begin within it. NAN for less than two disks. */
-double sweep_outline_dip(size_t k, const double x[], const double N[]);
+/* Profile of the loads N of k disks of the base at x, each even over its disk, for stress_dip.
+ * Errors: those of stress_base_profile; RP_NO_MEMORY. */
+rp_status sweep_outline_base(size_t k, const double x[], const double N[], stress_base *base);
 
 /* N of the middle of the base, of the two there if k is even, over the largest. */
 double sweep_outline_centre(size_t k, const double N[]);

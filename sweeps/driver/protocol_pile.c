@@ -42,7 +42,7 @@ static const rp_param schema[] = {
 /* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(n_disks, "", "disks") \
-    X(D, "", "mean N within 0.1 of the base from the centroid, less that from 0.1 to 0.3, over mean N") \
+    X(D, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.3 B, over the mean N") \
     X(D_diagonals, "", "the same of what diagonals alone carry") \
     X(N_centre, "", "N of the middle of the base over the largest") \
     X(N_centre_diagonals, "", "the same of what diagonals alone carry") \
@@ -174,19 +174,19 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
     return RP_OK;
 }
 
-/* As protocol drop has it, from the load of the base disks alone. */
+/* As protocol drop has it, from the load of the base disks alone; `exact` is that of diagonals alone. */
 static rp_status base_profile(const pile_params *p, const sweep_outline *h, const double x[],
-                              const double N[], double *v)
+                              const double N[], const double exact[], double *v)
 {
     an_point outside[5];
     size_t n = 0;
-    stress_base base = {0};
-    double *r = malloc(h->k * sizeof *r);
-    rp_status status = r ? outline(p, outside, &n) : rp_fail(RP_NO_MEMORY, "pile: out of memory");
-    for (size_t i = 0; i < h->k && r; i++) r[i] = 0.5;
-    if (!status) status = stress_base_profile(h->k, x, r, N, &base);
-    free(r);
+    stress_base base, diagonals;
+    rp_status status = outline(p, outside, &n);
+    if (!status) status = sweep_outline_base(h->k, x, N, &base);
+    if (!status) status = sweep_outline_base(h->k, x, exact, &diagonals);
     if (status) return status;
+    v[OUT_D] = stress_dip(base.N);
+    v[OUT_D_diagonals] = stress_dip(diagonals.N);
     v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
     for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_n_01 + k] = base.N[k];
     return RP_OK;
@@ -206,8 +206,6 @@ static rp_status measure(const pile_params *p, const sweep_outline *h, const sta
             exact[i] = h->exact[i].N;
         }
         const sweep_outline_error e = sweep_outline_compare(h, N, H);
-        v[OUT_D] = sweep_outline_dip(k, x, N);
-        v[OUT_D_diagonals] = sweep_outline_dip(k, x, exact);
         v[OUT_N_centre] = sweep_outline_centre(k, N);
         v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
         v[OUT_H_ratio] = e.H_ratio;
@@ -220,7 +218,7 @@ static rp_status measure(const pile_params *p, const sweep_outline *h, const sta
         v[OUT_H_continuum_rms] = deviation[1];
         v[OUT_H_slope_ratio] = middle_slope(h, x, H);
         status = find_level(pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
-        if (!status) status = base_profile(p, h, x, N, v);
+        if (!status) status = base_profile(p, h, x, N, exact, v);
     }
     free(disk);
     free(x);

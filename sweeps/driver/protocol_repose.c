@@ -144,12 +144,9 @@ static bool fills_by_ramp(const repose_params *p)
 {
     const sweep_box *b = &p->box;
     const double m_eff = 0.5 * dem_mass(b->physics.shape, b->physics.density, b->radius_mean),
-                 k_n = b->physics.k_n, most = 0.5 * b->radius_min, impact = m_eff * (2.0 * b->g * 2.0 * b->H);
-    double spring = 0.0; /* twice its energy */
-    switch (b->physics.normal) {
-    case DEM_HERTZ: spring = 0.8 * k_n * most * most * sqrt(most); break;
-    case DEM_LINEAR: spring = k_n * most * most; break;
-    }
+                 impact = m_eff * b->g * 2.0 * b->H,
+                 spring =
+                     dem_normal_descriptors[b->physics.normal].potential(b->physics.k_n, 0.5 * b->radius_min);
     return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > spring);
 }
 

@@ -265,15 +265,14 @@ static rp_status tilt_to_rest(experiment *e)
 /* Value at t = 0 and rise of a quantity of the readings, by least squares. */
 static rp_status respond(const experiment *e, size_t field, double *at_0, double *rise)
 {
-    double t[N_TILTS], v[N_TILTS], one[N_TILTS];
+    double t[N_TILTS], v[N_TILTS];
     stats_line line;
     const size_t n = e->n_readings < N_FITTED ? e->n_readings : N_FITTED;
     for (size_t k = 0; k < n; k++) {
         t[k] = e->readings[k].t;
         memcpy(&v[k], (const char *)&e->readings[k] + field, sizeof v[k]);
-        one[k] = 1.0;
     }
-    rp_status status = stats_line_fit(n, t, v, one, false, &line);
+    rp_status status = stats_line_fit(n, t, v, NULL, false, &line);
     *at_0 = line.intercept;
     *rise = line.slope;
     return status;

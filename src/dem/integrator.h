@@ -1,0 +1,99 @@
+/* Integrators: each is a file with a descriptor, and a line of DEM_INTEGRATOR_LIST. The rest of the simulator
+ * asks the descriptor. */
+#ifndef DEM_INTEGRATOR_H
+#define DEM_INTEGRATOR_H
+
+#include "dem/sim.h"
+
+/* Rates of the fastest mode of a packing whose contacts are all alike: damping, and the square of the
+ * frequency, over a third of a pair's. */
+typedef struct {
+    double gamma, omega2;
+} dem_rates;
+
+/* Contacts of which a time step limit is asked: an impact to come, a contact at rest under a column of
+ * grains, a contact that the start has. */
+typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_AT_START } dem_load;
+
+/* Parts of a contact's force that is one all through a step, on its first grain: along n, which is shorter
+ * than 1 where a pair turns, and along s. All 0 without touch. */
+typedef struct {
+    dem_vec n, s;
+    double elastic, damping, dashpot, slip, well;
+} dem_parts;
+
+struct dem_scheme {
+    const char *name;
+    int order[2];      /* of the error where forces are smooth: without damping, with it */
+    bool rotation;     /* can rotate grains */
+    bool hard;         /* has hard collisions */
+    bool excess;       /* keeps excess displacements, which shear springs need; see dem_gear */
+    bool even_margins; /* a step may move a grain by more than v dt: half the skin is every grain's margin */
+
+    /* Limits of its own; NULL for none. Errors: RP_BAD_INPUT. */
+    rp_status (*check)(const dem_definition *def);
+    /* Largest stable time step; NULL: none is too large. */
+    double (*step_limit)(const dem_definition *def, dem_rates rates, dem_load load);
+
+    /* Work space of its own, sim->work, for sim->room grains; NULL for none. Errors: RP_NO_MEMORY. */
+    rp_status (*alloc)(dem_sim *sim);
+    void (*free)(dem_sim *sim);
+
+    /* After the start's forces, for the grains from `from` on. */
+    void (*start)(dem_sim *sim, size_t from);
+    /* Gravity changes between steps; velocities of the full step stay as they are. NULL: nothing to do. */
+    void (*gravity)(dem_sim *sim, dem_vec change);
+    /* One step, by dem_step_lists and dem_step_forces; `last`: the caller reads the state after it.
+     * Errors: as dem_run. */
+    rp_status (*step)(dem_sim *sim, bool last);
+
+    /* Velocity and spin of a grain at the time of its position; NULL: as they are kept. */
+    dem_vec (*velocity)(const dem_sim *sim, size_t i);
+    double (*spin)(const dem_sim *sim, size_t i);
+
+    /* For the energy ledger, where the force of a contact is one all through a step: its parts, of a pair and
+     * of a wall slot, once the step is solved and before the grains move. NULL: the ledger takes the mean of
+     * the forces of the step's ends. */
+    dem_parts (*pair_parts)(const dem_sim *sim, size_t k);
+    dem_parts (*slot_parts)(const dem_sim *sim, size_t k);
+};
+
+#define X(name, word) extern const dem_scheme dem_scheme_##word;
+DEM_INTEGRATOR_LIST(X)
+#undef X
+extern const dem_scheme *const dem_schemes[DEM_INTEGRATORS];
+
+/* Can the definition's integrator do all that the definition asks for? Errors: RP_BAD_INPUT. */
+rp_status dem_scheme_check(const dem_definition *def);
+
+/* Limit of schemes that damp by velocities of the half step, which need 4 - 6 gamma dt - 3 omega^2 dt^2 > 0:
+ * a part of that root. */
+static inline double dem_half_step_limit(dem_rates rates, double part)
+{
+    const double rate = 3.0 * rates.gamma + sqrt(9.0 * rates.gamma * rates.gamma + 12.0 * rates.omega2);
+    return rate > 0.0 ? part * 4.0 / rate : INFINITY;
+}
+
+static inline dem_vec dem_acceleration(const dem_sim *sim, size_t i)
+{
+    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
+}
+
+/* Put fixed grains back to where they were at the last rebuilding, at rest. */
+static inline void dem_hold_fixed(dem_sim *sim)
+{
+    for (size_t k = 0; k < sim->n_fixed; k++)
+        sim->grain[sim->fixed[k]] = (dem_record){sim->ref[sim->fixed[k]], {0.0, 0.0}};
+}
+
+/* Parts of a step, in this order, once grains are where it takes them. Count it, and rebuild the neighbour
+ * list or take grains out as `left` asks; then all forces, checks of overlaps, and the ledger's notes.
+ * Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_step_lists(dem_sim *sim, unsigned left);
+rp_status dem_step_forces(dem_sim *sim);
+
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
+ * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain);
+
+#endif
