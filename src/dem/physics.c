@@ -1,5 +1,5 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
-#include "dem/integrator.h"
+#include "dem/definition.h"
 
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
