@@ -19,6 +19,7 @@
     X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
+    X(suite_laws)                                                                                            \
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \
     X(suite_hard)                                                                                            \
@@ -59,6 +60,8 @@ CHECK_VALIDATION(X)
 typedef struct {
     const char *name;
     void (*function)(void);
+    bool
+        after_all; /* reads what the suite's other tests left, which then run before it in the same process */
 } check_case;
 void check_register(const char *suite, const check_case *cases);
 

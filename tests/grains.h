@@ -20,6 +20,10 @@ void grains_gas(size_t n, dem_grain *grains);
  * *grains. */
 dem_definition grains_box(long N, double W, long run, dem_grain **grains);
 
+/* Let the normal law be this, with a stiffness (dyn/cm) and a rate of damping (1/s) of these sizes, whatever
+ * the law: at an overlap of 0.01 cm of two grains of 0.004 g. */
+void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate);
+
 /* The simulation of a definition that must be good; and the state of its only grain. */
 dem_sim *grains_start(const dem_definition *def);
 dem_state grains_state_of_one(const dem_sim *sim);

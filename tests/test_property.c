@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
-#include "dem/impact.h"
+#include "dem/hard.h"
 #include "tests/check.h"
 #include "tests/property.h"
 
@@ -205,7 +205,7 @@ static dem_body a_body(double seed, long k)
     return b;
 }
 
-/* Momenta stay; energy falls by what impact.h says, never rises; the bodies part. */
+/* Momenta stay; energy falls by what hard.h says, never rises; the bodies part. */
 static double impact_conserves(const double x[])
 {
     const double n[2] = {cos(x[1]), sin(x[1])}, restitution = x[2], mu = x[3];
@@ -250,7 +250,7 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     const double seed = x[0], c = cos(angle), s = sin(angle), way = 0.15 + 0.04 * x[1];
     dem_definition def = dem_definition_default();
     def.gravity[0] = def.gravity[1] = 0.0;
-    def.normal = pick(seed, 0) < 0.5 ? DEM_HERTZ : DEM_LINEAR;
+    def.normal = (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N);
     def.slip = pick(seed, 1) < 0.5 ? DEM_TRUNCATED : DEM_TOTAL;
     def.damping = pick(seed, 2) < 0.5 ? DEM_DAMPING_OUTSIDE : DEM_DAMPING_INSIDE;
     def.tension = pick(seed, 3) < 0.5;

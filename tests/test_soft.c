@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/impact.h"
+#include "dem/hard.h"
 #include "dem/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"

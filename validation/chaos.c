@@ -83,7 +83,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     CU_ASSERT_FATAL(s && fit);
     CHECK_OK(dem_run(a, lround(1.0 / dt)));
     CHECK_OK(dem_clone(a, &b));
-    b->grain[N / 2].x[0] += shift;
+    b->grains.motion[N / 2].x[0] += shift;
     dem_wall_open(a, DEM_BOX_RIGHT, INFINITY);
     dem_wall_open(b, DEM_BOX_RIGHT, INFINITY);
     growth g = {.rate = NAN, .first = distance(a, b, s, s + N)};

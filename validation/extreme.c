@@ -11,6 +11,7 @@
 #include "core/clock.h"
 #include "core/table.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -564,7 +565,7 @@ static void turned_boxes(void)
                     size_t within;
                     const double most = turn_box(sim, box == 1, angle, 30000),
                                  mass = mass_within(sim, &within);
-                    const double weight = mass * G, turned = dem_box_angle(sim);
+                    const double weight = mass * G, turned = sim->walls.angle;
                     double f[8], along[4], sum[2] = {0.0, 0.0};
                     dem_wall_forces(sim, f);
                     static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};

@@ -400,7 +400,7 @@ void suite_impact(void)
                                       {"solver of single impacts", single_impacts},
                                       {"single impacts, strongly damped", strong_damping},
                                       {"range of damping", damping_range},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: impacts", list);
 }

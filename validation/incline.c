@@ -213,7 +213,7 @@ void suite_incline(void)
                                       {"slips, loaded suddenly", sudden_loading},
                                       {"slides", slides},
                                       {"kicked: stops, comes back", kicked},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: friction on an incline", list);
 }

@@ -619,7 +619,7 @@ void suite_published(void)
                                       {"Chung & Ooi 4: oblique impacts", oblique_angles},
                                       {"Chung & Ooi 5: small sphere", small_sphere},
                                       {"Chung & Ooi 6 to 8: spinning spheres", spinning},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: published cases", list);
 }

@@ -453,7 +453,7 @@ void suite_rotation(void)
                                       {"rolling resistance stops", rolling_stops},
                                       {"rolling on an incline", rolling_incline},
                                       {"time step limit of rotation", rotating_time_step},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: rotation and rolling", list);
 }

@@ -19,6 +19,7 @@
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -388,7 +388,7 @@ void suite_statics(void)
                                       {"two compressed grains", stack},
                                       {"columns at rest", column},
                                       {"Newton's cradles", cradles},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: lasting contacts", list);
 }

@@ -81,7 +81,7 @@ typedef struct {
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of what approaches fast; impact.h. Grains, or a grain and a wall, that would come to touch
+/* Hard collisions of what approaches fast; hard.h. Grains, or a grain and a wall, that would come to touch
  * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
  * presses them together: eq (22), where a rebound would be taken back within the step. Those then overlap: a
  * soft contact, that lasts until they part. */
@@ -215,7 +215,6 @@ void dem_gravity_set(dem_sim *sim, const double g[2]);
  * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
  * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
 void dem_box_turn(dem_sim *sim, double radians_per_step);
-double dem_box_angle(const dem_sim *sim); /* turned so far, radians */
 
 /* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
  * which the walls are where the definition has them. */

@@ -7,6 +7,7 @@
 #include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/scene.h"
+#include "dem/sim.h"
 
 /* An impact in units of its length, at which the spring alone stops it, and of the time to run that. */
 typedef struct {
@@ -99,11 +100,11 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const dem_material *c = &sim->def.material;
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
-    const double r = sim->radius_mean, m_eff = 0.5 * sim->mass_mean, v = sim->start_speed;
-    rp_table_note(out, "kernel", "%s", sim->kernel_name);
+    const double r = sim->start.radius_mean, m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
+    rp_table_note(out, "kernel", "%s", sim->kernels.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
-    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit,
-                  sim->dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->start.dt_limit,
+                  sim->start.dt_limit_of);
     if (!(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",

@@ -4,6 +4,7 @@
 
 #include "dem/integrator.h"
 #include "dem/law.h"
+#include "dem/sim.h"
 
 #include "dem/contact.inl"
 
@@ -47,7 +48,7 @@ static void kernel_reference(dem_sim *sim, size_t from, size_t to, double h)
 {
     const dem_definition *def = &sim->def;
     pair_loop(sim, from, to, h, def->normal, def->tangential, def->slip, def->tension, def->damping,
-              def->rotation, sim->rolling, sim->gear != NULL);
+              def->rotation, sim->pairs.rolling, sim->grains.excess != NULL);
 }
 
 bool dem_kernel_runs(dem_kernel_choice kernel)
@@ -78,26 +79,21 @@ static void choose_wide(dem_sim *sim)
     const bool avx512 = def->kernel == DEM_AVX512 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX512));
     const bool avx2 = def->kernel == DEM_AVX2 || (def->kernel == DEM_FAST && dem_kernel_runs(DEM_AVX2));
     if (!avx512 && !avx2) return;
-    sim->near = avx512 ? dem_near_avx512 : dem_near_avx2;
-    sim->foresee = avx512 ? dem_foresee_avx512 : dem_foresee_avx2;
-    sim->closing = avx512 ? dem_closing_avx512 : dem_closing_avx2;
-    sim->deflected = avx512 ? dem_deflected_avx512 : dem_deflected_avx2;
-    sim->line = avx512 ? dem_line_avx512 : dem_line_avx2;
-    sim->advance = avx512 ? dem_advance_avx512 : dem_advance_avx2;
-    sim->stray = avx512 ? dem_stray_avx512 : dem_stray_avx2;
-    sim->kernel = avx512 ? dem_kernel_avx512 : dem_kernel_avx2;
-    strcat(sim->kernel_name, avx512 ? "_avx512" : "_avx2");
+#define X(name, type) sim->kernels.name = avx512 ? dem_##name##_avx512 : dem_##name##_avx2;
+    DEM_KERNEL_LIST(X)
+#undef X
+    strcat(sim->kernels.name, avx512 ? "_avx512" : "_avx2");
 #else
     (void)sim;
 #endif
 }
 
-void dem_kernel_choose(dem_sim *sim)
+void dem_kernels_choose(dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
     const struct {
         const char *name;
-        dem_kernel *kernel;
+        dem_pair_kernel *kernel;
         dem_normal_law normal;
         dem_tangential_law tangential;
         dem_slip slip;
@@ -109,15 +105,15 @@ void dem_kernel_choose(dem_sim *sim)
         KERNELS
 #undef X
     };
-    sim->kernel = kernel_reference;
-    strcpy(sim->kernel_name, "reference");
+    sim->kernels.pairs = kernel_reference;
+    strcpy(sim->kernels.name, "reference");
     if (sim->scheme->excess && dem_has_spring(def->tangential)) return; /* only the reference knows of it */
     for (size_t i = 0; i < sizeof list / sizeof *list && def->kernel != DEM_REFERENCE; i++)
         if (list[i].normal == def->normal && list[i].tangential == def->tangential &&
             list[i].slip == def->slip && list[i].tension == def->tension && list[i].damping == def->damping &&
-            list[i].rotation == def->rotation && list[i].rolling == sim->rolling) {
-            sim->kernel = list[i].kernel;
-            strcpy(sim->kernel_name, list[i].name);
+            list[i].rotation == def->rotation && list[i].rolling == sim->pairs.rolling) {
+            sim->kernels.pairs = list[i].kernel;
+            strcpy(sim->kernels.name, list[i].name);
             choose_wide(sim);
             return;
         }

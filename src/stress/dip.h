@@ -14,8 +14,8 @@ enum { STRESS_DIP_BINS = 20 };
 #define STRESS_DIP_BIN_LIST(X)                                                                               \
     X(01)                                                                                                    \
     X(02)                                                                                                    \
-    X(03) X(04) X(05) X(06) X(07) X(08) X(09) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19)    \
-        X(20)
+    X(03)                                                                                                    \
+    X(04) X(05) X(06) X(07) X(08) X(09) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20)
 typedef struct {
     double centroid, width;    /* of the load; B, lengths of x */
     double N[STRESS_DIP_BINS]; /* pressure in each bin over the mean over the bins */
