@@ -13,13 +13,13 @@ CC      := gcc
 WERROR  :=
 SAN     :=
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
-           -Wmissing-prototypes -Wconversion -Wno-sign-conversion \
+           -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(WERROR) $(SAN)
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core
+            librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core clang-format
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PC       := pkg-config
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
@@ -54,7 +54,7 @@ LINKED   := $(B)/libsweep.a $(B)/libanalytic.a $(B)/libdem.a $(B)/libstatics.a $
 CLI      := $(call objects,src/cli)
 CHECK    := $(call objects,tests) $(call objects,validation)
 
-.PHONY: all figures studies bench report check validate mutate asan lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate asan lint setup help clean FORCE
 all: $(B)/repose ## build the program, build/repose
 
 help: ## this list
@@ -105,11 +105,18 @@ $(B)/check: $(CHECK) $(LINKED)
 # figures that take no time, so that the tests see the whole way from a model to a picture
 QUICK_FIGURES := li13 li14 li18 li19
 
-lint: $(ARCHIVES) ## the modules' borders: who includes whom, which prefix is exported
+lint: $(ARCHIVES) ## the modules' borders (who includes whom, which prefix is exported), and clang-format
 	@sh tests/lint.sh $(B) $(foreach m,$(MODULES),$(m)=$(DIR_$(m))=$(PREFIX_$(m)))
 
-check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, plain and with sanitizers
-	@REPOSE=$(B)/repose $(B)/check
+# The plain tests come last: CUnit's summary is then what `make check` ends with.
+check: lint asan $(B)/check $(B)/repose $(QUICK_FIGURES:%=$(B)/figures/%.svg) ## unit tests and fast validation, with sanitizers and plain
+	@echo "check   plain"
+	@REPOSE=$(B)/repose $(B)/check -j$(JOBS)
+
+SUITE :=
+TEST  :=
+test: $(B)/check $(B)/repose ## some tests: make test SUITE=dem TEST='part of a name'
+	@REPOSE=$(B)/repose $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
 validate: $(B)/check $(B)/repose ## the validation at full size, with its tables in build/tables
 	@REPOSE=$(B)/repose $(B)/check --full -o $(T)
@@ -122,7 +129,8 @@ mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  $(B)/asan/check $(B)/asan/repose
-	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check
+	@echo "check   with sanitizers"
+	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
 # ---- Figures: sweeps and models -> tables -> pictures -------------------------------------------------
 
@@ -251,20 +259,24 @@ $(T)/li_size_limit_%.tsv: $(T)/li_size_all_runs.tsv
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
 	@$(REPOSE) stats fit $< --x W --y change --se change_se >$@
 
+# The published numbers, for figures.
+$(T)/published.tsv: figures/claims.tsv $(CODE)
+	@mkdir -p $(T)
+	@$(REPOSE) claims --published >$@
+
 # Which choices that the paper leaves open agree with its numbers; and a second look at what is left.
 FORENSICS := combinations effects levels
 FACTORS_lh_forensics := floor,density,mu_wall,mu_floor,slip,shape,tension,damping,integrator,dt:density,relax_steps:dt,fill,k_n_wall,open,g
 FACTORS_lh_forensics_confirm := slip,mu_wall,open
 define forensics_rule
-$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv sweeps/lh_forensics_claims.tsv
-	@$(REPOSE) forensics $$< --claims $$(word 2,$$^) --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
+$(FORENSICS:%=$(T)/$(1)_%.tsv): $(T)/$(1)_%.tsv: $(T)/$(1)_runs.tsv figures/claims.tsv
+	@$(REPOSE) forensics $$< --factors $(FACTORS_$(1)) --draws 4000 --report $$* >$$@
 endef
 $(foreach s,lh_forensics lh_forensics_confirm,$(eval $(call forensics_rule,$(s))))
 
 # Larger ensembles of the sweeps behind figures and report, in the same tables: `make studies`, then `make figures`.
 # A study that was stopped goes on; the runs of `make figures` are the first of its own.
 STUDY_lh3 := 20
-STUDY_lh3_best := 20
 STUDY_lh3_total := 20
 STUDY_lh5 := 10
 STUDY_lh_floor := 40
@@ -303,8 +315,8 @@ $(B)/studies/%: %.cfg $(CODE)
 	$(call make_sweep,--replicas $(STUDY_$*))
 	@mkdir -p $(@D)
 	@touch $@
-studies: $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val% STUDY_calibrate,$(.VARIABLES))) $(STUDY_FIGURES:%=$(B)/figures/%.svg) \
-	$(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
+STUDIES := $(patsubst STUDY_%,$(B)/studies/%,$(filter STUDY_lh% STUDY_li% STUDY_val% STUDY_calibrate,$(.VARIABLES)))
+studies: $(STUDIES) $(STUDY_FIGURES:%=$(B)/figures/%.svg) $(FORENSICS:%=$(T)/lh_forensics_confirm_%.tsv) $(T)/calibrate_verify.tsv ## larger ensembles for the figures; resumable
 
 # One row of a sweep with its grains, contacts and energies.
 $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/%/pile_contacts.tsv \

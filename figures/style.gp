@@ -22,3 +22,5 @@ note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".T.name)
 # A cell of such a table: column COL of the row whose column KEY is the number VALUE.
 pick(name, key, value, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".T.name)
 t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".T.name
+# A published number: column published or published_se of the claim ID. t('published.tsv') in the figure's file.
+published(id, col) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".id."\" { print $c[\"".col."\"] }' ".T."published.tsv"))

@@ -16,6 +16,7 @@
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
     X(suite_forensics)                                                                                       \
+    X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_motion)                                                                                          \
@@ -58,6 +59,8 @@ CHECK_VALIDATION(X)
 typedef struct {
     const char *name;
     void (*function)(void);
+    bool
+        after_all; /* reads what the suite's other tests left, which then run before it in the same process */
 } check_case;
 void check_register(const char *suite, const check_case *cases);
 

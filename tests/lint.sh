@@ -1,5 +1,5 @@
 #!/bin/sh
-# The modules' borders. Arguments: the build folder, then module=folder=prefix for each module.
+# The modules' borders, and clang-format. Arguments: the build folder, then module=folder=prefix for each module.
 # core <- stats <- {analytic, dem, statics, angle, stress} <- sweep <- {cli, tests, validation}; each exports its own
 # prefix only.
 build=$1
@@ -28,4 +28,11 @@ for entry; do
         bad=1
     fi
 done
+if ! command -v clang-format >/dev/null; then
+    echo "lint: no clang-format: the format is not checked"
+else
+    for file in $(find analytic src sweeps tests validation -name '*.[ch]'); do
+        clang-format "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
+    done
+fi
 exit $bad

@@ -1,27 +1,60 @@
-/* Runs the suites and fails unless all registered tests ran and passed.
+/* Runs the tests, each in its own process, and fails unless all registered tests ran and passed.
  *
  *   check [SUITE ...]                     every suite, or those named, at the size for every day
+ *   check --test TEXT [SUITE ...]         the tests whose names contain TEXT
+ *   check -j N                            N tests at a time
  *   check --full [-o DIR] [SUITE ...]     the validation suites at full size, with their tables
- *   check --stop [SUITE ...]              ends at the first test that fails */
+ *   check --stop [SUITE ...]              ends at the first test that fails
+ *
+ * Hence no test needs another one before it, and a crash is the failure of one test. Tests that sum up their
+ * suite are the exception: their suite is one process. */
 #include <CUnit/Basic.h>
+#include <errno.h>
 #include <getopt.h>
 #include <gsl/gsl_errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "core/clock.h"
 #include "core/table.h"
 #include "tests/check.h"
 
 static int broken_registrations;
-static bool full, stop;
-static const char *folder;
+static bool full, stop, every_test_named;
+static const char *folder, *only;
+
+/* Those of the registered suites whose last test reads what the others left. */
+static CU_pSuite joint[64];
+static size_t n_joint;
+
+static bool is_joint(CU_pSuite suite)
+{
+    for (size_t i = 0; i < n_joint; i++)
+        if (joint[i] == suite) return true;
+    return false;
+}
+
+static bool is_wanted(const char *name)
+{
+    return !only || strstr(name, only);
+}
 
 void check_register(const char *suite, const check_case *cases)
 {
-    CU_pSuite s = CU_add_suite(suite, NULL, NULL);
-    if (!s) broken_registrations++;
-    for (; s && cases->name; cases++)
-        if (!CU_add_test(s, cases->name, cases->function)) broken_registrations++;
+    CU_pSuite s = NULL;
+    bool all = false;
+    for (const check_case *c = cases; c->name; c++) all |= c->after_all && is_wanted(c->name);
+    for (const check_case *c = cases; c->name; c++) {
+        if (!all && (c->after_all || !is_wanted(c->name))) continue;
+        if (!s) s = CU_add_suite(suite, NULL, NULL);
+        if (!s || !CU_add_test(s, c->name, c->function)) broken_registrations++;
+    }
+    if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
 }
 
 bool check_fast(void)
@@ -59,14 +92,6 @@ void check_table_close(FILE *table, const char *name)
     CHECK_OK(rp_file_close(path, table, rp_table_finish(table, path)));
 }
 
-static void stop_after_failure(const CU_pTest test, const CU_pSuite suite, const CU_pFailureRecord failure)
-{
-    if (!failure) return;
-    printf("check: stopped by %s: %s\n", suite->pName, test->pName);
-    fflush(stdout);
-    _Exit(EXIT_FAILURE);
-}
-
 typedef struct {
     const char *name;
     void (*add)(void);
@@ -102,31 +127,162 @@ static bool add_suites(int n_names, char **names)
     return true;
 }
 
+/* A test, or a whole suite, and the process that runs it. */
+typedef struct {
+    CU_pSuite suite;
+    CU_pTest test; /* NULL: all of the suite */
+    pid_t pid;
+    FILE *output;
+    CU_RunSummary *summary; /* shared with the process */
+} run;
+
+static double test_begin;
+
+static void test_starts(const CU_pTest test, const CU_pSuite suite)
+{
+    (void)test, (void)suite;
+    test_begin = rp_clock();
+}
+
+static void test_ends(const CU_pTest test, const CU_pSuite suite, const CU_pFailureRecord failures)
+{
+    if (failures || every_test_named)
+        printf("  %s  %s: %s, %.2f s\n", failures ? "FAILED" : "passed", suite->pName, test->pName,
+               rp_clock() - test_begin);
+    for (CU_pFailureRecord f = failures; f; f = f->pNext)
+        printf("          %s:%u: %s\n", f->strFileName, f->uiLineNumber, f->strCondition);
+    if (!failures || !stop) return;
+    printf("check: stopped by %s: %s\n", suite->pName, test->pName);
+    fflush(stdout);
+    _Exit(EXIT_FAILURE);
+}
+
+/* In the child: run, and leave the counts in shared memory. */
+static void run_alone(const run *r, pid_t parent)
+{
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _Exit(EXIT_FAILURE);
+    dup2(fileno(r->output), STDOUT_FILENO);
+    dup2(fileno(r->output), STDERR_FILENO);
+    CU_set_test_start_handler(test_starts);
+    CU_set_test_complete_handler(test_ends);
+    if (r->test)
+        CU_run_test(r->suite, r->test);
+    else
+        CU_run_suite(r->suite);
+    *r->summary = *CU_get_run_summary();
+    CU_cleanup_registry();
+    exit(EXIT_SUCCESS);
+}
+
+static bool start(run *r)
+{
+    if (!r->test || r->suite->pTest == r->test)
+        printf("Suite: %s, %u tests\n", r->suite->pName, r->suite->uiNumberOfTests);
+    fflush(NULL); /* the child would write what is buffered again */
+    r->output = tmpfile();
+    const pid_t parent = getpid();
+    r->pid = r->output ? fork() : -1;
+    if (r->pid == 0) run_alone(r, parent);
+    if (r->pid < 0) perror("check");
+    return r->pid > 0;
+}
+
+/* Count what has ended, and show what it printed. False if it failed. */
+static bool finish(run *r, int status)
+{
+    CU_RunSummary *sum = CU_get_run_summary();
+    const unsigned tests = r->test ? 1 : r->suite->uiNumberOfTests;
+    const bool ended = WIFEXITED(status) && WEXITSTATUS(status) == 0 && r->summary->nTestsRun == tests;
+    sum->nTestsRun += tests;
+    sum->nTestsFailed += ended ? r->summary->nTestsFailed : tests;
+    sum->nAsserts += r->summary->nAsserts;
+    sum->nAssertsFailed += r->summary->nAssertsFailed;
+    sum->nFailureRecords += r->summary->nFailureRecords + !ended;
+    rewind(r->output);
+    for (char line[4096]; fgets(line, sizeof line, r->output);) fputs(line, stdout);
+    fclose(r->output);
+    r->output = NULL;
+    if (!ended)
+        printf("  FAILED  %s: %s: %s\n", r->suite->pName, r->test ? r->test->pName : "all tests",
+               WIFSIGNALED(status) ? strsignal(WTERMSIG(status))
+                                   : "ended early, or with a status other than 0");
+    return ended && r->summary->nTestsFailed == 0 && r->summary->nFailureRecords == 0;
+}
+
+/* Run them all, `jobs` at a time. False if one could not be started, or failed when that is to stop all. */
+static bool run_all(run *runs, size_t n, size_t jobs)
+{
+    size_t started = 0, running = 0;
+    while (started < n || running) {
+        if (started < n && running < jobs) {
+            if (!start(&runs[started])) return false;
+            started++, running++;
+            continue;
+        }
+        int status;
+        pid_t pid = wait(&status);
+        if (pid < 0 && errno != EINTR) return false;
+        for (size_t i = 0; i < started; i++) {
+            if (runs[i].pid != pid || !runs[i].output) continue;
+            running--;
+            if (!finish(&runs[i], status) && stop) return false;
+        }
+    }
+    return true;
+}
+
+/* All registered tests and joint suites, in order; free *runs. */
+static size_t list_runs(run **runs)
+{
+    CU_pTestRegistry all = CU_get_registry();
+    const size_t n = all->uiNumberOfTests;
+    CU_RunSummary *shared =
+        mmap(NULL, (n + 1) * sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    size_t k = 0;
+    *runs = calloc(n + 1, sizeof **runs);
+    if (!*runs || shared == MAP_FAILED) return 0;
+    for (CU_pSuite s = all->pSuite; s; s = s->pNext) {
+        if (is_joint(s)) (*runs)[k] = (run){.suite = s, .summary = &shared[k]}, k++;
+        for (CU_pTest t = is_joint(s) ? NULL : s->pTest; t; t = t->pNext, k++)
+            (*runs)[k] = (run){.suite = s, .test = t, .summary = &shared[k]};
+    }
+    return k;
+}
+
 int main(int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"full", no_argument, NULL, 'f'}, {"stop", no_argument, NULL, 's'}, {NULL, 0, NULL, 0}};
-    for (int c; (c = getopt_long(argc, argv, "o:", options, NULL)) != -1;) {
+    static const struct option options[] = {{"full", no_argument, NULL, 'f'},
+                                            {"stop", no_argument, NULL, 's'},
+                                            {"test", required_argument, NULL, 't'},
+                                            {NULL, 0, NULL, 0}};
+    long jobs = 1;
+    for (int c; (c = getopt_long(argc, argv, "o:j:", options, NULL)) != -1;) {
         if (c == '?') return 64;
         full |= c == 'f';
         stop |= c == 's';
+        if (c == 't') only = optarg;
         if (c == 'o') folder = optarg;
+        if (c == 'j') jobs = strtol(optarg, NULL, 10);
     }
+    if (jobs < 1) return 64;
+    every_test_named = only || optind < argc;
     gsl_set_error_handler_off();
     if (CU_initialize_registry() != CUE_SUCCESS) return EXIT_FAILURE;
     if (!add_suites(argc - optind, argv + optind)) return 64;
-    unsigned registered = CU_get_registry()->uiNumberOfTests;
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    if (stop) {
-        CU_set_test_complete_handler(stop_after_failure);
-        CU_run_all_tests();
-    } else {
-        CU_basic_run_tests();
-    }
-    /* CU_basic_run_tests returns 0 also with failing assertions */
-    bool good = broken_registrations == 0 && CU_get_number_of_failures() == 0 &&
-                CU_get_number_of_suites_failed() == 0 && CU_get_number_of_tests_run() == registered &&
-                registered > 0;
+    const unsigned registered = CU_get_registry()->uiNumberOfTests;
+    if (registered == 0) fprintf(stderr, "check: no test's name contains \"%s\"\n", only ? only : "");
+    run *runs;
+    const double begin = rp_clock();
+    const size_t n = list_runs(&runs);
+    CU_RunSummary *sum = CU_get_run_summary();
+    const bool complete = run_all(runs, n, (size_t)jobs);
+    sum->ElapsedTime = rp_clock() - begin;
+    sum->nSuitesRun = CU_get_registry()->uiNumberOfSuites;
+    if (complete) CU_print_run_results(stdout), putchar('\n');
+    bool good = complete && broken_registrations == 0 && sum->nTestsFailed == 0 &&
+                sum->nFailureRecords == 0 && sum->nTestsRun == registered && registered > 0;
     CU_cleanup_registry();
+    free(runs);
     return good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -20,7 +20,7 @@ suites_of() {
     src/dem/ledger.c) echo ledger ;;
     src/dem/equilibrium.c | src/dem/stiffness.c) echo property equilibrium ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
-    src/dem/sim.c) echo golden scene motion hard soft rotation dem ;;
+    src/dem/definition.c src/dem/limits.c src/dem/gravity.c src/dem/step.c src/dem/sim.c src/dem/neighbours.c) echo golden scene motion hard soft rotation dem ;;
     sweeps/protocol_pile.c) echo piles golden ;;
     sweeps/protocol_repose.c) echo repose golden ;;
     *) echo soft property rotation incline statics published motion hard golden scene dem ;;
@@ -62,8 +62,8 @@ fi
 build=$1 number=$2 jobs=$3
 work=$build/mutate
 files='analytic/*.c src/dem/law_*.h src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/walls.c src/dem/ground.c
-    src/dem/impact.c src/dem/implicit.c src/dem/ledger.c src/dem/equilibrium.c src/dem/stiffness.c
-    src/dem/sim.c src/dem/observe.c src/angle/surface.c src/angle/criterion.c sweeps/protocol_repose.c
+    src/dem/hard.c src/dem/implicit.c src/dem/ledger.c src/dem/equilibrium.c src/dem/stiffness.c
+    src/dem/definition.c src/dem/limits.c src/dem/gravity.c src/dem/step.c src/dem/sim.c src/dem/neighbours.c src/dem/observe.c src/angle/surface.c src/angle/criterion.c sweeps/protocol_repose.c
     sweeps/protocol_pile.c'
 # a run of the same code that was stopped goes on
 sum=$(cat Makefile tests/mutate.* $(find analytic src sweeps tests validation -name '*.[chi]*' | sort) | cksum)

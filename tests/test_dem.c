@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "dem/scene.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -306,7 +307,7 @@ static void check_name(const dem_definition *def, const char *name)
 static dem_sim *start_in_chunks(const dem_definition *def, size_t chunk)
 {
     dem_sim *sim = grains_start(def);
-    if (chunk > 0) sim->chunk = chunk;
+    if (chunk > 0) sim->pairs.chunk = chunk;
     CHECK_OK(dem_neighbours_rebuild(sim)); /* of both that are compared */
     return sim;
 }
@@ -346,14 +347,15 @@ static void avalanche_in_chunks(bool rotation)
         dem_sim *sim = start_in_chunks(&def, 64), *copy;
         for (int k = 1; k <= PARTS; k++) {
             CHECK_OK(dem_clone(sim, &copy));
-            CU_ASSERT(copy->n_chunks == sim->n_chunks);
+            CU_ASSERT(copy->pairs.n_chunks == sim->pairs.n_chunks);
             dem_free(sim);
             sim = copy;
             CHECK_OK(dem_run(sim, part));
             CU_ASSERT(grains_same_bits(sim, reference[k]));
             CU_ASSERT(same_wall_forces(sim, reference[k]));
             CU_ASSERT(grains_energy(sim) == grains_energy(reference[k])); /* springs too */
-            if (k == 2) CU_ASSERT(sim->n_chunks > 6 && sim->done[sim->n_chunks / 2] > N / 4);
+            if (k == 2)
+                CU_ASSERT(sim->pairs.n_chunks > 6 && sim->pairs.done[sim->pairs.n_chunks / 2] > N / 4);
         }
         dem_free(sim);
     }
@@ -377,7 +379,7 @@ static void faults_in_chunks(bool wall)
     dem_sim *sim = start_in_chunks(&def, 64);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, text);
     CU_ASSERT(dem_step(sim) == dem_step(reference) && dem_sim_fault(sim) == dem_sim_fault(reference));
-    CU_ASSERT(sim->n_chunks > 0);
+    CU_ASSERT(sim->pairs.n_chunks > 0);
     dem_free(sim);
     dem_free(reference);
     free(grains);
@@ -397,12 +399,12 @@ static long beyond_margins(dem_sim *sim, int steps)
 {
     long beyond = 0;
     for (int k = 0; k < steps; k++) {
-        sim->n_chunks = 1; /* as if the pile were large */
+        sim->pairs.n_chunks = 1; /* as if the pile were large */
         CHECK_OK(dem_run(sim, 1));
-        for (size_t i = 0; i < sim->n; i++) {
-            const dem_vec way = sim->grain[i].x - sim->ref[i];
-            const double rest = sqrt(sim->margin2[i]) - sqrt(dem_dot(way, way));
-            beyond += !(rest >= 0.0 && sim->slack[i / DEM_GROUP] <= rest);
+        for (size_t i = 0; i < sim->grains.n; i++) {
+            const dem_vec way = sim->grains.motion[i].x - sim->grains.listed_x[i];
+            const double rest = sqrt(sim->grains.margin2[i]) - sqrt(dem_dot(way, way));
+            beyond += !(rest >= 0.0 && sim->grains.slack[i / DEM_GROUP] <= rest);
         }
     }
     return beyond;
@@ -420,12 +422,13 @@ static void margins_of(bool hard, int kernel)
     def.walls[DEM_BOX_RIGHT].open_at_step = 500;
     if (hard) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
     dem_sim *sim = grains_start(&def);
-    CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->n < N && sim->rebuilds < 500);
+    CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->grains.n < N && sim->count.rebuilds < 500);
     CHECK_OK(dem_neighbours_rebuild(sim));
-    CU_ASSERT(sim->slack[0] == 0.0 && sim->slack[1] == 0.0); /* it would be that of other grains */
+    CU_ASSERT(sim->grains.slack[0] == 0.0 &&
+              sim->grains.slack[1] == 0.0); /* it would be that of other grains */
     CU_ASSERT(beyond_margins(sim, 1) == 0);
-    sim->n_chunks = 1;
-    sim->grain[sim->n / 2].v[0] = NAN;
+    sim->pairs.n_chunks = 1;
+    sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
     dem_free(sim);
     free(grains);
@@ -445,7 +448,7 @@ static void margins_of_two(void)
         def.tension = false;
         def.hard.on = true;
         dem_sim *sim = grains_start(&def);
-        CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->collisions == 1);
+        CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->count.collisions == 1);
         dem_free(sim);
     }
 }
@@ -472,16 +475,16 @@ static void margins_of_many_hit(size_t pairs)
         def.tension = false;
         def.hard = (dem_hard){.on = true, .restitution = 1.0};
         dem_sim *sim = grains_start(&def);
-        const long before = sim->rebuilds;
-        for (int step = 0; sim->collisions == 0 && step < 20; step++) {
+        const long before = sim->count.rebuilds;
+        for (int step = 0; sim->count.collisions == 0 && step < 20; step++) {
             CHECK_OK(dem_run(sim, 1));
-            for (size_t i = 0; i < sim->n; i++) {
-                const dem_vec way = sim->grain[i].x - sim->ref[i];
-                CU_ASSERT(dem_dot(way, way) <= sim->margin2[i]);
+            for (size_t i = 0; i < sim->grains.n; i++) {
+                const dem_vec way = sim->grains.motion[i].x - sim->grains.listed_x[i];
+                CU_ASSERT(dem_dot(way, way) <= sim->grains.margin2[i]);
             }
         }
-        CU_ASSERT(sim->collisions == (long)pairs);
-        rebuilds += sim->rebuilds - before;
+        CU_ASSERT(sim->count.collisions == (long)pairs);
+        rebuilds += sim->count.rebuilds - before;
         dem_free(sim);
     }
     CU_ASSERT(rebuilds > 0);
@@ -1440,7 +1443,7 @@ static void header_notes(void)
     snprintf(expected, sizeof expected, "dt = 5e-05 s; limit %.3g s, set by %s", limit, what);
     CU_ASSERT(strstr(text, expected) != NULL);
     snprintf(expected, sizeof expected, "sticking speed: %.3g cm/s",
-             dem_sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
+             dem_normal_descriptors[DEM_HERTZ].sticking_speed(def.material.k_n, def.material.gamma_n, m_eff));
     CU_ASSERT(strstr(text, expected) != NULL);
     snprintf(expected, sizeof expected, "E* = %.3g dyn/cm^2", 0.75 * def.material.k_n / sqrt(0.5 * r));
     CU_ASSERT(strstr(text, expected) != NULL);

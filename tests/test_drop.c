@@ -5,6 +5,7 @@
 
 #include "stress/dip.h"
 #include "core/random.h"
+#include "dem/neighbours.h"
 #include "dem/sim.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
@@ -411,12 +412,12 @@ static void tiny_numbers_are_zero(void)
         bool tiny = false;
         for (int look = 0; look < 400; look++) {
             CHECK_OK(dem_run(sim, 10));
-            const dem_wall_slot *slot = &sim->wall_slot[0];
-            const double last[] = {sim->grain[0].v[0], sim->grain[0].v[1], sim->omega[0], slot->spring,
-                                   slot->roll};
+            const dem_wall_slot *slot = &sim->walls.slot[0];
+            const double last[] = {sim->grains.motion[0].v[0], sim->grains.motion[0].v[1],
+                                   sim->grains.omega[0], slot->spring, slot->roll};
             for (int a = 0; a < 5; a++) tiny |= fpclassify(last[a]) == FP_SUBNORMAL;
         }
-        CU_ASSERT(!tiny && fabs(sim->omega[0]) < 1e-305);
+        CU_ASSERT(!tiny && fabs(sim->grains.omega[0]) < 1e-305);
         dem_free(sim);
         volatile double least = DBL_MIN;
         CU_ASSERT(least / 2.0 > 0.0);
@@ -435,7 +436,7 @@ static void check_contacts(const dem_sim *sim)
             contacts += i != j && dx * dx + dy * dy < reach * reach;
         }
         CU_ASSERT_EQUAL(s[i].contacts, contacts);
-        CHECK_NEAR(sim->reach[i], sim->radius[i] + sqrt(sim->margin2[i]), 1e-12);
+        CHECK_NEAR(sim->grains.cutoff[i], sim->grains.radius[i] + sqrt(sim->grains.margin2[i]), 1e-12);
     }
 }
 
@@ -444,22 +445,22 @@ static void check_contacts(const dem_sim *sim)
 static void check_list(const dem_sim *sim)
 {
     bool listed[DROPPED][DROPPED] = {{false}}, right = true;
-    for (size_t k = 0; k < sim->n_pairs; k++) {
-        const uint32_t i = sim->pair_i[k], j = sim->pair_j[k];
+    for (size_t k = 0; k < sim->pairs.n; k++) {
+        const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
         if (i == j) continue; /* of a disk that left */
         right &= !listed[i][j];
         listed[i][j] = listed[j][i] = true;
     }
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        const uint32_t i = sim->wall_slot[k].grain;
+    for (size_t k = 0; k < sim->walls.n_slots; k++) {
+        const uint32_t i = sim->walls.slot[k].grain;
         right &= !listed[i][i];
         listed[i][i] = true;
     }
-    for (size_t i = 0; i < sim->n; i++) {
-        right &= listed[i][i] == (sim->ref[i][1] < sim->reach[i]);
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        right &= listed[i][i] == (sim->grains.listed_x[i][1] < sim->grains.cutoff[i]);
         for (size_t j = 0; j < i; j++) {
-            const dem_vec d = sim->ref[i] - sim->ref[j];
-            const double reach = sim->reach[i] + sim->reach[j];
+            const dem_vec d = sim->grains.listed_x[i] - sim->grains.listed_x[j];
+            const double reach = sim->grains.cutoff[i] + sim->grains.cutoff[j];
             right &= listed[i][j] == (dem_dot(d, d) < reach * reach);
         }
     }
@@ -513,22 +514,24 @@ static void renewed_lists_hold_springs(void)
         if (k % EVERY == 0) drop_next(sim, k / EVERY);
         CHECK_OK(dem_run(sim, 150 / EVERY));
         CHECK_OK(dem_clone(sim, &renewed));
-        const long rebuilds = renewed->rebuilds;
-        for (size_t i = 0; i < renewed->n; i++) { /* as if some were to go far, the others not at all */
-            renewed->next[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
-            renewed->margin2[i] = 1e300;
+        const long rebuilds = renewed->count.rebuilds;
+        for (size_t i = 0; i < renewed->grains.n;
+             i++) { /* as if some were to go far, the others not at all */
+            renewed->grains.next_motion[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
+            renewed->grains.margin2[i] = 1e300;
         }
         CHECK_OK(dem_neighbours_renew(renewed));
-        CU_ASSERT(renewed->rebuilds == rebuilds);
-        for (size_t i = 0; i < renewed->n; i++)
-            CU_ASSERT((renewed->margin2[i] < 1e300) == isinf(renewed->next[i].v[0]));
+        CU_ASSERT(renewed->count.rebuilds == rebuilds);
+        for (size_t i = 0; i < renewed->grains.n; i++)
+            CU_ASSERT((renewed->grains.margin2[i] < 1e300) == isinf(renewed->grains.next_motion[i].v[0]));
         check_list(renewed);
         check_same_contacts(sim, renewed);
         CHECK_OK(dem_neighbours_rebuild(renewed));
         check_same_contacts(sim, renewed);
-        const size_t touching = dem_count_touching(renewed);
-        for (size_t p = 0; p < touching; p++) CU_ASSERT(dem_touches(renewed, p)); /* they come first */
-        renewed->grain[0].x[1] = NAN;
+        const size_t touching = dem_count_touching(&renewed->pairs);
+        for (size_t p = 0; p < touching; p++)
+            CU_ASSERT(dem_touches(&renewed->pairs, p)); /* they come first */
+        renewed->grains.motion[0].x[1] = NAN;
         CHECK_FAILS(dem_neighbours_renew(renewed), RP_BROKEN, "not finite");
         dem_free(renewed);
     }

@@ -3,7 +3,7 @@
 
 #include "core/random.h"
 #include "dem/dem.h"
-#include "dem/impact.h"
+#include "dem/hard.h"
 #include "tests/check.h"
 
 /* Sums of some 20 rounded terms of the size that errors are compared with: 1e-13 is 450 units. */

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/definition.h"
 #include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"

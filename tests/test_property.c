@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
-#include "dem/impact.h"
+#include "dem/hard.h"
 #include "tests/check.h"
 #include "tests/property.h"
 
@@ -205,7 +205,7 @@ static dem_body a_body(double seed, long k)
     return b;
 }
 
-/* Momenta stay; energy falls by what impact.h says, never rises; the bodies part. */
+/* Momenta stay; energy falls by what hard.h says, never rises; the bodies part. */
 static double impact_conserves(const double x[])
 {
     const double n[2] = {cos(x[1]), sin(x[1])}, restitution = x[2], mu = x[3];

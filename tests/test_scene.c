@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "dem/scene.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 
 static const char *const EXAMPLE =
@@ -118,7 +119,7 @@ static void written_and_read(void)
         CU_ASSERT(memcmp(p, q, sizeof p) == 0);
         CU_ASSERT(p[0].fixed == (k == 5) && !p[1].fixed);
         CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
-        CU_ASSERT((dem_box_angle(a) != 0.0) == (k == 3));
+        CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
         dem_free(a);
         dem_free(b);
         dem_scene_free(&s);

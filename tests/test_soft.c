@@ -4,9 +4,8 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/impact.h"
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
+#include "dem/hard.h"
+#include "dem/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -355,8 +354,8 @@ static void misprints_of_spring(void)
             const double F_n = pulls ? -2.0 : 2.0, ds = 0.3 * side, cap = mu * fmax(F_n, 0.0);
             double spring = ds;
             const double printed = -side * fmin(k_s * ds, mu * F_n),
-                         ours = dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k_s, 0.0, mu, 1.0, 0.0, F_n,
-                                              0.0, &spring);
+                         ours = dem_law_shear(dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k_s, 0.0, mu),
+                                              1.0, 0.0, F_n, 0.0, &spring);
             CHECK_NEAR(ours, -side * cap, 1e-15);
             if (side > 0) CU_ASSERT(pulls ? printed > 0.0 : printed == ours); /* along ds: propulsive */
             if (side < 0) CHECK_NEAR(printed, k_s * ds, 1e-15); /* to the left too, without limit */

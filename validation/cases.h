@@ -1,5 +1,5 @@
-/* Cases of validation: an answer of the simulator against the expected one, within a bound that follows from
- * the method. Cases of one kind are a problem. */
+/* Cases of validation: a result of the simulator, the expected result, and a bound that follows from the
+ * method. Cases of one kind form a problem. */
 #ifndef CASES_H
 #define CASES_H
 
@@ -8,10 +8,10 @@
 
 typedef struct {
     const char *problem; /* one word */
-    const char *source;  /* of the expected answers */
-    const char *bound;   /* why the error is at most that */
+    const char *source;  /* of the expected results */
+    const char *bound;   /* derivation of the bound */
     long n;
-    double worst; /* error over bound */
+    double worst; /* largest error/bound */
     char *rows;
     size_t size;
     FILE *text;
@@ -21,8 +21,7 @@ typedef struct {
 void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
                const char *format, ...) __attribute__((format(printf, 6, 7)));
 
-/* From one case of a grid to the next that is looked at: all in full, every `daily`th else, a fifth of those
- * under the sanitizers. */
+/* Stride over the cases of a grid: 1 in full, `daily` otherwise, five times that under the sanitizers. */
 int case_stride(int daily);
 
 /* Call last in a suite: fails for a problem without a case. With `check --full -o DIR` it writes

@@ -1,5 +1,5 @@
-/* Chaos and what it leaves alone: how fast a difference of round-off grows in an avalanche; and that the
- * pair loop's instance and the number of workers change no bit. */
+/* Chaos: growth rate of a round-off perturbation in an avalanche. Reproducibility: the kernel of the pair
+ * loop and the number of workers change no bit. */
 #include <ftw.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
@@ -16,7 +16,7 @@
 
 static const double D = 0.2; /* nominal diameter */
 
-/* Root mean square over the grains of how far two simulations' places are apart, in diameters. */
+/* Root mean square distance of the grains' positions in two simulations, in diameters. */
 static double distance(const dem_sim *a, const dem_sim *b, dem_state *s, dem_state *t)
 {
     const size_t n = dem_count(a), m = dem_count(b);
@@ -37,9 +37,9 @@ static double distance(const dem_sim *a, const dem_sim *b, dem_state *s, dem_sta
 }
 
 typedef struct {
-    double rate;        /* of the logarithm of the distance, 1/s; NaN where it does not reach a diameter's */
+    double rate; /* growth rate of the logarithm of the distance, 1/s; NaN if it stays below 1e-3 diameters */
     double first, last; /* distances at the opening and at the end, diameters */
-    double tenth;       /* and after 0.01 s */
+    double tenth;       /* distance after 0.01 s */
 } growth;
 
 typedef struct {
@@ -48,8 +48,8 @@ typedef struct {
     bool grown;
 } series;
 
-/* Add one distance to the fit, while it grows as a small one does: from ten times the first to a thousandth
- * of a diameter. */
+/* Add one distance to the fit, within the linear regime: from ten times the first distance to 1e-3 diameters.
+ */
 static void note(series *s, double t, double d, double first)
 {
     s->grown |= d > 1e-3;
@@ -70,8 +70,9 @@ static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
     return sim;
 }
 
-/* A box is filled and comes to rest; in a copy of it one grain is shifted, both are opened, and their
- * distance is written down for 0.3 s. The rate is that of a least-squares line through its logarithm. */
+/* A filled box at rest is cloned, and one grain of the clone is shifted. Both boxes are opened, and their
+ * distance is recorded for 0.3 s. The rate is the slope of a least-squares line through the logarithm of the
+ * distance. */
 static growth avalanche(long N, double W, double dt, double shift, long stream, FILE *out)
 {
     const int most = 1200;
@@ -82,7 +83,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     CU_ASSERT_FATAL(s && fit);
     CHECK_OK(dem_run(a, lround(1.0 / dt)));
     CHECK_OK(dem_clone(a, &b));
-    b->grain[N / 2].x[0] += shift;
+    b->grains.motion[N / 2].x[0] += shift;
     dem_wall_open(a, DEM_BOX_RIGHT, INFINITY);
     dem_wall_open(b, DEM_BOX_RIGHT, INFINITY);
     growth g = {.rate = NAN, .first = distance(a, b, s, s + N)};
@@ -103,15 +104,16 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     return g;
 }
 
-/* The copy alone changes nothing; small shifts grow in proportion, until they are as large as grains. */
+/* A clone without a shift stays identical; small shifts grow in proportion, until they reach the size of a
+ * grain. */
 static void round_off_grows(void)
 {
     const growth none = avalanche(60, 1.6, 5e-5, 0.0, 0, NULL),
                  small = avalanche(60, 1.6, 5e-5, 1e-12, 0, NULL),
                  large = avalanche(60, 1.6, 5e-5, 1e-10, 0, NULL);
     CU_ASSERT(none.first == 0.0 && none.last == 0.0);
-    /* in the linear regime, a hundred times the shift is a hundred times the distance; the shift itself is
-     * rounded by 1e-16, and a step's rounding adds as much */
+    /* in the linear regime, a hundred times the shift is a hundred times the distance; the shift is rounded
+     * by 1e-16, and the rounding of a step adds as much */
     CHECK_NEAR(large.tenth / small.tenth, 100.0, 1.0);
     CU_ASSERT(small.rate > 50.0 && small.rate < 1000.0);
     CU_ASSERT(small.last > 1e6 * small.first);
@@ -140,8 +142,8 @@ static void lyapunov(void)
         }
         rates[i] = gsl_stats_mean(rate, 1, SEEDS);
         errors[i] = gsl_stats_sd(rate, 1, SEEDS) / sqrt(SEEDS);
-        /* Four standard errors of a difference: one of 16000 by chance. Growth quickens as the avalanche goes
-         * on, and a larger shift is fitted over another part of it. */
+        /* Four standard errors of a difference: one of 16000 by chance. Growth accelerates during the
+         * avalanche, and a larger shift is fitted over a different part of it. */
         CHECK_NEAR(rates[i], rates[0],
                    groups[i].shift > groups[0].shift ? 0.25 * rates[0] : 4.0 * hypot(errors[i], errors[0]));
         if (fits)
@@ -153,7 +155,7 @@ static void lyapunov(void)
     check_table_close(fits, "chaos_fit");
 }
 
-/* A box that settles and runs out has the same bits with every instance of the pair loop. */
+/* A box that settles and discharges has the same bits with every kernel of the pair loop. */
 static void kernels_agree(void)
 {
     const long N = check_fast() ? 30 : 100;
@@ -212,7 +214,7 @@ void suite_chaos(void)
 {
     static const check_case cases[] = {{"small differences grow", round_off_grows},
                                        {"growth rate over seeds and time steps", lyapunov},
-                                       {"the pair loop's instances agree", kernels_agree},
+                                       {"all kernels of the pair loop agree", kernels_agree},
                                        {"any number of workers agrees", workers_agree},
                                        {NULL, NULL}};
     check_register("validation: chaos", cases);

@@ -1,6 +1,6 @@
-/* Stiff and extreme cases, generated: each is either right, by a closed form or a conservation law, or
- * refused with a reason that names what is wrong; none crashes, hangs or gives a wrong number. One row a
- * case. */
+/* Stiff and extreme cases, generated: each gives the result of a closed form or a conservation law, or is
+ * refused with a message that names the fault; none crashes, hangs or gives a wrong number. One row per case.
+ */
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +11,7 @@
 #include "core/clock.h"
 #include "core/table.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -56,7 +57,7 @@ static void verdict(const char *name, bool right)
                 right ? "right" : "WRONG");
 }
 
-/* A number that must be within a relative (of `scale`) tolerance of its closed form. */
+/* A number that must equal its closed form within a tolerance relative to `scale`. */
 static void number(const char *name, double observed, double expected, double scale, double tolerance)
 {
     EXPECTED("%.9g within %.1g", expected, tolerance * fabs(scale));
@@ -64,7 +65,7 @@ static void number(const char *name, double observed, double expected, double sc
     verdict(name, fabs(observed - expected) <= tolerance * fabs(scale));
 }
 
-/* A call that must fail, with the name of what is wrong in its message. */
+/* A call that must fail, with the name of the faulty input in its message. */
 static void refusal(const char *name, rp_status status, rp_status expected, const char *word)
 {
     EXPECTED("refused: %s", word);
@@ -85,7 +86,7 @@ static dem_definition bare(int law, int scheme)
     return def;
 }
 
-/* The limit of the time step; Verlet's for integrators without one. */
+/* The limit of the time step; Verlet's limit for integrators without one. */
 static double step_limit(const dem_definition *def)
 {
     dem_definition as = *def;
@@ -93,8 +94,8 @@ static double step_limit(const dem_definition *def)
     return dem_time_step_limit(&as, NULL);
 }
 
-/* A grain put on a floor presses it in by what carries its weight; one too heavy for the floor goes through
- * it, and the run ends with that reason. */
+/* A grain placed on a floor reaches the overlap whose force balances its weight. A grain too heavy for the
+ * floor passes through it, and the run ends with that message. */
 static void static_overlaps(void)
 {
     for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
@@ -117,7 +118,7 @@ static void static_overlaps(void)
                 if (overlap > R)
                     refusal("static overlap", status, RP_BROKEN, "centre passed wall 1");
                 else if (dem_contacts(sim, &contacts, &n) == RP_OK && !status && n == 1)
-                    /* a creep ends where v dt, of v = omega (y - y0)/2, is lost in the rounding of y */
+                    /* creep stops where v dt, with v = omega (y - y0)/2, is below the rounding of y */
                     number("static overlap", contacts[0].overlap, overlap, 1.0,
                            1e-6 * overlap + 4.0 * 0x1p-57 / (omega * def.dt));
                 else
@@ -132,7 +133,8 @@ typedef struct {
     rp_status status;
 } outcome;
 
-/* Two grains, the first at rest, the second coming at speed v along x; until they part, or `most` steps. */
+/* Two grains, the first at rest, the second approaching at speed v along x; until they separate, or `most`
+ * steps. */
 static outcome collide(dem_definition *def, dem_grain grains[2], double v, double steps, long most)
 {
     grains[1].x = grains[0].x + grains[0].r + grains[1].r;
@@ -155,8 +157,8 @@ static outcome collide(dem_definition *def, dem_grain grains[2], double v, doubl
     return o;
 }
 
-/* Head-on elastic impacts of any stiffness, radii and masses: both speeds after it; or an overlap beyond the
- * smaller radius, by the closed form, and then that reason. */
+/* Head-on elastic impacts of any stiffness, radii and masses: both final speeds; or, if the overlap of the
+ * closed form exceeds the smaller radius, a message that says so. */
 static void elastic(const char *name, int law, int scheme, double k, dem_grain a, dem_grain b, double v)
 {
     const double m_eff = a.m * b.m / (a.m + b.m);
@@ -170,8 +172,8 @@ static void elastic(const char *name, int law, int scheme, double k, dem_grain a
         refusal(name, o.status, RP_BROKEN, "beyond the smaller radius");
         return;
     }
-    /* 40 steps to the limit's, some 120 an impact: a force with a kink at touch leaves up to 1/120^2 of the
-     * speed that is exchanged, and Gear's scheme, of one evaluation, some ten times as much */
+    /* steps of 1/40 of the limit, some 120 per impact: the kink of the force at contact causes errors of up
+     * to 1/120^2 of the exchanged speed, and some ten times as much with Gear's scheme, of one evaluation */
     const double after[2] = {-2.0 * b.m / (a.m + b.m) * v, -(b.m - a.m) / (a.m + b.m) * v};
     const double error = fmax(fabs(o.v[0] - after[0]), fabs(o.v[1] - after[1])) / v;
     EXPECTED("speeds %.6g, %.6g", after[0], after[1]);
@@ -201,8 +203,8 @@ static void elastic_impacts(void)
         }
 }
 
-/* Damping from none to far too much: restitution by the solver of single impacts; and where nothing but
- * damping acts in the time, the way v/gamma that it leaves, and the momentum. */
+/* Damping from zero to far over-damped: restitution from the solver of single impacts. Where only damping
+ * acts within the run: the stopping distance v/gamma, and the momentum. */
 static void damped_impacts(void)
 {
     const double gammas[] = {0.0, 1.0, 1e2, 1e3, 1e4}, slow[] = {1e6, 1e8, 1e10, 1e12}, v = 12.3;
@@ -216,7 +218,7 @@ static void damped_impacts(void)
             PARAMETERS("gamma_n = %g, %s", gammas[i], law_names[law]);
             outcome o = collide(&def, pair, v, 400.0, 400000);
             const double e = isinf(exact.time) ? 0.0 : exact.restitution;
-            /* first order: gamma dt, of which a part jumps at touch */
+            /* first order: gamma dt, with a jump of the force at contact */
             number("damped impact", (o.v[1] - o.v[0]) / v, e, 1.0, 1e-4 + gammas[i] * def.dt);
         }
         for (size_t i = 0; i < COUNT(slow); i++)
@@ -234,13 +236,13 @@ static void damped_impacts(void)
                 PARAMETERS("gamma_n = %g, %s, tension %d", slow[i], law_names[law], tension);
                 rp_status status = dem_run(sim, 200);
                 dem_states(sim, s);
-                const double way = 2.0 * R - (s[1].x - s[0].x);
-                EXPECTED("comes to rest, pressed in by %.6g", v / slow[i]);
-                OBSERVED("pressed in by %.6g, momentum %.6g of %.6g%s", way, s[0].vx + 2.0 * s[1].vx,
-                         -2.0 * v, status ? rp_message() : "");
-                /* the step in which they touch counts from where it began: half of v dt, of dt = 0.57/gamma
+                const double overlap = 2.0 * R - (s[1].x - s[0].x);
+                EXPECTED("comes to rest at overlap %.6g", v / slow[i]);
+                OBSERVED("overlap %.6g, momentum %.6g of %.6g%s", overlap, s[0].vx + 2.0 * s[1].vx, -2.0 * v,
+                         status ? rp_message() : "");
+                /* the first step of contact acts from its start: half of v dt, with dt = 0.57/gamma
                  */
-                verdict("overdamped impact", !status && fabs(way * slow[i] / v - 1.0) < 0.5 &&
+                verdict("overdamped impact", !status && fabs(overlap * slow[i] / v - 1.0) < 0.5 &&
                                                  fabs(s[1].vx - s[0].vx) < 1e-3 * v &&
                                                  fabs(s[0].vx + 2.0 * s[1].vx + 2.0 * v) < 1e-9 * v);
                 dem_free(sim);
@@ -273,19 +275,19 @@ static void frictions(void)
                     const dem_state s = grains_state_of_one(sim);
                     PARAMETERS("mu = %g, rotation %d, %s, dashpot %s", mu, rotation,
                                slip ? "total" : "truncated", damping ? "inside" : "outside");
-                    /* an undamped spring swings to twice the stretch that carries the weight */
+                    /* an undamped spring oscillates up to twice its static extension */
                     if (mu > 1.0 && !rotation)
                         number("friction, sticks", s.x, M * gx / k_s, M * gx / k_s, 1.001);
                     else if (mu > 1.0)
                         number("friction, rolls", s.vx, 5.0 / 7.0 * gx * T, gx * T, 2e-3);
-                    else /* a spring of the default that no limit cuts holds mu N */
+                    else /* the default shear spring, below its limit, holds mu N */
                         number("friction, slides", s.vx, (gx - mu * gy) * T, gx * T, 2e-3);
                     dem_free(sim);
                 }
 }
 
-/* Grains that start pressed in, without damping: all elastic energy becomes motion. Beyond the smaller
- * radius, and with coincident centres, the start is refused. */
+/* Undamped grains that overlap at the start: all elastic energy becomes kinetic. Overlaps beyond the smaller
+ * radius, and coincident centres, are refused. */
 static void start_overlaps(void)
 {
     const double depths[] = {1e-9, 0.01, 0.3, 0.5, 0.6, 0.9, 0.999, 1.001, 1.5, 2.0};
@@ -306,7 +308,7 @@ static void start_overlaps(void)
                 dem_sim *sim = NULL;
                 rp_status status = dem_create(&def, &sim);
                 if (depths[i] > 1.0) {
-                    refusal("overlap of the start", status, RP_BAD_INPUT, wall ? "wall 1" : "overlap");
+                    refusal("initial overlap", status, RP_BAD_INPUT, wall ? "wall 1" : "overlap");
                 } else if (!status) {
                     dem_free(sim);
                     const double m_eff = wall ? M : 0.5 * M;
@@ -316,15 +318,15 @@ static void start_overlaps(void)
                     dem_energy e;
                     CHECK_OK(dem_run(sim, 1000));
                     dem_energies(sim, &e);
-                    number("overlap of the start", e.kinetic, energy, energy, 1e-3);
+                    number("initial overlap", e.kinetic, energy, energy, 1e-3);
                 } else {
-                    refusal("overlap of the start", status, RP_OK, "none");
+                    refusal("initial overlap", status, RP_OK, "none");
                 }
                 dem_free(sim);
             }
 }
 
-/* One grain alone, under any gravity: the parabola, which both schemes hold to round-off. */
+/* A single grain under any gravity: a parabola, which both schemes reproduce to round-off. */
 static void single_grains(void)
 {
     const double gravities[][2] = {{0.0, 0.0}, {0.0, -981.0}, {981.0, 0.0},  {-981.0, 981.0},
@@ -353,14 +355,15 @@ static void single_grains(void)
                 const double t = (double)steps * def.dt;
                 const double x = 1.0 + speeds[v] * t + 0.5 * gravities[g][0] * t * t,
                              y = 2.0 - speeds[v] * t + 0.5 * gravities[g][1] * t * t;
-                /* a step rounds a place and a velocity times dt: 2^-53 of the largest, a few times */
+                /* each step rounds a position and a velocity times dt: a few times 2^-53 of the largest value
+                 */
                 number("single grain", hypot(s.x - x, s.y - y), 0.0, 2.0 + fabs(x) + fabs(y),
                        4.0 * (double)steps * 0x1p-53);
                 dem_free(sim);
             }
 }
 
-/* Two grains at any distance fly on as if alone, or are refused where cells have no numbers any more. */
+/* Two grains at any distance move freely, or are refused where cell indices overflow. */
 static void far_apart(void)
 {
     for (double distance = 10.0; distance < 1e308; distance *= distance < 1e15 ? 1e3 : 1e60)
@@ -375,22 +378,22 @@ static void far_apart(void)
                 dem_sim *sim = NULL;
                 dem_state s[2];
                 rp_status status = dem_create(&def, &sim);
-                if (distance > 2e8) { /* cells are numbered up to 1e9 */
+                if (distance > 2e8) { /* cell indices end at 1e9 */
                     refusal("far apart", status, RP_BAD_INPUT, "far away");
                     continue;
                 }
                 CHECK_OK(status);
                 CHECK_OK(dem_run(sim, 1000));
                 dem_states(sim, s);
-                const double way = 1000.0 * def.dt;
-                number("far apart", fabs(s[0].x - way) + fabs(s[1].x - (distance + way)), 0.0, 1.0 + distance,
-                       2000.0 * 0x1p-53);
+                const double displacement = 1000.0 * def.dt;
+                number("far apart", fabs(s[0].x - displacement) + fabs(s[1].x - (distance + displacement)),
+                       0.0, 1.0 + distance, 2000.0 * 0x1p-53);
                 dem_free(sim);
             }
 }
 
-/* The same impact in other units of length, mass and time: the same restitution and the overlap in those
- * units. */
+/* The same impact in other units of length, mass and time: the same restitution, and the same overlap in
+ * those units. */
 static void scaled_units(void)
 {
     const double gamma = 300.0, v = 12.3;
@@ -412,7 +415,7 @@ static void scaled_units(void)
             }
 }
 
-/* Grains at rest that touch nothing, or exactly touch, stay where they are, to the bit. */
+/* Grains at rest without contact, or with zero overlap, keep their positions to the bit. */
 static void zero_velocities(void)
 {
     for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++)
@@ -425,7 +428,8 @@ static void zero_velocities(void)
                 def.grains = grains;
                 def.n_grains = (size_t)n;
                 def.dt = step_limit(&def) < 1.0 ? step_limit(&def) : def.dt;
-                PARAMETERS("%d grains that just touch, %s, %s", n, law_names[law], dem_schemes[scheme]->name);
+                PARAMETERS("%d grains with zero overlap, %s, %s", n, law_names[law],
+                           dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
                 dem_state s[100];
                 CHECK_OK(dem_run(sim, 1000));
@@ -441,8 +445,8 @@ static void zero_velocities(void)
             }
 }
 
-/* A smooth grain in a closed box: gravity from any side, there from the start or turned there, or the box
- * turned; the walls carry its components. */
+/* A frictionless grain in a closed box. Gravity has any direction from the start, or is rotated, or the box
+ * is rotated; the walls carry the components of the weight. */
 static void sideways(void)
 {
     for (int how = 0; how < 3; how++)
@@ -489,8 +493,7 @@ static void sideways(void)
         }
 }
 
-/* A box full of grains, gravity turned or the box turned: up to this angle by now, then left alone until they
- * rest. */
+/* A full box, with gravity or the box rotated to an angle, then held until the grains rest. */
 enum { MANY = 40 };
 static const double WIDTH = 2.0, HEIGHT = 2.2;
 
@@ -509,7 +512,7 @@ static dem_sim *start_full_box(int scheme, double mu, bool lid)
     return sim;
 }
 
-/* Kinetic and elastic energy, at most, over `steps`; NAN for a run that stops. */
+/* Largest kinetic plus elastic energy over `steps`; NAN for a run that fails. */
 static double most_energy(dem_sim *sim, long steps)
 {
     double most = 0.0;
@@ -532,7 +535,7 @@ static double turn_box(dem_sim *sim, bool box, double angle, long resting)
     return isnan(most) || isnan(rest) ? NAN : fmax(most, rest);
 }
 
-/* Mass of the grains, and how many of them are within the closed box. */
+/* Mass of the grains, and their number inside the closed box. */
 static double mass_within(const dem_sim *sim, size_t *within)
 {
     dem_state states[MANY];
@@ -548,8 +551,8 @@ static double mass_within(const dem_sim *sim, size_t *within)
     return mass;
 }
 
-/* No grain leaves a closed box; in the end its walls carry the weight: smooth ones each the component along
- * its normal. All that moves is what fell within the box, with no more energy than that gives. */
+/* No grain leaves a closed box; in the end the walls carry the weight; each frictionless wall carries the
+ * component along its normal. The energy stays below the potential energy of the fall within the box. */
 static void turned_boxes(void)
 {
     for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
@@ -562,7 +565,7 @@ static void turned_boxes(void)
                     size_t within;
                     const double most = turn_box(sim, box == 1, angle, 30000),
                                  mass = mass_within(sim, &within);
-                    const double weight = mass * G, turned = dem_box_angle(sim);
+                    const double weight = mass * G, turned = sim->walls.angle;
                     double f[8], along[4], sum[2] = {0.0, 0.0};
                     dem_wall_forces(sim, f);
                     static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
@@ -574,25 +577,24 @@ static void turned_boxes(void)
                     }
                     PARAMETERS("%d grains, mu = %g, %d degrees, %s turned, %s", MANY, rough ? 0.2 : 0.0,
                                degrees, box ? "box" : "gravity", dem_schemes[scheme]->name);
-                    EXPECTED("all within; walls carry %.4g, %.4g of the weight; energy below weight times "
+                    EXPECTED("all inside; walls carry %.4g, %.4g of the weight; energy below weight times "
                              "width and height",
                              sin(angle), -cos(angle));
-                    OBSERVED("%zu within, turned by %.4g; %.6g, %.6g; floor %.4g, left %.4g, right %.4g, lid "
-                             "%.4g; "
-                             "energy %.3g",
+                    OBSERVED("%zu inside, rotated by %.4g; %.6g, %.6g; floor %.4g, left %.4g, right %.4g, "
+                             "lid %.4g; energy %.3g",
                              within, turned, sum[0], sum[1], along[0], along[1], along[2], along[3],
                              most / (weight * (WIDTH + HEIGHT)));
                     double off = hypot(sum[0] - sin(angle), sum[1] + cos(angle));
-                    if (!rough && fmod(degrees, 90.0) == 0.0) /* one wall carries all */
+                    if (!rough && fmod(degrees, 90.0) == 0.0) /* one wall carries the whole weight */
                         off = fmax(off, fabs(along[degrees == 90 ? 2 : 3] - 1.0));
-                    /* on shear springs grains still sway: their damping is weak */
+                    /* grains still oscillate on their shear springs, which are weakly damped */
                     verdict("full box turned", within == MANY && off < (rough ? 5e-3 : 1e-3) &&
                                                    most < weight * (WIDTH + HEIGHT));
                     dem_free(sim);
                 }
 }
 
-/* Open on top or at the side: what falls out is counted, and nothing of it is left on the floor. */
+/* Open at the top or at the side: grains outside are counted, and exert no force on the floor. */
 static void emptied_boxes(void)
 {
     for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
@@ -604,20 +606,20 @@ static void emptied_boxes(void)
                 size_t within, left;
                 mass_within(sim, &within);
                 left = dem_count(sim);
-                double f[8]; /* the sides are whole lines, that still guide what falls */
+                double f[8]; /* the sides are infinite lines, which still guide falling grains */
                 dem_wall_forces(sim, f);
                 const double force = hypot(f[2 * DEM_BOX_FLOOR], f[2 * DEM_BOX_FLOOR + 1]);
                 PARAMETERS("%d grains, %s turned, open %s, %s", MANY, box ? "box" : "gravity",
                            side ? "at the side" : "on top", dem_schemes[scheme]->name);
                 EXPECTED("0 within, %d there", side ? 0 : MANY);
-                OBSERVED("%zu within, %zu there, force on the floor %.3g", within, left, force);
+                OBSERVED("%zu inside, %zu counted, force on the floor %.3g", within, left, force);
                 verdict("full box emptied",
                         within == 0 && left == (size_t)(side ? 0 : MANY) && force == 0.0 && isfinite(most));
                 dem_free(sim);
             }
 }
 
-/* Two good grains, but for one field of them or of the definition. */
+/* Two valid grains, except for one field of a grain or of the definition. */
 static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, double value,
                          const char *name, const char *word)
 {
@@ -634,7 +636,7 @@ static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, 
     dem_free(sim);
 }
 
-/* Values that make no sense, and time steps above the limit, are refused with the name of the field. */
+/* Invalid values, and time steps above the limit, are refused with the name of the field. */
 static void bad_values(void)
 {
     dem_grain pair[2];
@@ -725,8 +727,8 @@ static void hard_collisions(void)
 
 /* ---- Theory */
 
-/* Slopes from nothing to the full triangle: the base carries the weight of all disks, counted, and the two
- * ways to solve it agree. */
+/* Slopes from 0 to the full triangle: the base carries the counted weight of all disks, and both methods of
+ * solution agree. */
 static void lattices(void)
 {
     const double deg = M_PI / 180.0;
@@ -755,8 +757,8 @@ static void lattices(void)
             const double all = alphas[i] == 60.0  ? 0.5 * (double)(k * (k + 1))
                                : alphas[i] < 0.05 ? (double)k
                                                   : disks;
-            EXPECTED("N adds up to %.17g, H to 0", all);
-            OBSERVED("%.17g, %.3g; two ways %.3g apart", N, H, apart);
+            EXPECTED("sum of N %.17g, of H 0", all);
+            OBSERVED("%.17g, %.3g; difference of the two methods %.3g", N, H, apart);
             verdict("lattice", N == all && disks == all && fabs(H) < 1e-9 * all && apart < 1e-9 * (double)k);
         }
 }
@@ -785,12 +787,12 @@ static void continua(void)
             CHECK_OK(an_profile_force(&profile, places[p], &g));
             apart = fmax(apart, hypot(f.N - g.N, f.H - g.H));
         }
-        /* the chords lose as many digits as the slope comes near 60 degrees */
+        /* the chords lose digits as the slope approaches 60 degrees */
         number("continuum", apart, 0.0, top, 1e-14 + 1e-15 / (M_PI / 3.0 - alphas[i] * deg));
     }
 }
 
-/* Over all tilts that the form allows, in small steps. */
+/* Scan over all tilts of the valid range, in small steps. */
 static double largest_friction(ang_form form, double theta_r, double phi, double limit)
 {
     double most = 0.0, mu;
@@ -799,8 +801,8 @@ static double largest_friction(ang_form form, double theta_r, double phi, double
     return most;
 }
 
-/* Piles at, below and above the angle of marginal stability: no tilt is left at it, none is given above it,
- * and below it the friction that the tilt asks for is the one that there is. */
+/* Piles at, below and above the angle of marginal stability: the tilt is zero at that angle, undefined above
+ * it, and below it the friction required at the tilt equals mu. */
 static void tilts(void)
 {
     const double phi = M_PI / 3.0, mus[] = {0.0, 1e-12, 0.05, 0.2, 0.5, 10.0, INFINITY};
@@ -832,8 +834,8 @@ static void tilts(void)
                     verdict("tilt", t.status == ANG_TILT_NO_SLIDE && isnan(t.theta_t));
                 } else {
                     const rp_status asks = ang_friction(form, theta_r, t.theta_t, phi, &back);
-                    EXPECTED("friction %g asked for", mus[i]);
-                    OBSERVED("theta_T = %g asks for %g, %s", t.theta_t, back, ang_tilt_word(t.status));
+                    EXPECTED("required friction %g", mus[i]);
+                    OBSERVED("theta_T = %g requires %g, %s", t.theta_t, back, ang_tilt_word(t.status));
                     verdict("tilt", ok && !asks && fabs(back - mus[i]) < 1e-12 * fmax(1.0, mus[i] * mus[i]));
                 }
             }
@@ -843,7 +845,7 @@ static void tilts(void)
 
 static char answer[1 << 16];
 
-/* Run a line of shell with $REPOSE, killed after 60 s; what it says is in `answer`, its exit status returned.
+/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status.
  */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
@@ -863,7 +865,7 @@ static int program(const char *format, ...)
     return status & 0x7f ? -1 : status >> 8;
 }
 
-/* The number in a column, by name, of the last row of the answer. */
+/* The number in a named column of the last row of the answer. */
 static double last_cell(const char *column)
 {
     const char *names = NULL, *row = NULL, *next;
@@ -884,7 +886,7 @@ static double last_cell(const char *column)
     return NAN;
 }
 
-/* First line of the answer that is not of a header. */
+/* First line of the answer after the header. */
 static void observe_answer(int status)
 {
     const char *at = answer;
@@ -916,15 +918,15 @@ static void soft_piles(void)
                                            bases[b], alphas[i], eps);
                 char *rest;
                 const double N = strtod(answer, &rest), H = strtod(rest, NULL);
-                EXPECTED("N adds up to %ld, H to 0", disks);
+                EXPECTED("sum of N %ld, of H 0", disks);
                 OBSERVED("exit status %d: %.9g, %.3g", status, N, H);
                 verdict("soft pile", status == 0 && fabs(N - (double)disks) < 1e-6 * (double)disks &&
                                          fabs(H) < 1e-6 * (double)disks);
             }
 }
 
-/* Boxes from flat to tall, with one layer, one column and one grain: a result for all their grains, or the
- * reason why there is none. */
+/* Boxes from flat to tall, with one layer, one column and one grain: a result for all grains, or the reason
+ * for its absence. */
 static void box_shapes(void)
 {
     const struct {
@@ -971,7 +973,7 @@ static void box_shapes(void)
     }
 }
 
-/* Lines of the program whose answer is a number that is known, or a reason. */
+/* Commands with a known numerical result, or a message. */
 static void lines(void)
 {
     const struct {
@@ -1007,8 +1009,8 @@ static void lines(void)
     }
 }
 
-/* Scenes of a grain that comes to a wall, far over-damped to not at all: the run ends, and says of the impact
- * what there is to say. */
+/* Scenes of a grain that hits a wall, from undamped to far over-damped: the run ends, and reports the impact
+ * where one is defined. */
 static void run_scenes(void)
 {
     static const char *const frictions[] = {"0.0", "1e-12", "10.0", "\"infinite\""};
@@ -1037,7 +1039,7 @@ static void run_scenes(void)
                 }
 }
 
-/* A million grains, all of which touch two others: they fall as one. */
+/* A million grains, each in contact with two others: they fall as one body. */
 static void million(void)
 {
     const size_t n = 1000000;
@@ -1059,7 +1061,7 @@ static void million(void)
     double most = 0.0;
     for (size_t i = 0; i < n; i++)
         most = fmax(most, hypot(states[i].x - grains[i].x, states[i].y - grains[i].y + 0.5 * G * t * t));
-    /* places up to 250, rounded 20 times, and their contacts' forces of overlaps of 2^-45 */
+    /* positions up to 250, rounded 20 times, and contact forces of overlaps of 2^-45 */
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
     dem_free(sim);
     free(states);
@@ -1115,6 +1117,7 @@ static void extremes(void)
 
 void suite_extreme(void)
 {
-    static const check_case cases[] = {{"right, or refused with the reason", extremes}, {NULL, NULL}};
+    static const check_case cases[] = {{"correct result, or refused with the reason", extremes},
+                                       {NULL, NULL}};
     check_register("validation: extreme cases", cases);
 }

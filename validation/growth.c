@@ -1,5 +1,5 @@
-/* How the static solver's time and memory grow with the pile: linearised piles of 30 and 60 degrees, against
- * the forces that are known, and in full with a table. */
+/* Scaling of the static solver: processor time and memory of linearised piles of 30 and 60 degrees. Forces
+ * are compared with known ones; the full run writes tables. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -14,10 +14,10 @@
 
 typedef struct {
     size_t n, k;
-    an_force *exact; /* by diagonals alone */
+    an_force *exact; /* forces of diagonal contacts alone */
     double *N, *H;
     statics_result result;
-    double seconds; /* of processor time, to make the pile and to solve it */
+    double seconds; /* processor time to assemble and solve the pile */
 } solved;
 
 static void free_solved(solved *s)
@@ -64,9 +64,9 @@ static solved solve(long k, double alpha_deg, double eps, double well)
     return s;
 }
 
-/* The base carries the weight, the ground's friction is in balance, and of an equilateral pile each force is
- * that of diagonals alone. Displacements near n eps sigma are rounded by n DBL_EPSILON each; with a margin
- * for the sum over the base. */
+/* The base carries the weight, and the horizontal forces of the ground balance. In an equilateral pile each
+ * force equals that of diagonal contacts alone. Displacements near n eps sigma are rounded by n DBL_EPSILON
+ * each; with a margin for the sum over the base. */
 static void check_forces(const solved *s, double alpha_deg)
 {
     const double rounding = 1e-14 * (double)s->n;
@@ -83,7 +83,7 @@ static void check_forces(const solved *s, double alpha_deg)
     CU_ASSERT(s->result.negative_modes == 0 && s->result.smallest_pivot > 1e-4);
 }
 
-/* Nearly all contacts are known from the pile of half the size: one factorisation, whatever the size. */
+/* The pile of half the size predicts nearly all contacts: one factorisation at any size. */
 static void one_factorisation(void)
 {
     static const long bases[] = {180, 360};
@@ -95,7 +95,7 @@ static void one_factorisation(void)
     }
 }
 
-/* From 20 000 disks on BLAS factorises: the same bits again, and the exact forces. */
+/* BLAS factorises from 20 000 disks on: repeated solutions have the same bits, and forces are exact. */
 static void large_pile(void)
 {
     if (check_fast()) return;
@@ -107,8 +107,8 @@ static void large_pile(void)
     free_solved(&again);
 }
 
-/* A large pile on a branch that is not stable, where BLAS can't factorise: its modes are counted as those of
- * a pile that is two layers smaller, and too small for BLAS; the number grows no faster than the pile. */
+/* A large pile on an unstable branch, which BLAS can't factorise. Its number of negative modes continues that
+ * of a pile two layers smaller, below the threshold for BLAS; the number grows no faster than the pile. */
 static void large_unstable_pile(void)
 {
     if (check_fast()) return;
@@ -120,7 +120,7 @@ static void large_unstable_pile(void)
     free_solved(&large);
 }
 
-/* Slope of log y over log n by least squares. */
+/* Slope of log y against log n by least squares. */
 static double exponent(size_t count, const double n[], const double y[])
 {
     double sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -141,7 +141,7 @@ typedef struct {
     statics_result result;
 } row;
 
-/* In a process of its own, whose peak of memory is that of this pile. */
+/* In a separate process, whose peak memory is that of this pile. */
 static row measure(double alpha_deg, long k, double eps, double well)
 {
     row *shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -159,7 +159,8 @@ static row measure(double alpha_deg, long k, double eps, double well)
     return made;
 }
 
-/* Alpha = 30 and 60 degrees, from 360 to 250 000 disks; the exponents are of the larger half of the sizes. */
+/* Alpha = 30 and 60 degrees, from 360 to 250 000 disks; the exponents are fitted to the larger half of the
+ * sizes. */
 static void table_of_sizes(void)
 {
     enum { SHAPES = 2, SIZES = 6 };
@@ -171,7 +172,7 @@ static void table_of_sizes(void)
     FILE *out = check_table("growth");
     if (!out) return;
     row rows[SHAPES][SIZES];
-    rp_table_note(out, "seconds", "processor time to make and to solve a linearised pile; memory: peak");
+    rp_table_note(out, "seconds", "processor time to assemble and solve a linearised pile; memory: peak");
     for (int i = 0; i < SHAPES; i++) {
         double n[SIZES], seconds[SIZES], memory[SIZES];
         for (int j = 0; j < SIZES; j++) {
@@ -202,7 +203,7 @@ static int by_seconds(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of several measurements the one that took the median time. */
+/* The measurement with the median time of several. */
 static row measure_median(size_t times, double alpha_deg, long k, double eps, double well)
 {
     row r[5];
@@ -211,8 +212,8 @@ static row measure_median(size_t times, double alpha_deg, long k, double eps, do
     return r[times / 2];
 }
 
-/* The times that a solve was meant to take, against those that it takes: linearised and soft, on springs and
- * in wells of friction. Soft piles of 100 000 disks take minutes, and are left out. */
+/* Goals and measured processor times of a solution: linearised and soft piles, on springs and in friction
+ * wells. Soft piles of 100 000 disks take minutes and are left out. */
 static void table_of_goals(void)
 {
     static const struct {
@@ -230,9 +231,9 @@ static void table_of_goals(void)
     FILE *out = check_table("growth_goals");
     if (!out) return;
     rp_table_note(out, "seconds",
-                  "processor time to make and to solve a pile and to count its modes, median of up to 5");
+                  "processor time to assemble and solve a pile and to count its modes, median of up to 5");
     rp_table_note(out, "eps", "0: linearised");
-    rp_table_note(out, "well", "half-width of wells of friction, mu = 1; 0: springs of K_s");
+    rp_table_note(out, "well", "half-width of friction wells, mu = 1; 0: springs of K_s");
     rp_table_columns(out, 10, columns);
     for (size_t i = 0; i < sizeof piles / sizeof *piles; i++)
         for (int kind = 0; kind < (piles[i].soft ? 4 : 2); kind++) {
@@ -250,10 +251,10 @@ static void table_of_goals(void)
 
 void suite_growth(void)
 {
-    /* tables first: CHOLMOD's threads, once there are any, do not live on in the processes that make them */
-    static const check_case cases[] = {{"growth of time and memory", table_of_sizes},
-                                       {"goals of time", table_of_goals},
-                                       {"one factorisation a linearised pile", one_factorisation},
+    /* tables first: forked processes do not inherit the threads that CHOLMOD starts */
+    static const check_case cases[] = {{"scaling of time and memory", table_of_sizes},
+                                       {"goals of processor time", table_of_goals},
+                                       {"one factorisation per linearised pile", one_factorisation},
                                        {"large piles by supernodes", large_pile},
                                        {"large unstable pile", large_unstable_pile},
                                        {NULL, NULL}};

@@ -1,5 +1,5 @@
 /* Validation of the normal laws and the integrator: head-on impacts, elastic and damped, of grains and on
- * walls, in both readings of the damped force. */
+ * walls, with and without attractive damped forces. */
 #include <float.h>
 #include <gsl/gsl_sf_gamma.h>
 #include <string.h>
@@ -10,8 +10,8 @@
 #include "tests/grains.h"
 #include "validation/cases.h"
 
-/* Two grains that meet head on at relative speed v, or one and a wall (m_b infinite); `clipped`: the damped
- * force may not pull. `phase`: the part of a step from the start to first touch. */
+/* Head-on impact of two grains at relative speed v, or of a grain on a wall (m_b infinite). `clipped`: the
+ * damped force may not be attractive. `phase`: fraction of a step from the start to first contact. */
 typedef struct {
     int law;
     double k_n, gamma_n, v;
@@ -55,8 +55,8 @@ static dem_definition scene(const impact *p, double dt, dem_grain grains[2])
     return def;
 }
 
-/* The simulated impact; times of touch and parting to a step's fraction. One that has not parted after
- * `longest` has restitution 0. */
+/* The simulated impact; times of contact and separation are resolved within a step. Pairs still in contact
+ * after `longest` have restitution 0. */
 static outcome simulate(const impact *p, double dt, double longest)
 {
     dem_grain grains[2];
@@ -76,7 +76,7 @@ static outcome simulate(const impact *p, double dt, double longest)
         o.force = fmax(o.force, -(s[0].fx * x + s[0].fy * y) / r);
         if (depth <= 0.0 && closing < 0.0) {
             o.restitution = -closing / p->v;
-            o.time = dem_time(sim) - p->phase * dt + depth / -closing; /* back to the moment of parting */
+            o.time = dem_time(sim) - p->phase * dt + depth / -closing; /* back to the moment of separation */
             break;
         }
     }
@@ -105,9 +105,10 @@ static double stiffest(const impact *p)
     return sqrt(k / effective_mass(p));
 }
 
-/* The linear law's overlap is v exp(-b t) sin(w t)/w, b = gamma/2, w^2 = k/m - b^2. It parts where that is 0;
- * a force that may not pull ends earlier, where tan(w t) = -2 b w/(w0^2 - 2 b^2), and the pair flies on
- * (over-damped: the same with hyperbolic functions, and a force that pulls never lets go). */
+/* The linear law's overlap is v exp(-b t) sin(w t)/w, b = gamma/2, w^2 = k/m - b^2. The pair separates where
+ * the overlap is 0. A force that may not be attractive ends earlier, where tan(w t) = -2 b w/(w0^2 - 2 b^2),
+ * and the pair moves freely. Over-damped: hyperbolic functions; with attractive forces the pair never
+ * separates. */
 static outcome linear_exact(const impact *p)
 {
     const double m = effective_mass(p), b = 0.5 * p->gamma_n, w02 = p->k_n / m, w2 = w02 - b * b;
@@ -137,11 +138,11 @@ static outcome damped_exact(const impact *p)
     return (outcome){c.restitution, c.overlap, c.time, NAN};
 }
 
-/* To first order in h = gamma dt/2 the scheme, whose dashpot sees the velocity of half a step before, solves
- * the law with k and gamma larger by 1 + h; and the dashpot's force sets in up to half a step early or late,
- * which changes the speed by h, and lets go as much too late or early. Of second order is what the kink of
- * the spring does at touch and parting, and the curvature in h, which counts near the sticking threshold. A
- * pair that flies apart slowly is rounded every step, always the same way. */
+/* The dashpot of the scheme uses the velocity half a step earlier. To first order in h = gamma dt/2 the
+ * scheme therefore solves the law with k and gamma larger by 1 + h. The dashpot force starts and ends up to
+ * half a step early or late, which changes the speed by h. Second order: the kink of the spring at contact
+ * and separation, and the curvature in h, which matters near the sticking threshold. A slowly separating pair
+ * accumulates rounding of one sign in every step. */
 static outcome damped_bound(const impact *p, const outcome *exact, double dt)
 {
     const double h = 0.5 * p->gamma_n * dt, rate = fmax(stiffest(p), p->gamma_n) * dt, second = rate * rate;
@@ -160,17 +161,16 @@ static outcome damped_bound(const impact *p, const outcome *exact, double dt)
 #undef FIRST_AND_SECOND
 }
 
-static case_problem elastic_problem = {"elastic", "closed forms",
-                                       "w^2 dt^2: touch and parting fall into a step"},
-                    damped_problem = {"damped", "closed forms (linear); Runge-Kutta to 1e-13 (Hertz)",
-                                      "gamma dt/2 from the lag of the dashpot, from touch and from parting"},
-                    sticking_problem = {"sticking", "threshold 1.12799 (Hertz), critical damping (linear)",
-                                        "never parts"},
-                    solver_problem = {"single_impacts", "closed forms",
-                                      "tolerance of the Runge-Kutta method"};
+static case_problem
+    elastic_problem = {"elastic", "closed forms", "w^2 dt^2: contact and separation within a step"},
+    damped_problem = {"damped", "closed forms (linear); Runge-Kutta to 1e-13 (Hertz)",
+                      "gamma dt/2 from the lag of the dashpot, from contact and from separation"},
+    sticking_problem = {"sticking", "threshold 1.12799 (Hertz), critical damping (linear)",
+                        "never separates"},
+    solver_problem = {"single_impacts", "closed forms", "tolerance of the Runge-Kutta method"};
 
-/* Calls `check` for every law, stiffness, mass, speed and partner, or for every `stride`th, with phases that
- * fill the step evenly. */
+/* Calls `check` for every law, stiffness, mass, speed and partner, or for every `stride`th, with phases
+ * uniform over the step. */
 static void for_grid(int stride, void (*check)(impact *p))
 {
     static const double stiffness[] = {1e4, 1.7e6, 3.1e8}, scale[] = {1.0, 0.0123},
@@ -239,8 +239,8 @@ static void damped(void)
     for_grid(case_stride(17), check_damped);
 }
 
-/* Beyond the threshold a pair whose dashpot pulls stays together; the force that only pushes parts them
- * always. The threshold itself by bisection with the solver of single impacts. */
+/* Beyond the threshold a pair with attractive forces stays in contact; a pair with repulsive forces only
+ * always separates. Bisection with the solver of single impacts gives the threshold. */
 static void check_sticking(impact *p)
 {
     const double limit = p->law == DEM_HERTZ ? 1.12799 : 1.0;
@@ -266,16 +266,16 @@ static void sticking(void)
         CHECK_OK(dem_collision(DEM_HERTZ, true, 1.0, s, 1.0, 1.0, &c));
         *(c.restitution > 0.0 ? &parts : &sticks) = s;
     }
-    /* half a unit of the last digit given, and the bisection */
+    /* half a unit of the last printed digit, and the bisection */
     case_near(&sticking_problem, "threshold", 1.12799, 0.5 * (parts + sticks), 0.5e-5 + sticks - parts,
               "hertz, bisection with single impacts");
-    const double stick = dem_sticking_speed(1e6, 500.0, M_EFF);
+    const double stick = dem_normal_descriptors[DEM_HERTZ].sticking_speed(1e6, 500.0, M_EFF);
     case_near(&sticking_problem, "sticking speed", 1.12799, 500.0 * pow(M_EFF / 1e6, 0.4) * pow(stick, -0.2),
-              1e-13, "hertz, the function of that name");
+              1e-13, "hertz, dem_sticking_speed");
 }
 
-/* The same solver where damping is all: linear impacts in closed form; and on both sides of 1e4,
- * from where the limit is taken. */
+/* The solver with dominant damping: linear impacts in closed form, and continuity at a damping of 1e4, above
+ * which the solver uses the limit. */
 static void strong_damping(void)
 {
     for (int clipped = 0; clipped < 2; clipped++) {
@@ -285,7 +285,7 @@ static void strong_damping(void)
             dem_collision_result c;
             CHECK_OK(dem_collision(DEM_LINEAR, !clipped, 1.0, damping, 1.0, 1.0, &c));
             CU_ASSERT(clipped ? isfinite(c.time) : c.restitution == 0.0 && isinf(c.time));
-            if (damping > 1e4) { /* the closed form has lost its digits; what it tends to */
+            if (damping > 1e4) { /* the closed form loses its digits; its limit */
                 const double less = (2.0 * log(damping) - 1.0) / (damping * damping);
                 CHECK_NEAR(c.overlap * damping, 1.0 - less, 5e-7);
                 CHECK_NEAR(c.restitution * damping * damping, clipped * (1.0 - 2.0 * less), 5e-7);
@@ -304,7 +304,7 @@ static void strong_damping(void)
             if (clipped) CHECK_NEAR(above.time / below.time, 1.0, 1e-6);
         }
     }
-    /* just over-damped: it fades through numbers without leading digits, and ends */
+    /* slightly over-damped: the overlap decays through subnormal numbers, and ends */
     dem_collision_result c;
     CHECK_OK(dem_collision(DEM_LINEAR, true, 1.0, 2.2, 1.0, 1.0, &c));
     CU_ASSERT(c.restitution == 0.0 && isinf(c.time));
@@ -324,8 +324,8 @@ static void check_solver(impact *p)
             CHECK_OK(dem_collision(p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v, &c));
             const char *format = "%s %s damping=%g k_n=%g m_eff=%g v=%g";
             const char *reading = clipped ? "pushes" : "pulls";
-            /* some 1e2 to 1e3 adaptive steps of 1e-13; the deepest point comes from the parabola of a step of
-             * 0.01: some 1e-6 */
+            /* some 1e2 to 1e3 adaptive steps of 1e-13; the largest overlap comes from a parabola through a
+             * step of 0.01: some 1e-6 */
             case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10, format,
                       LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
             case_near(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time,
@@ -343,7 +343,8 @@ static void single_impacts(void)
     CHECK_FAILS(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0, &c), RP_BAD_INPUT, "v = 0");
 }
 
-/* The range of damping from light to over-damped in both readings, as a table for the figure. */
+/* The range of damping from light to over-damped, with and without attractive forces, as a table for the
+ * figure. */
 static void damping_range(void)
 {
     static const char *const columns[][2] = {
@@ -354,8 +355,7 @@ static void damping_range(void)
         const char *const name = law == DEM_HERTZ ? "impact_hertz" : "impact_linear";
         FILE *out = check_table(name);
         if (!out) return;
-        rp_table_note(out, "steps",
-                      "1000 in the time of the elastic contact, at least 1000/(2 damping) in 1/gamma");
+        rp_table_note(out, "steps", "1000 per elastic contact time, at least 1000/(2 damping) per 1/gamma");
         rp_table_columns(out, sizeof columns / sizeof *columns, columns);
         for (int i = 0; i <= 48; i++) {
             impact p = {.law = law,
@@ -400,7 +400,7 @@ void suite_impact(void)
                                       {"solver of single impacts", single_impacts},
                                       {"single impacts, strongly damped", strong_damping},
                                       {"range of damping", damping_range},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: impacts", list);
 }

@@ -1,23 +1,23 @@
 /* Validation of the energy-conserving implicit integrator, Liffman, Chan & Hughes 1992, eq (24): energy over
- * many steps, its phase, what its solvers cost, and the pile to which damped motion leads against the pile
- * that is solved for. Lengths in diameters, masses in those of a disk, g = 1. */
+ * many steps, phase error, cost of its solvers, and piles at the end of damped motion against static
+ * solutions. Lengths in diameters, masses in those of a disk, g = 1. */
 #include <stdlib.h>
 
 #include "core/table.h"
 #include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"
-#include "validation/heap.h"
+#include "validation/solved_pile.h"
 
 static const double R = 0.5, K = 1e5;
 
-/* Half a period of two disks on their spring. */
+/* Contact time: half a period of two disks on their spring. */
 static double contact_time(void)
 {
     return M_PI * sqrt(0.5 / K);
 }
 
-/* Five unequal disks that bounce in a box without loss. */
+/* Five unequal disks that bounce in a box without dissipation. */
 enum { GAS = 5 };
 static dem_sim *gas(int integrator, double dt, double tolerance)
 {
@@ -35,7 +35,7 @@ static dem_sim *gas(int integrator, double dt, double tolerance)
 typedef struct {
     const char *name;
     int integrator;
-    double dt, tolerance; /* contact times; of its radius */
+    double dt, tolerance; /* time step in contact times; tolerance over the radius */
     bool exact;           /* to round-off */
 } energy_case;
 
@@ -46,7 +46,7 @@ static const energy_case energy_cases[] = {
     {"verlet_0.1", DEM_VERLET, 0.1, 0.0, false}};
 enum { ENERGY_CASES = sizeof energy_cases / sizeof *energy_cases };
 
-/* The largest error till a step, over the energy at the start, whose gravity counts from the floor. */
+/* Largest error up to a step, relative to the initial energy; potential energy is zero at the floor. */
 enum { MARKS = 200 };
 static size_t run_energy(const energy_case *c, long steps, double error[MARKS], double at[MARKS],
                          double *most, double *iterations)
@@ -64,7 +64,7 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
         if ((double)k < next && k < steps) continue;
         at[n] = (double)k;
         error[n++] = *most;
-        next *= 1.1547819846894583; /* 16 a decade */
+        next *= 1.1547819846894583; /* 16 per decade */
     }
     dem_counts counts;
     dem_count_work(sim, &counts);
@@ -73,8 +73,8 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
     return n;
 }
 
-/* A step's error is that of places, some 5e-16, times a force of some 1000, over an energy of some 10: the
- * energy walks at random. */
+/* The error of a step is the rounding of positions, some 5e-16, times a force of some 1000, over an energy of
+ * some 10. The energy performs a random walk. */
 static double walk(long steps)
 {
     return 1e-13 * sqrt((double)steps);
@@ -119,7 +119,8 @@ static void energy_is_kept(void)
     check_table_close(out, "implicit_drift");
 }
 
-/* A disk on its spring, the floor, swings slower than in truth: omega_eff = (2/dt) atan(omega dt/2). */
+/* A disk on the spring of the floor oscillates more slowly than the exact solution: omega_eff = (2/dt)
+ * atan(omega dt/2). */
 static void phase(void)
 {
     static const char *const columns[][2] = {
@@ -144,7 +145,8 @@ static void phase(void)
             last = now;
         }
         const double measured = sum / ((double)steps * angle);
-        /* places of 0.5 are good to 1e-16, of an amplitude of 6e-5: 2e-12 a step, in all and at random */
+        /* positions of 0.5 are rounded to 1e-16, relative to an amplitude of 6e-5: random errors of 2e-12 per
+         * step */
         CHECK_NEAR(measured, formula, 1e-10 * formula);
         if (out)
             rp_table_row(
@@ -155,7 +157,7 @@ static void phase(void)
     check_table_close(out, "implicit_phase");
 }
 
-/* A full triangle of `base` disks on a row that is fixed, let go without loads. */
+/* A full triangle of `base` disks on a fixed row, released without load. */
 static void cost_of(long base, double dt, int solver, double *iterations)
 {
     const size_t n = (size_t)(base * (base + 1) / 2);
@@ -181,7 +183,7 @@ static void cost_of(long base, double dt, int solver, double *iterations)
     free(grains);
 }
 
-/* Sweeps grow with dt and size, factorisations hardly. */
+/* SOR sweeps per step grow with dt and size, factorisations hardly. */
 static void cost(void)
 {
     static const char *const columns[][2] = {
@@ -206,18 +208,19 @@ static void cost(void)
 
 enum { CHAIN = 32 };
 
-/* Sweeps of one step of a row of n disks that overlap, between two fixed ones, started with the velocities of
- * the mode that relaxes the slowest. */
+/* SOR sweeps in one step of a row of n overlapping disks between two fixed ones. Initial velocities: the mode
+ * that relaxes slowest. */
 static double sweeps_of_row(long n, double dt, double relaxation, double tolerance)
 {
     dem_grain grains[CHAIN + 2];
-    const double pitch = 0.98, way = 1e-3;
+    const double pitch = 0.98, displacement = 1e-3;
     for (long i = 0; i < n + 2; i++)
-        grains[i] = (dem_grain){.x = (double)i * pitch,
-                                .r = R,
-                                .m = 1.0,
-                                .vx = way / (dt * contact_time()) * sin(M_PI * (double)i / (double)(n + 1)),
-                                .fixed = i == 0 || i == n + 1};
+        grains[i] =
+            (dem_grain){.x = (double)i * pitch,
+                        .r = R,
+                        .m = 1.0,
+                        .vx = displacement / (dt * contact_time()) * sin(M_PI * (double)i / (double)(n + 1)),
+                        .fixed = i == 0 || i == n + 1};
     grains[n + 1].vx = 0.0;
     dem_definition def = grains_disks((size_t)(n + 2), grains, K);
     def.gravity[1] = 0.0;
@@ -231,10 +234,11 @@ static double sweeps_of_row(long n, double dt, double relaxation, double toleran
     return counts.iterations;
 }
 
-/* What a sweep leaves of the error in that row: its matrix, 1 + 2 kappa beside -kappa with kappa =
- * dt^2 K_s/(4 m), is consistently ordered, so that the spectral radius q of a sweep follows from that of
- * Jacobi's, rho = 2 kappa/(1 + 2 kappa) cos(pi/(n + 1)): (q + w - 1)^2 = q w^2 rho^2 up to the best w, and
- * q = w - 1 beyond it. D. M. Young, Iterative Solution of Large Linear Systems (1971), chapters 5 and 6. */
+/* Reduction of the error per sweep in that row. Its matrix, with diagonal 1 + 2 kappa and off-diagonal
+ * -kappa, kappa = dt^2 K_s/(4 m), is consistently ordered. The spectral radius q of SOR then follows from
+ * that of Jacobi's method, rho = 2 kappa/(1 + 2 kappa) cos(pi/(n + 1)): (q + w - 1)^2 = q w^2 rho^2 up to the
+ * optimal w, and q = w - 1 beyond it. D. M. Young, Iterative Solution of Large Linear Systems (1971),
+ * chapters 5 and 6. */
 static double left_by_sweep(long n, double dt, double w, bool *beyond)
 {
     const double kappa = 0.25 * K * dt * dt * contact_time() * contact_time(),
@@ -244,8 +248,8 @@ static double left_by_sweep(long n, double dt, double w, bool *beyond)
     return *beyond ? w - 1.0 : 0.25 * pow(w * rho + sqrt(square), 2.0);
 }
 
-/* From one tolerance to a tighter one. Sweeps are whole; beyond the best w all n modes decline alike but
- * turn, so that their sum is a factor of up to n or so off its decline. */
+/* Sweeps between two tolerances; their number is an integer. Beyond the optimal w all n modes decay at the
+ * same rate with different phases: their sum deviates from the rate by a factor of about n at most. */
 static void contraction(void)
 {
     static const char *const columns[][2] = {{"disks", ""},       {"dt", "contact times"},
@@ -272,13 +276,13 @@ static void contraction(void)
     check_table_close(out, "implicit_contraction");
 }
 
-/* ---- A pile that comes to rest, and the pile that is solved for ------------------------------------------
+/* ---- Damped motion to rest, and the static solution ------------------------------------------------------
  */
 
 typedef struct {
-    double N, H, contact, place; /* largest differences: m g, m g, m g, eps sigma */
-    size_t missing;              /* contacts of one that the other has not, of more than 1e-3 m g */
-} heap_difference;
+    double N, H, contact, position; /* largest differences, in m g, m g, m g, eps sigma */
+    size_t missing;                 /* contacts above 1e-3 m g that only one of the two piles has */
+} pile_difference;
 
 static int by_id(const void *a, const void *b)
 {
@@ -286,55 +290,56 @@ static int by_id(const void *a, const void *b)
     return (p->id_a > q->id_a) - (p->id_a < q->id_a);
 }
 
-static heap_difference compare(const heap *h, const dem_sim *sim)
+static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
 {
-    heap_difference d = {0};
+    pile_difference d = {0};
     dem_contact *list;
     statics_contact *solved;
     size_t n, m, base = 0;
     CHECK_OK(dem_contacts(sim, &list, &n));
-    CHECK_OK(statics_contacts(h->pile, &solved, &m));
+    CHECK_OK(statics_contacts(pile->equilibrium, &solved, &m));
     qsort(list, n, sizeof *list, by_id);
-    double *force = calloc(h->n * h->n, sizeof *force);
-    for (size_t k = 0; k < m; k++) force[solved[k].a * h->n + solved[k].b] = solved[k].force;
+    double *force = calloc(pile->n * pile->n, sizeof *force);
+    for (size_t k = 0; k < m; k++) force[solved[k].a * pile->n + solved[k].b] = solved[k].force;
     for (size_t k = 0; k < n; k++) {
         if (list[k].id_b == 0) {
-            d.N = fmax(d.N, fabs(list[k].normal_force - h->N[base]));
-            d.H = fmax(d.H, fabs(-list[k].shear_force - h->H[base]));
+            d.N = fmax(d.N, fabs(list[k].normal_force - pile->N[base]));
+            d.H = fmax(d.H, fabs(-list[k].shear_force - pile->H[base]));
             base++;
             continue;
         }
         const size_t a = (list[k].id_a < list[k].id_b ? list[k].id_a : list[k].id_b) - 1,
                      b = (list[k].id_a < list[k].id_b ? list[k].id_b : list[k].id_a) - 1;
-        d.contact = fmax(d.contact, fabs(list[k].normal_force - force[a * h->n + b]));
-        force[a * h->n + b] = 0.0;
+        d.contact = fmax(d.contact, fabs(list[k].normal_force - force[a * pile->n + b]));
+        force[a * pile->n + b] = 0.0;
     }
-    CU_ASSERT_EQUAL(base, h->k);
-    for (size_t k = 0; k < h->n * h->n; k++) d.missing += force[k] > 1e-3;
-    dem_state *states = calloc(h->n, sizeof *states);
+    CU_ASSERT_EQUAL(base, pile->k);
+    for (size_t k = 0; k < pile->n * pile->n; k++) d.missing += force[k] > 1e-3;
+    dem_state *states = calloc(pile->n, sizeof *states);
     CHECK_OK(dem_states(sim, states));
-    for (size_t i = 0; i < h->n; i++) {
-        d.place = fmax(d.place, hypot((states[i].x - h->grains[i].x) / h->eps - h->u[2 * i],
-                                      (states[i].y - h->grains[i].y) / h->eps - h->u[2 * i + 1]));
+    for (size_t i = 0; i < pile->n; i++) {
+        d.position =
+            fmax(d.position, hypot((states[i].x - pile->grains[i].x) / pile->eps - pile->u[2 * i],
+                                   (states[i].y - pile->grains[i].y) / pile->eps - pile->u[2 * i + 1]));
     }
     free(states), free(force), free(list), free(solved);
     return d;
 }
 
-/* Let go under a weight that is raised slowly; gamma and 1/dt in units of sqrt(K_s/m). */
-static heap_difference relaxed(const heap *h, int integrator, double gamma, double dt, long steps)
+/* Released under a slowly rising weight; gamma and 1/dt in units of sqrt(K_s/m). */
+static pile_difference relaxed(const solved_pile *pile, int integrator, double gamma, double dt, long steps)
 {
-    const dem_definition def = heap_scene(h, integrator, gamma, dt);
+    const dem_definition def = solved_pile_scene(pile, integrator, gamma, dt);
     dem_sim *sim = grains_start(&def);
-    heap_load(sim, steps / 2);
+    solved_pile_load(sim, steps / 2);
     CHECK_OK(dem_run(sim, steps / 2));
-    const heap_difference d = compare(h, sim);
+    const pile_difference d = compare(pile, sim);
     dem_free(sim);
     return d;
 }
 
-/* Strong dashpots turn velocities round at each long step: a well that took its depth from those would feed
- * the rattling. Piles of 60 degrees, of slopes that the wells hold. */
+/* Strong dashpots reverse velocities at each long step; a well whose depth included the dashpot force would
+ * amplify this oscillation. Piles of 60 degrees, slopes that the wells sustain. */
 static void strong_dashpots(void)
 {
     static const struct {
@@ -342,10 +347,11 @@ static void strong_dashpots(void)
         double gamma, dt;
     } cases[] = {{2, 11.0, 1.0}, {8, 11.0, 1.0}, {8, 50.0, 1.0}, {8, 11.0, 5.0}};
     for (int i = 0; i < 4; i++) {
-        heap h = heap_solved(cases[i].base, 60.0, 1e-4, 1);
-        const heap_difference d = relaxed(&h, DEM_IMPLICIT, cases[i].gamma, cases[i].dt, 2000);
-        CHECK_NEAR(fmax(fmax(d.N, d.H), d.contact), 0.0, 1e-5); /* a disk that hops has its well set anew */
-        heap_free(&h);
+        solved_pile pile = solved_pile_make(cases[i].base, 60.0, 1e-4, 1);
+        const pile_difference d = relaxed(&pile, DEM_IMPLICIT, cases[i].gamma, cases[i].dt, 2000);
+        /* a disk that leaves the ground and returns gets a new well */
+        CHECK_NEAR(fmax(fmax(d.N, d.H), d.contact), 0.0, 1e-5);
+        solved_pile_free(&pile);
     }
 }
 
@@ -364,20 +370,21 @@ static void pile_at_rest(void)
     FILE *out = check_table("implicit_pile");
     if (out) rp_table_columns(out, 8, columns);
     for (int k = 0; k < (check_full() ? 2 : 1); k++) {
-        heap h = heap_solved(bases[k], 30.0, eps[k], 1);
+        solved_pile pile = solved_pile_make(bases[k], 30.0, eps[k], 1);
         const double b = (double)bases[k];
         for (int verlet = 0; verlet < 2; verlet++) {
-            /* the slowest motion, of a wave length of some four times the height, is damped most */
-            const heap_difference d = verlet ? relaxed(&h, DEM_VERLET, 2.0, 0.1, lround(300.0 * b * b))
-                                             : relaxed(&h, DEM_IMPLICIT, 0.25 * b, 1.0, 4000);
+            /* at this gamma the slowest mode, with a wavelength of some four heights, decays fastest */
+            const pile_difference d = verlet ? relaxed(&pile, DEM_VERLET, 2.0, 0.1, lround(300.0 * b * b))
+                                             : relaxed(&pile, DEM_IMPLICIT, 0.25 * b, 1.0, 4000);
             CHECK_NEAR(fmax(d.N, d.H), 0.0, 1e-7);
             CHECK_NEAR(d.contact, 0.0, 1e-7);
             CU_ASSERT_EQUAL(d.missing, 0);
             if (out)
-                rp_table_row_word(out, 7, (double[]){b, (double)h.n, h.eps, d.N, d.H, d.contact, d.place},
+                rp_table_row_word(out, 7,
+                                  (double[]){b, (double)pile.n, pile.eps, d.N, d.H, d.contact, d.position},
                                   verlet ? "verlet" : "implicit");
         }
-        heap_free(&h);
+        solved_pile_free(&pile);
     }
     check_table_close(out, "implicit_pile");
 }
@@ -386,9 +393,9 @@ void suite_implicit(void)
 {
     static const check_case cases[] = {{"energy over many steps", energy_is_kept},
                                        {"phase", phase},
-                                       {"cost of sweeps and direct solves", cost},
-                                       {"what a sweep leaves", contraction},
-                                       {"the pile at rest", pile_at_rest},
+                                       {"cost of SOR sweeps and direct solutions", cost},
+                                       {"convergence rate of SOR", contraction},
+                                       {"pile at rest against static solution", pile_at_rest},
                                        {"strong dashpots", strong_dashpots},
                                        {NULL, NULL}};
     check_register("validation: the implicit integrator", cases);

@@ -1,5 +1,5 @@
-/* Validation of the shear law on a floor: a grain that does not rotate, gravity inclined. It is at rest in
- * the normal direction from the start, so that the normal force is m g cos(angle) throughout. */
+/* Validation of the shear law on a floor: a grain that does not rotate, under inclined gravity. It starts in
+ * equilibrium in the normal direction, so that the normal force is m g cos(angle) throughout. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,8 +10,10 @@
 
 static const double R = 0.1, M = 0.0042, G = 981.0, FLOOR_K = 2e6;
 
-static case_problem stick_problem = {"sticks", "m g sin/k_s", "exp(-gamma_s t/2) of the sway, round-off"},
-                    slow_problem = {"slow_loading", "atan mu", "rate times the sway's time and a step"},
+static case_problem stick_problem = {"sticks", "m g sin/k_s",
+                                     "exp(-gamma_s t/2) of the oscillation, round-off"},
+                    slow_problem = {"slow_loading", "atan mu",
+                                    "rate times the oscillation period and a step"},
                     sudden_problem = {"sudden_loading", "atan(mu/2)", "(w dt)^2, w^2 = k_s/m; bisection"},
                     terminal_problem = {"terminal_speed", "g (sin - mu cos)/gamma_s",
                                         "exp(-gamma_s t), round-off"},
@@ -20,7 +22,7 @@ static case_problem stick_problem = {"sticks", "m g sin/k_s", "exp(-gamma_s t/2)
                                         "(w dt)^2 at slip, mu g dt^2 at rest"},
                     return_problem = {"comes_back", "conservative force", "(w dt)^2 at each kink"};
 
-/* A grain of speed v along the floor. */
+/* A grain with speed v along the floor. */
 static dem_definition incline(double angle, const dem_material *c, double v, dem_grain *grain)
 {
     dem_definition def = dem_definition_default();
@@ -41,7 +43,7 @@ static dem_state run(dem_sim *sim, double seconds, double dt)
 
 static const double MU[] = {0.05, 0.2385, 0.7, 2.0}, K_S[] = {1e3, 1e4, 1e5};
 
-/* Below atan(mu/2) a suddenly loaded grain sticks, and comes to rest displaced by m g sin/k_s. */
+/* Below atan(mu/2) a suddenly loaded grain sticks, and comes to rest at the displacement m g sin/k_s. */
 static void sticks(void)
 {
     static const double parts[] = {0.1, 0.5, 0.95};
@@ -61,11 +63,11 @@ static void sticks(void)
     }
 }
 
-/* Turned slowly, it slips where its friction comes to the limit. */
+/* Under slowly rotating gravity the grain slips where friction reaches the Coulomb limit. */
 static void slow_loading(void)
 {
     for (int i = 0; i < 4 * 3 * 2; i += case_stride(3)) {
-        const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], rate = 1.0; /* radians a second */
+        const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], rate = 1.0; /* rad/s */
         const dem_material c = {1e6, 500.0, k_s, 80.0, mu};
         const int every = 4;
         dem_grain grain;
@@ -83,8 +85,8 @@ static void slow_loading(void)
             if (fabs(held) >= mu * now.normal_force * (1.0 - 1e-12)) slipped = atan2(g[0], -g[1]);
         }
         dem_free(sim);
-        /* the sway of the start is rate/w, the spring follows within 1/w, the normal spring likewise; a
-         * dashpot outside the limit carries gamma_s/w^2 times the rate */
+        /* the initial oscillation is rate/w; shear and normal springs follow within 1/w; a dashpot outside
+         * the limit carries gamma_s/w^2 times the rate */
         const double w = sqrt(k_s / M);
         case_near(&slow_problem, "angle", atan(mu), slipped,
                   rate * (2.0 / w + 80.0 / (w * w) + every * def.dt), "mu=%g k_s=%g damping=%s", mu, k_s,
@@ -92,8 +94,8 @@ static void slow_loading(void)
     }
 }
 
-/* Loaded suddenly and undamped, the spring swings to twice what gravity pulls, and slips above atan(mu/2):
- * then it is shorter than the way. */
+/* Suddenly loaded and undamped, the spring force rises to twice the driving force, and the grain slips above
+ * atan(mu/2). The spring is then shorter than the displacement. */
 static bool slips_at_once(double angle, double mu, double k_s, double dt)
 {
     const dem_material c = {1e6, 0.0, k_s, 0.0, mu};
@@ -121,8 +123,8 @@ static void sudden_loading(void)
     }
 }
 
-/* Above atan(mu) it slides: with the dashpot outside the limit it comes to a terminal speed, with the dashpot
- * under the limit it speeds up evenly. */
+/* Above atan(mu) it slides: with the dashpot outside the limit it reaches a terminal speed, with the dashpot
+ * under the limit it accelerates uniformly. */
 static void slides(void)
 {
     static const double parts[] = {1.05, 1.3}, gammas[] = {20.0, 80.0, 400.0};
@@ -145,14 +147,14 @@ static void slides(void)
     }
 }
 
-/* A grain kicked along the floor, undamped: its spring comes to the limit at x_1 = mu m g/k_s, then mu g
- * slows it down. The truncated spring then throws it back from there by its own length; the total one, which
- * is a conservative force of the place, brings it back to the start at full speed. */
+/* A grain kicked along the floor, undamped: its spring reaches the limit at x_1 = mu m g/k_s, then mu g
+ * decelerates the grain. The truncated spring then returns it by its own length. The total spring, a
+ * conservative force of position, returns it to the start at full speed. */
 static void check_kick(int slip, double mu, double k_s, double v)
 {
     const dem_material c = {1e6, 500.0, k_s, 0.0, mu};
-    const double w = sqrt(k_s / M), dt = 2e-3 / w, limit = mu * G / w; /* slips if faster */
-    const double x1 = limit / w, v1 = sqrt(v * v - limit * limit), way = x1 + v1 * v1 / (2.0 * mu * G);
+    const double w = sqrt(k_s / M), dt = 2e-3 / w, limit = mu * G / w; /* speed above which it slips */
+    const double x1 = limit / w, v1 = sqrt(v * v - limit * limit), stopping = x1 + v1 * v1 / (2.0 * mu * G);
     dem_grain grain;
     dem_definition def = incline(0.0, &c, v, &grain);
     def.slip = slip;
@@ -166,19 +168,19 @@ static void check_kick(int slip, double mu, double k_s, double v)
         s = run(sim, dt, dt);
         furthest = fmax(furthest, s.x);
     }
-    /* the force is off by at most k_s v dt in the step in which it slips: v by (w dt)^2 v/2 */
+    /* the error of the force is at most k_s v dt in the step in which it slips; that of v is (w dt)^2 v/2 */
     const double kink = pow(w * dt, 2.0);
     const char *format = "%s mu=%g k_s=%g v=%g dt=%g";
     const char *reading = slip == DEM_TOTAL ? "total" : "truncated";
-    case_near(&stopping_problem, "distance", way, furthest, kink * (v * v / (mu * G) + x1) + mu * G * dt * dt,
-              format, reading, mu, k_s, v, dt);
+    case_near(&stopping_problem, "distance", stopping, furthest,
+              kink * (v * v / (mu * G) + x1) + mu * G * dt * dt, format, reading, mu, k_s, v, dt);
     if (slip == DEM_TOTAL) {
         case_near(&return_problem, "speed", -v, s.vx, 2.0 * kink * v, format, reading, mu, k_s, v, dt);
         case_near(&return_problem, "time", 2.0 * turn, dem_time(sim) - dt * s.x / (s.x - last.x),
                   2.0 * kink * 2.0 * v / (mu * G) + kink / w, format, reading, mu, k_s, v, dt);
     } else {
-        /* stuck, the spring swings about the place a length x_1 before the turning point, for ever; seen
-         * half a swing later */
+        /* when stuck, the grain oscillates for ever about the position x_1 before the turning point; observed
+         * half a period later */
         double nearest = furthest;
         for (double t = 0.0; t < 1.2 * M_PI / w; t += dt) nearest = fmin(nearest, run(sim, dt, dt).x);
         case_near(&return_problem, "swing", 2.0 * x1, furthest - nearest, 2.0 * kink * x1 + kink * x1, format,
@@ -189,7 +191,7 @@ static void check_kick(int slip, double mu, double k_s, double v)
 
 static void kicked(void)
 {
-    static const double speeds[] = {1.5, 4.0, 20.0}; /* in units of the speed that slips */
+    static const double speeds[] = {1.5, 4.0, 20.0}; /* in units of the slip threshold */
     for (int i = 0; i < 2 * 4 * 3 * 3; i += case_stride(5)) {
         const double mu = MU[i / 2 % 4], k_s = K_S[i / 8 % 3];
         check_kick(i % 2, mu, k_s, speeds[i / 24] * mu * G / sqrt(k_s / M));
@@ -211,7 +213,7 @@ void suite_incline(void)
                                       {"slips, loaded suddenly", sudden_loading},
                                       {"slides", slides},
                                       {"kicked: stops, comes back", kicked},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: friction on an incline", list);
 }

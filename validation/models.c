@@ -1,5 +1,5 @@
-/* Validation of the models on paper, of hard collisions and of the static solver, each against an answer that
- * is found another way, over many values. */
+/* Validation of the analytic models, of hard collisions and of the static solver, each against an independent
+ * result, over many values. */
 #include <float.h>
 #include <stdlib.h>
 
@@ -13,17 +13,17 @@
 
 static case_problem
     hard_problem = {"hard", "impulses of rigid bodies, (12), (16), with the magnitude of (7)",
-                    "round-off of a few steps; way along the floor/r"},
+                    "round-off of a few steps; displacement along the floor/r"},
     lattice_problem = {"lattice", "the recursion (37), (38), disk by disk",
                        "round-off of sums over the layers"},
     limit_problem = {"lattice_limit", "the continuum (49)-(59)",
-                     "a disk of each diagonal, and where the flank, shifted by a disk, ends it"},
-    continuum_problem = {"continuum", "chords of the outline, intersected",
-                         "round-off over pi/3 less the slope"},
-    tent_problem = {"tent", "its weight, of the area", "kinks times (1/points)^2"},
+                     "one disk per diagonal, and a shift of the flank by one disk"},
+    continuum_problem = {"continuum", "numerical chords of the outline",
+                         "round-off over pi/3 minus the slope"},
+    tent_problem = {"tent", "weight from the area", "kinks times (1/points)^2"},
     tilt_problem = {"tilt", "closed roots of (4), sine and lattice form; chords and forces of the others",
                     "round-off over the slope at the root"},
-    static_problem = {"static_pile", "diagonals alone, exact for the full triangle",
+    static_problem = {"static_pile", "diagonal contacts alone, exact for the full triangle",
                       "round-off of displacements of n eps sigma"};
 
 static double radians(double degrees)
@@ -31,7 +31,8 @@ static double radians(double degrees)
     return degrees * (M_PI / 180.0);
 }
 
-/* Two unequal spinning grains, or one and a wall below it, collide hard, with slip v_s and no gravity. */
+/* Hard collision of two unequal spinning grains, or of one with a wall below, with slip v_s and without
+ * gravity. */
 static void check_hard(bool pair, int shape, double e, double mu, double ratio)
 {
     const double r = 0.1193, m = 0.00471, r2 = 0.0871, m2 = 0.00297, v_n = 13.0, v_s = ratio * v_n, dt = 1e-7;
@@ -60,7 +61,7 @@ static void check_hard(bool pair, int shape, double e, double mu, double ratio)
     dem_free(sim);
     /* 1/M_t is a/m_eff for spheres alike and disks alike: arm^2/I = 1/(q m) */
     const double impulse = fmin(v_s * m_eff / a, mu * (1.0 + e) * m_eff * v_n);
-    const double turn = pair ? 2.0 * (v_s + v_n) * dt / (r + r2) : 0.0; /* of the normal till they touch */
+    const double turn = pair ? 2.0 * (v_s + v_n) * dt / (r + r2) : 0.0; /* of the normal until contact */
     const double bound = (1e-13 + 4.0 * turn) * (v_n + v_s);
     const char *const format = "%s %s e=%g mu=%g v_s/v_n=%g", *const on = pair ? "grain" : "wall",
                       *const what = shape == DEM_SPHERE ? "sphere" : "disk";
@@ -84,7 +85,7 @@ static void hard(void)
 
 /* The largest differences over the base. */
 typedef struct {
-    double N, H, top; /* of N, H; largest N */
+    double N, H, top; /* largest differences of N, H; largest N */
 } apart;
 
 static apart compare(long k, const an_force a[], const an_force b[])
@@ -99,7 +100,7 @@ static apart compare(long k, const an_force a[], const an_force b[])
     return d;
 }
 
-/* The forces of a cut pile over its base and over chi g B, those of the continuum at the same x/B. */
+/* Forces along the base of a cut pile, in chi g B, and those of the continuum at the same x/B. */
 static void check_limit(long k, double alpha, double theta, const long up[], const an_force force[])
 {
     double disks = 0.0;
@@ -161,8 +162,8 @@ static void continuum(void)
     }
 }
 
-/* N over the base of a tent adds up to its weight: chi g for each length sigma of a diagonal, which are
- * sigma apart on the base, so 2/sqrt 3 of the area. H adds up to nothing. */
+/* N over the base of a tent sums to its weight: chi g per length sigma of a diagonal, and diagonals are sigma
+ * apart on the base, which gives 2/sqrt 3 of the area. H sums to 0. */
 static void tents(void)
 {
     static const double slopes[] = {5.0, 30.0, 45.0, 58.0}, places[] = {0.1, 0.25, 0.38, 0.45};
@@ -182,7 +183,7 @@ static void tents(void)
             H += weight * f.H;
         }
         for (int p = 0; p < 4; p++) area += 0.5 * (v[p].y + v[p + 1].y) * (v[p + 1].x - v[p].x);
-        /* each of some ten kinks is off by at most its jump in slope, below that of 60 degrees against the
+        /* each of some ten kinks contributes at most its jump in slope, below that between 60 degrees and the
          * steepest chord, over 8 points^2 */
         const double jump = 10.0 / (M_PI / 3.0 - fmax(outer, inner)) / (8.0 * points * points);
         case_near(&tent_problem, "weight", 2.0 / sqrt(3.0) * area, N, jump, "outer=%.4g inner=%.4g x_1=%g",
@@ -192,8 +193,8 @@ static void tents(void)
     }
 }
 
-/* T/N of the forces along the two rays: as long as the chords, in the balanced form also as wide as the
- * beams.
+/* T/N of the forces along the two rays: proportional to the chords, in the balanced form also to the widths
+ * of the beams.
  */
 static double needed(int form, double theta_r, double theta, double P)
 {
@@ -238,7 +239,7 @@ static void tilt(void)
         check_tilt(mus[i % 5], parts[i / 5 % 4], radians(Ps[i / 20]));
 }
 
-/* Full triangles, linearised: the diagonals alone carry. */
+/* Full triangles, linearised: only diagonal contacts carry force. */
 static void static_piles(void)
 {
     static const long bases[] = {1, 2, 5, 12, 26, 45, 77, 104};
@@ -284,12 +285,12 @@ static void cases(void)
 void suite_models(void)
 {
     static const check_case list[] = {{"hard collisions", hard},
-                                      {"lattice: two ways, and its limit", lattice},
-                                      {"continuum against chords", continuum},
-                                      {"tents carry their weight", tents},
+                                      {"lattice: two methods, and the continuum limit", lattice},
+                                      {"continuum against numerical chords", continuum},
+                                      {"tents: base carries the weight", tents},
                                       {"equations (3) and (4)", tilt},
-                                      {"static piles against diagonals alone", static_piles},
-                                      {"cases", cases},
+                                      {"static piles against diagonal contacts alone", static_piles},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: models", list);
 }

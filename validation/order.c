@@ -1,12 +1,12 @@
-/* Observed order of every integrator on every law. A grain flies against a wall, with a speed along it where
- * the law has a tangential part, and the rebound is compared with an answer that does not come from the
- * simulator. For each step size the touch falls into many phases of a step: a single one may hide errors, and
- * steps that divide the contact time exactly do. Errors are root mean squares over the phases; the order is
- * the slope of their logarithm by least squares.
+/* Observed order of every integrator on every law. A grain hits a wall, with a tangential velocity where the
+ * law has a tangential part, and the rebound is compared with an independent solution. For each step size the
+ * first contact falls into many phases of a step: a single phase may hide errors, as do steps that divide the
+ * contact time exactly. Errors are root mean squares over the phases; the order is the slope of their
+ * logarithm by least squares.
  *
- * What the theory says of a force that is not smooth at a touch within a step: a jump (a damped law) is an
- * error of first order, a kink (the linear law, a shear spring) one of second, the 3/2 of Hertz one of order
- * 5/2, each with a factor that depends on the phase. */
+ * Theory for a force that is not smooth at a contact within a step: a jump (damped law) gives an error of
+ * first order, a kink (linear law, shear spring) of second, the exponent 3/2 of Hertz of order 5/2. Each
+ * factor depends on the phase. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,12 +15,12 @@
 #include "tests/check.h"
 #include "tests/grains.h"
 
-/* What is fitted: error of the velocity and of the place after the rebound, and the ledger's `integration`.
+/* Fitted errors: velocity and position after the rebound, and `integration` of the ledger.
  */
 enum { VELOCITY, PLACE, INTEGRATION, N_ERRORS };
 
-/* A law, and the orders to be seen: with Verlet's scheme and, where it differs, with Gear's and with a touch
- * that is located. */
+/* A law and its expected orders: with Verlet's scheme and, where different, with Gear's scheme and with the
+ * contact located within the step. */
 typedef struct {
     const char *name;
     int normal;
@@ -32,9 +32,9 @@ typedef struct {
 
 static const double R = 0.1, M = 0.00419, V_N = 30.0, V_S = 20.0;
 
-/* First order also without damping: a spring that is loaded when the contact ends, a jump; and one that grows
- * by whole steps from the first on, if no slip makes it forget that. The scheme's own gain of energy does not
- * see either error of what damps: it is that of a kink. */
+/* First order also without damping: a shear spring still loaded at the end of contact is a jump, and so is a
+ * spring that grows by whole steps from the first one, unless slip resets it. The energy error of the scheme
+ * does not contain either error of the dissipative forces: it has the order of a kink. */
 static const law laws[] = {
     {"hertz_elastic", DEM_HERTZ, 0.0, true, 0.0, 0.0, 0.0, {2.5, 2.0, 2.5}},
     {"hertz_pulls", DEM_HERTZ, 1500.0, true, 0.0, 0.0, 0.0, {1.0, 1.0, 2.0}},
@@ -60,9 +60,9 @@ static double v_along(const law *p)
     return p->k_s > 0.0 ? V_S : 0.0;
 }
 
-/* ---- the answer: classical Runge-Kutta, from the touch on ---- */
+/* ---- reference: classical Runge-Kutta, from the moment of contact ---- */
 
-/* Overlap and its rate, place and speed along the wall, length of the spring. */
+/* Overlap and its rate, position and speed along the wall, length of the spring. */
 enum { OVERLAP, CLOSING, ALONG, SPEED, SPRING, N_STATE };
 
 static double normal_force(const law *p, const double y[])
@@ -87,7 +87,7 @@ static void rates(const law *p, const double y[], double dydt[])
     dydt[SPEED] = -fmax(-cap, fmin(pull, cap)) / M - p->gamma_s * y[SPEED];
 }
 
-/* A step, and the slider: the spring is no longer than Coulomb's limit lets it be. */
+/* A step, and the slider: the Coulomb limit truncates the spring. */
 static void rk4(const law *p, double h, double y[])
 {
     double k[4][N_STATE], z[N_STATE];
@@ -103,7 +103,7 @@ static void rk4(const law *p, double h, double y[])
     }
 }
 
-/* State at the end of the contact, in the middle of no step, and its time. */
+/* State at the end of contact, located within its step, and its time. */
 typedef struct {
     double time, v_n, v_s, along;
 } rebound;
@@ -117,7 +117,7 @@ static rebound solve(const law *p, double h)
         t += h;
     } while (y[OVERLAP] > 0.0);
     double part = h;
-    for (int k = 0; k < 6; k++) { /* Newton's method for the time of parting, from the step before it */
+    for (int k = 0; k < 6; k++) { /* Newton's method for the time of separation, from the step before it */
         part -= y[OVERLAP] / y[CLOSING];
         memcpy(y, last, sizeof y);
         rk4(p, part, y);
@@ -125,7 +125,7 @@ static rebound solve(const law *p, double h)
     return (rebound){t - h + part, -y[CLOSING], y[SPEED], y[ALONG]};
 }
 
-/* With steps of 1e-8 s, once a law. */
+/* Steps of 1e-8 s, once per law. */
 static rebound exact_rebound(const law *p)
 {
     static rebound known[N_LAWS];
@@ -153,12 +153,14 @@ static dem_definition flight(const law *p, int integrator, double dt, double pha
     return def;
 }
 
-/* The velocity's over V_N, the place's over V_N times the time of contact, the energy's over that before. */
+/* Error of velocity over V_N, of position over V_N times the contact time, of energy over the initial energy.
+ */
 typedef struct {
     double of[N_ERRORS];
 } errors;
 
-/* Of a state at the time `after` the parting; the flight is free, so that places are compared at one time. */
+/* Errors of a state at the time `after` separation; the motion is then free, so that positions are compared
+ * at equal times. */
 static errors compare(const law *p, const rebound *exact, double x, double y, double v_x, double v_y,
                       double after, double integration)
 {
@@ -175,9 +177,9 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
     dem_grain grain;
     const double dt = exact->time / n;
     dem_definition def = flight(p, integrator, dt, phase, &grain);
-    def.ledger = !dem_schemes[integrator]->pair_parts; /* else it adds nothing that has an order */
+    def.ledger = !dem_schemes[integrator]->pair_parts; /* else its energy error has no order */
     dem_sim *sim = grains_start(&def);
-    /* Gear's derivatives die out over some steps after the contact */
+    /* Gear's higher derivatives decay over some steps after the contact */
     CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));
     const dem_state s = grains_state_of_one(sim);
     dem_ledger l = {0};
@@ -188,8 +190,8 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
                    l.integration);
 }
 
-/* Root mean squares over phases of the touch; a little more or less than n steps a contact make those of the
- * parting independent of them. */
+/* Root mean squares over phases of the first contact; slightly different step sizes make the phases of
+ * separation independent. */
 typedef errors method(const law *p, int variant, const rebound *exact, double n, double phase);
 
 static errors rms(method *run, const law *p, int variant, const rebound *exact, double n, int phases)
@@ -204,11 +206,11 @@ static errors rms(method *run, const law *p, int variant, const rebound *exact, 
     return sum;
 }
 
-/* ---- a touch that is located within its step ---- */
+/* ---- a contact located within its step ---- */
 
-/* The simulator's leapfrog for this one problem, and what could be done about first order: what damps acts in
- * the first and last step for as long as they touch, and the spring grows from the touch on; and the damping
- * takes the velocity of the full step. */
+/* The simulator's leapfrog for this problem, with two remedies for first order. In the first and last step,
+ * dissipative forces act only during contact, and the spring grows from the moment of contact. The damping
+ * uses the velocity at the full step. */
 enum { AS_IS, LOCATED, LOCATED_FULL_STEP };
 
 static errors leapfrog(const law *p, int variant, const rebound *exact, double n, double phase)
@@ -234,7 +236,7 @@ static errors leapfrog(const law *p, int variant, const rebound *exact, double n
             if (variant == LOCATED_FULL_STEP) sum /= 1.0 + 0.5 * p->gamma_s * dt;
             f_s = -p->k_s * spring + weight * (sum + p->k_s * spring);
             touching = true;
-        } else if (touching) { /* the last kick was too long, or too short */
+        } else if (touching) { /* correction of the last kick */
             const double lacks = variant == AS_IS ? 0.0 : 0.5 - fmin(y / (v_y * dt), 1.0);
             f_n = p->tension ? -lacks * p->gamma_n * M * v_y : 0.0;
             f_s *= lacks;
@@ -256,7 +258,7 @@ typedef struct {
     double slope, se;
 } fit;
 
-/* Round-off of places over a step, of the shortest step and the velocity. */
+/* Round-off of positions over the shortest step, relative to the velocity. */
 static const double EXACT = 1e-9;
 
 /* Least squares of log error against log(1/n); NaN where all errors are round-off. */
@@ -281,7 +283,7 @@ static fit fit_order(int sizes, const double n[], const double error[])
 
 /* ---- the suite ---- */
 
-/* How a rebound is computed. */
+/* Scheme of a rebound. */
 typedef struct {
     const char *name;
     method *run;
@@ -293,7 +295,7 @@ static const scheme located = {"located", leapfrog, LOCATED},
 
 enum { MAX_SIZES = 16 };
 
-/* Does the simulator take this time step? */
+/* Does the simulator accept this time step? */
 static bool allowed(const law *p, const scheme *s, double dt)
 {
     dem_grain grain;
@@ -301,8 +303,8 @@ static bool allowed(const law *p, const scheme *s, double dt)
     return dt <= dem_time_step_limit(&def, NULL);
 }
 
-/* Errors over the step sizes: rows of `table`, and the fits from 40 steps a contact on, and what the paper's
- * time step makes, in a row of `summary`. */
+/* Errors over the step sizes as rows of `table`; a row of `summary` with the fits from 40 steps per contact
+ * on and the error at the paper's time step. */
 static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit fits[N_ERRORS])
 {
     const rebound exact = exact_rebound(p);
@@ -313,14 +315,14 @@ static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit
     char name[64];
     snprintf(name, sizeof name, "%s/%s", p->name, s->name);
     for (double steps = 40.0 / pow(1.5, 3.0); steps < most; steps *= 1.5) {
-        /* a little less than so many steps come with it */
+        /* slightly fewer steps than this occur */
         if (!allowed(p, s, exact.time / (steps - 0.5))) continue;
         const errors e = rms(s->run, p, s->variant, &exact, steps, phases);
         if (table)
             rp_table_row_word(
                 table, 5,
                 (double[]){steps, exact.time / steps, e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]}, name);
-        if (steps < 39.0) continue; /* not yet small steps */
+        if (steps < 39.0) continue; /* steps too large for the fit */
         n[sizes] = steps;
         for (int q = 0; q < N_ERRORS; q++) error[q][sizes] = e.of[q];
         sizes++;
@@ -337,7 +339,7 @@ static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit
                       name);
 }
 
-/* Half of what orders differ by. */
+/* Half the difference between orders. */
 static const double SAME_ORDER = 0.25;
 
 static void check_orders(const law *p, const char *name, const fit fits[], const double expected[], int n)
@@ -348,9 +350,8 @@ static void check_orders(const law *p, const char *name, const fit fits[], const
     }
 }
 
-/* The implicit scheme has no shear springs. What keeps energy comes back as fast as it came, whatever the
- * step; what damps acts over the part of a step in which they touch, so that a jump is an error of second
- * order. */
+/* The implicit scheme has no shear springs. Conservative laws rebound at the impact speed for any step.
+ * Damping acts only over the fraction of a step in contact, so that a jump gives an error of second order. */
 static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *summary)
 {
     fit fits[N_ERRORS];
@@ -384,7 +385,7 @@ static void orders(void)
                 continue;
             }
             memcpy(expected, p->verlet, sizeof expected);
-            /* of higher order while the force is smooth, so that the touch is what is left */
+            /* higher order for smooth forces, so that the error of the contact remains */
             if (s.variant == DEM_GEAR5) expected[PLACE] = p->verlet[VELOCITY];
             study(p, &s, table, summary, fits);
             check_orders(p, s.name, fits, expected, N_ERRORS);
@@ -398,9 +399,9 @@ static void orders(void)
     check_table_close(summary, "order_fits");
 }
 
-/* A grain that sways on a linear floor and never leaves it: no touch, so that the order is the scheme's own.
- * It starts where it turns, since Gear's third derivative starts at 0. Root mean square over the third
- * period, of place and velocity together, over the first amplitude. */
+/* A grain that oscillates in permanent contact with a linear floor shows the order of the scheme itself. It
+ * starts at a turning point, since Gear's third derivative starts at 0. Root mean square over the third
+ * period, of position and velocity together, relative to the initial amplitude. */
 static double sway(double gamma_n, int integrator, double n)
 {
     const double k = 8e4, g = 1e5, half = 0.5 * gamma_n, w = sqrt(k / M - half * half), deep = M * g / k;
@@ -430,7 +431,7 @@ static double sway(double gamma_n, int integrator, double n)
     return sqrt(sum / (double)steps) / reach;
 }
 
-/* Each integrator has the order that its descriptor says. */
+/* Each integrator has the order of its descriptor. */
 static void smooth(void)
 {
     static const char *const columns[][2] = {{"order", ""}, {"order_se", ""}, {"case", ""}};
@@ -458,7 +459,7 @@ static void smooth(void)
     check_table_close(table, "order_smooth");
 }
 
-/* The answers: half the step changes nothing, and there are others, by an adaptive method and in closed form.
+/* The references: halving the step changes nothing; an adaptive method and closed forms agree.
  */
 static void answers(void)
 {
@@ -471,7 +472,7 @@ static void answers(void)
         CHECK_OK(dem_collision(p->normal, p->tension, stiffness(p), p->gamma_n, M, V_N, &c));
         CHECK_NEAR(a.v_n / V_N, c.restitution, 1e-9);
         if (p->tension) CHECK_NEAR(a.time / c.time, 1.0, 1e-9);
-        if (isinf(p->mu)) { /* a spring that nothing cuts */
+        if (isinf(p->mu)) { /* a spring that is never truncated */
             const double w = sqrt(p->k_s / M);
             CHECK_NEAR(a.v_s / V_S, cos(w * a.time), 1e-9);
             CHECK_NEAR(a.along / V_S, sin(w * a.time) / w, 1e-9 * a.time);
@@ -479,7 +480,7 @@ static void answers(void)
     }
 }
 
-/* The leapfrog that the located touch is tried on is the simulator's. */
+/* The leapfrog of the trials with located contact equals the simulator's. */
 static void same_leapfrog(void)
 {
     for (const law *p = laws; p < laws + N_LAWS; p++) {
@@ -491,8 +492,8 @@ static void same_leapfrog(void)
     }
 }
 
-/* Where the energy of avalanches goes, and how the scheme's part falls with the time step: piles of 40
- * grains, filled and opened. Its error is the standard error of the piles. */
+/* Energy budget of avalanches, and decrease of the integration error with the time step: piles of 40 grains,
+ * filled and opened. Its error is the standard error over piles. */
 static void avalanches(void)
 {
     static const char *const columns[][2] = {
@@ -536,8 +537,8 @@ void suite_order(void)
     static const check_case cases[] = {{"the answers", answers},
                                        {"the leapfrog of the trials", same_leapfrog},
                                        {"observed order", orders},
-                                       {"order without a touch", smooth},
-                                       {"the scheme's part in avalanches", avalanches},
+                                       {"order in permanent contact", smooth},
+                                       {"integration error in avalanches", avalanches},
                                        {NULL, NULL}};
     check_register("validation: order", cases);
 }

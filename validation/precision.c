@@ -1,6 +1,7 @@
-/* Error against run time (work-precision): what accuracy costs with each integrator and solver, and which of
- * them give it for the least time. Answers are at least ten times better than any error of motion in the
- * tables, and each comes in two ways. Times are processor time, least of several; no test depends on them. */
+/* Error against run time (work-precision): cost of accuracy with each integrator and solver, and the fastest
+ * of them for each accuracy. References are at least ten times more accurate than any result in the tables,
+ * and each is computed by two methods. Times are processor time, least of several; no test depends on them.
+ */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <stdlib.h>
@@ -11,11 +12,11 @@
 #include "dem/integrator.h"
 #include "tests/check.h"
 #include "tests/grains.h"
-#include "validation/heap.h"
+#include "validation/solved_pile.h"
 
 static const double DECADES = 11.0 / 3.0; /* of time steps */
 
-/* ---- Outcomes, and which of them no other beats ---- */
+/* ---- Outcomes, and their Pareto front ---- */
 
 typedef struct {
     double setting, error, seconds;
@@ -24,7 +25,7 @@ typedef struct {
 
 enum { MAX_OUTCOMES = 400 };
 typedef struct {
-    size_t n, front_from; /* rows from here on are of the problem that is being measured */
+    size_t n, front_from; /* first row of the current problem */
     outcome row[MAX_OUTCOMES];
     bool front[MAX_OUTCOMES];
 } outcomes;
@@ -39,7 +40,8 @@ static void add(outcomes *o, const char *problem, const char *method, double set
     CU_ASSERT(isfinite(error));
 }
 
-/* The Pareto front of a problem: what nothing else beats in error or time without being worse in the other.
+/* The Pareto front of a problem: outcomes that no other outcome beats in error or time without being worse in
+ * the other.
  */
 static void mark_front(outcomes *o)
 {
@@ -53,8 +55,8 @@ static void mark_front(outcomes *o)
     o->front_from = o->n;
 }
 
-/* The quickest of `n` outcomes with an error of at most `target`, by another method than that of `besides`
- * (may be NULL); NULL if there is none. */
+/* The fastest of `n` outcomes with an error of at most `target`, excluding the method of `besides` (may be
+ * NULL); NULL if none. */
 static const outcome *quickest(const outcome row[], size_t n, double target, const outcome *besides)
 {
     const outcome *best = NULL;
@@ -65,7 +67,7 @@ static const outcome *quickest(const outcome row[], size_t n, double target, con
     return best;
 }
 
-/* Notes for each problem and target: which method gets there first, at which setting, and which next. */
+/* Notes for each problem and target: the fastest method and its setting, and the second fastest. */
 static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
 {
     static const double targets[] = {1e-2, 1e-3, 1e-6, 1e-9};
@@ -94,10 +96,8 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
 {
     FILE *out = check_table(name);
     if (!out) return;
-    rp_table_note(
-        out, "seconds",
-        "processor time, least of several (of one where that takes 0.5 s or more); front: nothing is "
-        "as quick and better");
+    rp_table_note(out, "seconds",
+                  "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
     note_cheapest(out, o, setting);
     rp_table_columns(
         out, 5,
@@ -110,8 +110,8 @@ static void write_outcomes(const outcomes *o, const char *name, const char *sett
     check_table_close(out, name);
 }
 
-/* A method's error falls by its order at least over all settings that it was tried at. Phases of the first
- * and last points move the slope between them by up to 0.3. */
+/* Over all settings, the error of a method decreases at least with its order. Phases of the first and last
+ * points change the slope between them by up to 0.3. */
 static void check_gain(const outcomes *o, const char *problem, const char *integrator, double order)
 {
     char method[48];
@@ -131,7 +131,7 @@ static void check_gain(const outcomes *o, const char *problem, const char *integ
 typedef struct {
     const char *name;
     dem_definition def;
-    double time, length; /* of the run; that errors are in units of */
+    double time, length; /* of the run; unit of the errors */
     double *answer;      /* x, y, v_x, v_y of each grain */
 } motion;
 
@@ -188,7 +188,7 @@ static double *integrate(motion *p, const gsl_odeiv2_step_type *type, double tol
     return y;
 }
 
-/* Root mean square over the grains of how far their places are apart. */
+/* Root mean square distance of the grains' positions. */
 static double distance(const motion *p, const double a[], const double b[])
 {
     double sum = 0.0;
@@ -197,7 +197,7 @@ static double distance(const motion *p, const double a[], const double b[])
     return sqrt(sum / (double)p->def.n_grains) / p->length;
 }
 
-/* Error of the simulator after `steps` steps, and its time. */
+/* Error of the simulator after `steps` steps, and its processor time. */
 static double simulate(const motion *p, int integrator, long steps, double *seconds)
 {
     const size_t n = p->def.n_grains;
@@ -218,8 +218,8 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
     return error;
 }
 
-/* Root mean square of the error over `phases` numbers of steps that differ by a tenth, so that touch and
- * parting fall into all phases of a step; the least time of several. */
+/* Root mean square of the error over `phases` numbers of steps within a tenth of each other, so that contact
+ * and separation fall into all phases of a step; least time of several. */
 static double measure(const motion *p, int integrator, double steps, int phases, double *seconds)
 {
     const int least = check_full() ? 2 : 1, most = check_full() ? 7 : 1;
@@ -240,7 +240,7 @@ static double measure(const motion *p, int integrator, double steps, int phases,
     return sqrt(square);
 }
 
-/* The answer in a second way, by Runge-Kutta on the whole motion, and how far the two are apart. */
+/* The reference by a second method, Runge-Kutta for the whole motion, and the difference of the two. */
 static double other_answer(motion *p, const gsl_odeiv2_step_type *type, double tolerance)
 {
     double *y = integrate(p, type, tolerance);
@@ -260,8 +260,8 @@ static bool allowed(const motion *p, int integrator, double dt)
     return good;
 }
 
-/* All integrators over `decades` of the time step from about the largest allowed on; the implicit one starts
- * `head_start` times higher. Errors that are not ten times that of the answer, `doubt`, are left out. */
+/* All integrators over `decades` of the time step, downwards from about the largest allowed; the implicit one
+ * starts `head_start` times higher. Errors below ten times that of the reference, `doubt`, are left out. */
 static void sweep_steps(const motion *p, double doubt, int phases, double decades, double head_start,
                         outcomes *o)
 {
@@ -294,8 +294,8 @@ enum { LAWS = sizeof laws / sizeof *laws };
 
 static const double R = 0.1, M = 0.00419, SPEED = 30.0;
 
-/* Restitution and time of contact: of Hertz' elastic impact 2.943 delta/v by the beta function, of the linear
- * law a half swing, of Hertz' damped one by dem_collision. */
+/* Restitution and contact time: for Hertz' elastic impact 2.943 delta/v by the beta function, for the linear
+ * law half a period, for Hertz' damped impact from dem_collision. */
 static dem_collision_result impact_of(int law)
 {
     dem_collision_result c = {1.0, NAN, NAN};
@@ -313,7 +313,7 @@ static dem_collision_result impact_of(int law)
     return c;
 }
 
-/* They meet after 0.37 times of contact, and fly for 0.2 after parting. */
+/* Contact starts after 0.37 contact times; the free motion after separation lasts 0.2 contact times. */
 static motion impact(int law, dem_grain grains[2])
 {
     const dem_collision_result c = impact_of(law);
@@ -354,13 +354,13 @@ static void impacts(void)
     write_outcomes(&o, "precision_impact", "dt", "limit", "speed*contact");
 }
 
-/* ---- A column whose weight doubles ---- */
+/* ---- A column under doubled gravity ---- */
 
 enum { COLUMN = 10 };
 
-/* Grains on one another as deep as under half their weight swing about twice the depth and die out. With a
- * floor twice as stiff, and as strongly damped, the modes are sines: of a chain whose lower end is held half
- * a grain below, and damping is in proportion to stiffness. */
+/* A column with the overlaps of half its weight oscillates about twice these overlaps and decays. With a
+ * floor twice as stiff and damped, the modes are sines of a chain held half a grain below its lower end, and
+ * damping is proportional to stiffness. */
 static void column_answer(const motion *p, const double sink[])
 {
     const double k = p->def.material.k_n, m = M;
@@ -418,7 +418,7 @@ static void damped_column(void)
 
 /* ---- Settling ---- */
 
-/* A box of 100 grains, without friction, that fall onto one another; so short that chaos has not begun. */
+/* A box of 100 falling grains without friction; the run ends before chaos sets in. */
 static void settling(void)
 {
     outcomes o = {0};
@@ -439,19 +439,19 @@ static void settling(void)
 
 /* ---- Static piles ---- */
 
-/* The larger of the two; NaN stays. */
+/* The larger of the two; NaN if either is NaN. */
 static double worse(double a, double b)
 {
     return b > a || isnan(b) ? b : a;
 }
 
-/* Largest difference of the forces of the base from those that are solved for, m g. */
-static double base_error(const heap *h, const dem_sim *sim)
+/* Largest difference of the forces on the base from the static solution, m g. */
+static double base_error(const solved_pile *pile, const dem_sim *sim)
 {
     dem_contact *list;
     size_t n, base = 0;
-    double worst = 0.0, *force = calloc(2 * h->n, sizeof *force);
-    bool *stands = calloc(h->n, sizeof *stands);
+    double worst = 0.0, *force = calloc(2 * pile->n, sizeof *force);
+    bool *stands = calloc(pile->n, sizeof *stands);
     CHECK_OK(dem_contacts(sim, &list, &n));
     for (size_t c = 0; c < n; c++) {
         if (list[c].id_b != 0) continue;
@@ -459,38 +459,38 @@ static double base_error(const heap *h, const dem_sim *sim)
         stands[i] = true;
         force[2 * i] = list[c].normal_force, force[2 * i + 1] = -list[c].shear_force;
     }
-    for (size_t i = 0; i < h->n; i++) {
+    for (size_t i = 0; i < pile->n; i++) {
         if (!stands[i]) continue;
-        CU_ASSERT_FATAL(base < h->k);
-        worst = worse(worst, hypot(force[2 * i] - h->N[base], force[2 * i + 1] - h->H[base]));
+        CU_ASSERT_FATAL(base < pile->k);
+        worst = worse(worst, hypot(force[2 * i] - pile->N[base], force[2 * i + 1] - pile->H[base]));
         base++;
     }
-    CU_ASSERT_EQUAL(base, h->k);
+    CU_ASSERT_EQUAL(base, pile->k);
     free(list), free(force), free(stands);
     return worst;
 }
 
-/* A way to rest: gamma and 1/dt in units of sqrt(K_s/m), steps in which the weight is raised, and after. */
+/* Damped motion to rest: gamma and 1/dt in units of sqrt(K_s/m), steps of rising weight, and steps after. */
 typedef struct {
     const char *method;
     int integrator;
     double gamma, dt;
     long load, steps;
-    double agrees; /* with what is solved for, in the end, m g */
-} way;
+    double agrees; /* agreement with the static solution at the end, m g */
+} relaxation;
 
-/* The error each time that the steps since the load have doubled, and the largest net force: a test for rest
- * with that tolerance ends there. Returns the last error. */
-static double come_to_rest(const char *problem, const heap *h, const way *w, outcomes *o)
+/* The error after each doubling of the steps since loading, and the largest net force, the tolerance of a
+ * test for rest that would stop there. Returns the last error. */
+static double relax_to_rest(const char *problem, const solved_pile *pile, const relaxation *w, outcomes *o)
 {
     const size_t from = o->n;
     double error = NAN, seconds = 0.0;
     for (int repeat = 0; repeat < (check_full() ? 3 : 1) && (repeat < 1 || seconds < 0.5); repeat++) {
-        const dem_definition def = heap_scene(h, w->integrator, w->gamma, w->dt);
+        const dem_definition def = solved_pile_scene(pile, w->integrator, w->gamma, w->dt);
         size_t row = from;
         double start = rp_cpu_clock();
         dem_sim *sim = grains_start(&def);
-        heap_load(sim, w->load);
+        solved_pile_load(sim, w->load);
         seconds = rp_cpu_clock() - start;
         for (long done = 0, more = w->steps / 256; done < w->steps; done += more, more = done) {
             start = rp_cpu_clock();
@@ -498,7 +498,7 @@ static double come_to_rest(const char *problem, const heap *h, const way *w, out
             seconds += rp_cpu_clock() - start;
             dem_rest rest;
             CHECK_OK(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
-            error = base_error(h, sim);
+            error = base_error(pile, sim);
             if (repeat == 0)
                 add(o, problem, w->method, rest.net_force, error, seconds);
             else
@@ -510,31 +510,32 @@ static double come_to_rest(const char *problem, const heap *h, const way *w, out
     return error;
 }
 
-/* Time to solve a pile, and how far its forces are from those of `other`, that was loaded in other steps. */
-static void solve_in_time(const char *problem, long base, double alpha_deg, const heap *other, outcomes *o)
+/* Time to solve a pile, and the difference of its forces from those of `other`, loaded in different steps. */
+static void solve_in_time(const char *problem, long base, double alpha_deg, const solved_pile *other,
+                          outcomes *o)
 {
     double error = 0.0, seconds = INFINITY, residual = NAN;
     for (int repeat = 0; repeat < (check_full() ? 5 : 1); repeat++) {
         const double start = rp_cpu_clock();
-        heap h = heap_solved(base, alpha_deg, other->eps, 1);
+        solved_pile pile = solved_pile_make(base, alpha_deg, other->eps, 1);
         seconds = fmin(seconds, rp_cpu_clock() - start);
-        for (size_t i = 0; i < h.k; i++)
-            error = worse(error, hypot(h.N[i] - other->N[i], h.H[i] - other->H[i]));
-        residual = h.result.residual;
-        heap_free(&h);
+        for (size_t i = 0; i < pile.k; i++)
+            error = worse(error, hypot(pile.N[i] - other->N[i], pile.H[i] - other->H[i]));
+        residual = pile.result.residual;
+        solved_pile_free(&pile);
     }
     add(o, problem, "newton", residual, error, seconds);
 }
 
-/* The two ways to the forces agree: where a way is long enough to come to rest, what is left is the round-off
- * of places of some 50 over depths of some 1e-5. */
+/* Both methods give the same forces: after motion to rest, only the round-off of positions of some 50
+ * relative to overlaps of some 1e-5 remains. */
 static void static_piles(void)
 {
     static const struct {
         const char *name;
         long base;
         double alpha_deg;
-        way ways[2];
+        relaxation relaxations[2];
     } piles[] = {{"10",
                   4,
                   60.0,
@@ -549,18 +550,19 @@ static void static_piles(void)
     outcomes o = {0};
     const size_t first = check_full() ? 1 : 0, last = check_full() ? 3 : 1;
     for (size_t k = first; k < last; k++) {
-        heap h = heap_solved(piles[k].base, piles[k].alpha_deg, 1e-6, 8);
-        solve_in_time(piles[k].name, piles[k].base, piles[k].alpha_deg, &h, &o);
+        solved_pile pile = solved_pile_make(piles[k].base, piles[k].alpha_deg, 1e-6, 8);
+        solve_in_time(piles[k].name, piles[k].base, piles[k].alpha_deg, &pile, &o);
         CU_ASSERT(o.row[o.n - 1].error < 1e-8);
-        for (const way *w = piles[k].ways; w < piles[k].ways + 2 && w->method; w++)
-            CU_ASSERT(come_to_rest(piles[k].name, &h, w, &o) < w->agrees);
-        heap_free(&h);
+        for (const relaxation *w = piles[k].relaxations; w < piles[k].relaxations + 2 && w->method; w++)
+            CU_ASSERT(relax_to_rest(piles[k].name, &pile, w, &o) < w->agrees);
+        solved_pile_free(&pile);
         mark_front(&o);
     }
     write_outcomes(&o, "precision_pile", "net_force", "m*g", "m*g");
 }
 
-/* Nothing that is slower and worse, or as quick and worse, is on the front; a problem is judged by itself. */
+/* No outcome that is both slower (or as fast) and less accurate is on the front; each problem has its own
+ * front. */
 static void fronts(void)
 {
     static const double error[] = {1.0, 0.1, 0.2, 0.2, 0.01, 5.0}, seconds[] = {1.0, 3.0, 4.0, 2.0, 3.0, 9.0};

@@ -1,9 +1,9 @@
-/* Verification cases that others published for their codes, as far as they are two-dimensional, in SI units:
+/* Published verification cases of other codes, as far as they are two-dimensional, in SI units:
  *
  * DEM01 to DEM05 of MFiX-DEM: Garg, Galvin, Li & Pannala 2012, Powder Technology 220, 122, and the MFiX
  *   verification manual, chapter 4, with the results of its DEM05 for linear springs.
- * Tests 1 to 8 of Chung & Ooi 2011, Granular Matter 13, 643: where they slide, since their law of sticking is
- *   another one. Their curves as digitised in Kratos Multiphysics (DEMApplication, basic_benchmarks).
+ * Tests 1 to 8 of Chung & Ooi 2011, Granular Matter 13, 643: sliding regime only, since their law in stick
+ *   differs. Their curves as digitised in Kratos Multiphysics (DEMApplication, basic_benchmarks).
  * The rebound of aluminium oxide spheres from glass measured by Kharaz, Gorham & Salman 2001, Powder
  * Technology 120, 281, as digitised in the MFiX manual. */
 #include <gsl/gsl_errno.h>
@@ -23,28 +23,31 @@ static const char MFIX[] = "MFiX verification manual 4.1-4.4: equations of motio
                   CHUNG[] = "Chung & Ooi 2011: rigid-body sliding; Hertz",
                   DIGITS[] = "Chung & Ooi 2011, digitised";
 
-static case_problem dem01 = {"DEM01", MFIX, "gamma dt from touch, lag and parting; w^2 dt^2"},
-                    dem02 = {"DEM02", MFIX, "gamma dt from touch, lag and parting; w^2 dt^2; hard: g dt"},
-                    dem03 = {"DEM03", MFIX, "lag of the dashpots, gamma dt/2, times the swings; w^2 dt^2"},
-                    dem04 = {"DEM04", MFIX, "time of the spring to load and a step; overlap/r"},
+static case_problem dem01 = {"DEM01", MFIX, "gamma dt from contact, lag and separation; w^2 dt^2"},
+                    dem02 = {"DEM02", MFIX,
+                             "gamma dt from contact, lag and separation; w^2 dt^2; hard: g dt"},
+                    dem03 = {"DEM03", MFIX,
+                             "lag of the dashpots, gamma dt/2, times the oscillations; w^2 dt^2"},
+                    dem04 = {"DEM04", MFIX, "loading time of the spring and a step; overlap/r"},
                     dem05 = {"DEM05", "MFiX's results, linear springs",
-                             "W dt of its steps, 1/50 of a contact; overlap/r"},
+                             "W dt of its steps, 1/50 of a contact time; overlap/r"},
                     kharaz = {"Kharaz", "experiment", "10 % on average, as in Kratos' benchmarks"},
                     chung1 = {"Chung-Ooi-1", CHUNG, "w^2 dt^2"}, chung2 = {"Chung-Ooi-2", CHUNG, "w^2 dt^2"},
-                    chung3 = {"Chung-Ooi-3", "restitution put in", "gamma dt from touch, lag and parting"},
+                    chung3 = {"Chung-Ooi-3", "prescribed restitution",
+                              "gamma dt from contact, lag and separation"},
                     chung4 = {"Chung-Ooi-4", CHUNG, "gamma dt of the normal impulse; overlap/r"},
                     chung5 = {"Chung-Ooi-5", CHUNG, "gamma dt of the normal impulse; overlap/r"},
                     chung6 = {"Chung-Ooi-6", CHUNG, "gamma dt of the normal impulse; overlap/r"},
                     chung7 = {"Chung-Ooi-7", "symmetry: no slip", "gamma dt; round-off"},
                     chung8 = {"Chung-Ooi-8", CHUNG, "gamma dt of the normal impulse; overlap/r"},
-                    chung_digits = {"Chung-Ooi-curves", DIGITS, "1 % of the axis for reading a curve"};
+                    chung_digits = {"Chung-Ooi-curves", DIGITS, "1 % of the axis for digitisation"};
 
 static double sphere_mass(double density, double r)
 {
     return dem_mass(DEM_SPHERE, density, r);
 }
 
-/* gamma/sqrt(k/m) for a restitution: of the force that may pull in closed form, else by bisection. */
+/* gamma/sqrt(k/m) for a restitution: with attractive forces in closed form, without by bisection. */
 static double damping_for(double restitution, bool pulls)
 {
     const double l = -log(restitution), pi2 = M_PI * M_PI;
@@ -59,7 +62,7 @@ static double damping_for(double restitution, bool pulls)
     return lo;
 }
 
-/* One or two spheres above one another between walls at 0 and `lid`, linear springs, each contact with its
+/* One or two vertically aligned spheres between walls at 0 and `lid`, linear springs, each contact with its
  * own damping force eta. */
 typedef struct {
     int n;
@@ -115,7 +118,8 @@ static gsl_odeiv2_driver *reference(const gsl_odeiv2_system *system, double leng
     return driver;
 }
 
-/* A sphere dropped from a height of 0.5 m: place and velocity every 5 ms, and (DEM02) heights of its bounces.
+/* A sphere dropped from a height of 0.5 m: position and velocity every 5 ms, and (DEM02) heights of its
+ * bounces.
  */
 static vertical dropped(double k, double e)
 {
@@ -153,7 +157,7 @@ static void freely_falling(void)
         if (i != 16) check_dem01(k[i % 4], e[i / 4]); /* elastic on the softest spring it falls through */
 }
 
-/* Run to the top of the next bounce; its height, of the centre. */
+/* Run to the top of the next bounce; height of the centre there. */
 static double next_top(dem_sim *sim)
 {
     dem_state s = grains_state_of_one(sim), last;
@@ -180,13 +184,13 @@ static void check_dem02(double k, double e)
     dem_sim *hard = vertical_start(&p, y, dt, &hard_law);
     for (int bounce = 1; bounce <= BOUNCES; bounce++) {
         const double top = next_top(soft);
-        /* the reference, brought to the same moment, is near its own top: what is left is a parabola */
+        /* the reference at the same time is near its own top: the difference is a parabola */
         CU_ASSERT_EQUAL(gsl_odeiv2_driver_apply(driver, &t, dem_time(soft), y), GSL_SUCCESS);
         const double exact = y[0] + 0.5 * y[2] * y[2] / G;
         case_near(&dem02, "height", exact, top, 2.0 * bounce * error * height / e + 1e-11,
                   "k=%g e=%g bounce=%d dt=%g", k, e, bounce, dt);
         height *= e * e;
-        /* a hard collision at its moment, with speeds of the half step: g dt of sqrt(2 g h) */
+        /* a hard collision at its exact time, with speeds of the half step: g dt relative to sqrt(2 g h) */
         case_near(&dem02, "height", height + p.r, next_top(hard), 2.0 * bounce * sqrt(2.0 * G * 0.4) * dt,
                   "hard e=%g bounce=%d dt=%g", e, bounce, dt);
     }
@@ -201,7 +205,7 @@ static void bouncing(void)
     for (int i = 0; i < 3 * 6; i += case_stride(7)) check_dem02(k[i % 3], e[i / 3]);
 }
 
-/* Two spheres pressed together by walls 3.6 r apart, from places at which the forces do not balance. */
+/* Two spheres compressed by walls 3.6 r apart, from positions without force balance. */
 static void stacked(void)
 {
     for (int i = 0; i < 6; i += case_stride(2)) {
@@ -222,7 +226,7 @@ static void stacked(void)
             CHECK_OK(dem_run(sim, lround(1e-4 * k / dt) - dem_step(sim)));
             CU_ASSERT_EQUAL(gsl_odeiv2_driver_apply(driver, &t, dem_time(sim), y), GSL_SUCCESS);
             CHECK_OK(dem_states(sim, s));
-            /* they swing by a fifteenth of r; the phase runs ahead by (h + (w dt)^2/24) w t */
+            /* they oscillate by a fifteenth of r; the phase error is (h + (w dt)^2/24) w t */
             const double bound = (h + pow(w * dt, 2.0)) * (1.0 + w * t) * r / 15.0;
             for (int j = 0; j < 2; j++)
                 case_near(&dem03, j ? "y2" : "y1", y[j], s[j].y, bound, "e=%g t=%.6f dt=%g", e, t, dt);
@@ -232,7 +236,7 @@ static void stacked(void)
     }
 }
 
-/* A sphere put on a rough floor with a speed: slips until 2 u/(7 mu g), then rolls at 5/7 u. */
+/* A sphere placed on a rough floor with speed u: slips until 2 u/(7 mu g), then rolls at 5/7 u. */
 static void slipping(void)
 {
     for (int i = 0; i < 9; i += case_stride(2)) {
@@ -266,13 +270,13 @@ static void slipping(void)
     }
 }
 
-/* A sphere comes down on a wall, or head on at another sphere: approach speed v_n, speed u of the centre
- * along, and spins. After it: the same. */
+/* A sphere hits a wall, or another sphere head on: approach speed v_n, tangential speed u of the centre, and
+ * spins; the same quantities after impact. */
 typedef struct {
     double r, m, r_other, m_other; /* m_other = INFINITY: a wall */
     double k, k_s, mu, gamma;
     bool hertz, pulls;
-    int tangential; /* slip_roll slides from the first step, without a spring to load */
+    int tangential; /* slip_roll slides from the first step, since it has no spring */
     double v_n, u, omega, omega_other;
     double out_n, out_u, out_omega, out_u_other, depth, force, time;
 } strike;
@@ -344,7 +348,7 @@ static strike oxide(double degrees)
                     .u = SPEED * sin(angle)};
 }
 
-/* Incident angle, and after it angle of the centre's path, tan = u/v_n (degrees), and spin: MFiX manual,
+/* Incident angle; after impact, angle of the centre's path, tan = u/v_n (degrees), and spin: MFiX manual,
  * DEM05, sphere on wall. */
 static const double MFIX_DEM05[][3] = {
     {2.5, 2.1141, 26.0646},    {5.0, 3.9890, 68.5245},    {7.5, 5.4655, 138.2890},
@@ -362,16 +366,16 @@ static void oblique_collision(void)
         strike p = oxide(row[0]);
         const double w = strike_rate(&p), a = 3.5, kappa = p.k_s / p.k, places = 1.0 / w * p.v_n / p.r;
         run_strike(&p, 1e-3 / w);
-        /* both codes let the spring's first step count whole; theirs is 1/50 of a contact */
+        /* both codes count the first step of the spring in full; their step is 1/50 of a contact time */
         const double their_dt = M_PI / w / 50.0, first = sqrt(a * kappa) * w * their_dt;
         const double slides =
-            row[0] >= 30.0; /* all along: no spring, the normal impulse is of second order */
+            row[0] >= 30.0; /* sliding throughout: no spring, the normal impulse is of second order */
         const double bound = (slides ? pow(w * their_dt, 2.0) : first) + 3.0 * places;
         const double slip = bound * (p.u + p.v_n * MU) / a; /* of the centre's speed */
         case_near(&dem05, "rebound angle", row[1], atan2(p.out_u, p.out_n) * 180.0 / M_PI,
                   slip / p.out_n * 180.0 / M_PI + 5e-5, "angle=%g", row[0]);
         case_near(&dem05, "spin", row[2], -p.out_omega, 2.5 * slip / p.r + 5e-5, "angle=%g", row[0]);
-        /* and ours against the exact impact of a rigid lever */
+        /* and the simulator against the exact impact of a rigid body */
         const double exact = oblique_left(a, kappa, MU, p.v_n, p.u);
         case_near(&dem05, "slip, exact", exact, p.out_u + p.r * p.out_omega,
                   sqrt(a * kappa) * 1e-3 * p.u + 3.0 * places * (p.u + p.v_n), "angle=%g", row[0]);
@@ -404,14 +408,14 @@ static double rebound_e_t(const strike *p)
     return p->out_u / p->u;
 }
 
-/* Mean of |ours - theirs| over the mean of |theirs|. */
+/* Mean of |simulated - measured| over the mean of |measured|. */
 static void check_kharaz(const char *quantity, const double (*data)[2], size_t n,
                          double (*observe)(const strike *p))
 {
     double error = 0.0, size = 0.0;
     for (size_t i = 0; i < n; i++) {
         strike p = oxide(data[i][0]);
-        /* their normal restitution is 0.98 */
+        /* normal restitution of the experiment: 0.98 */
         p.gamma = damping_for(0.98, true) * strike_rate(&p);
         run_strike(&p, 1e-3 / strike_rate(&p));
         error += fabs(observe(&p) - data[i][1]);
@@ -460,7 +464,7 @@ static void elastic_normal(void)
     check_hertz(&chung2, "magnesium alloy", magnesium, 4.0e10, 0.35);
 }
 
-/* Test 3: the restitution that is asked for, in both readings of the damped force. */
+/* Test 3: the prescribed restitution, with and without attractive damped forces. */
 static void normal_restitution(void)
 {
     for (int i = 0; i < 2 * 2 * 5; i++) {
@@ -478,23 +482,23 @@ static void normal_restitution(void)
     }
 }
 
-/* A strike that slides throughout: the tangential impulse is mu (1 + e) of the normal one. Slip afterwards,
+/* An impact that slides throughout: the tangential impulse is mu (1 + e) of the normal one. Slip afterwards,
  * and change of the spin, with their bound relative to mu (1 + e) v_n. */
 static double slide(strike *p, double e)
 {
     const double w = strike_rate(p), dt = 1e-3 / w;
-    p->pulls = false; /* friction stands on what pushes alone */
+    p->pulls = false; /* friction counts repulsive normal forces only */
     p->gamma = damping_for(e, false) * w;
     run_strike(p, dt);
     return 1.5 * p->gamma * dt + 1e-6 + 3.0 * p->v_n / w / p->r;
 }
 
-/* Test 4: one speed, angles at which it slides (tan > 7/2 mu (1 + e), and the spring's part); curves of
+/* Test 4: one speed, sliding angles (tan > 7/2 mu (1 + e), plus the contribution of the spring); curves of
  * tangential restitution and spin for aluminium oxide, as digitised. */
 static void oblique_angles(void)
 {
     static const double curves[][4] = {
-        /* angle and value of either curve */
+        /* angle and value of each curve */
         {35.0297, 0.7372323, 34.9310, -582.2630}, {40.0198, 0.7808896, 39.9803, -544.8012},
         {50.0000, 0.8451400, 50.0000, -457.0336}, {59.9802, 0.8929160, 60.0197, -357.4924},
         {69.9604, 0.9316310, 69.9606, -246.1774}, {80.0198, 0.9662273, 80.0592, -126.2997},
@@ -543,8 +547,8 @@ static void small_sphere(void)
 }
 
 /* Tests 6 and 8: a spinning sphere on a plane, on one of five times its radius, and that a thousand times as
- * dense: slip after over slip before, -1 + 7/2 mu (1 + e) v_n/slip. Test 7: two alike that spin so that
- * nothing slips. */
+ * dense: ratio of slip after to slip before impact, -1 + 7/2 mu (1 + e) v_n/slip. Test 7: two equal spheres
+ * whose spins give no slip. */
 static void spinning(void)
 {
     static const double curve[][2] = {{0.17621145374449387, -0.8200274348422496},
@@ -615,7 +619,7 @@ void suite_published(void)
                                       {"Chung & Ooi 4: oblique impacts", oblique_angles},
                                       {"Chung & Ooi 5: small sphere", small_sphere},
                                       {"Chung & Ooi 6 to 8: spinning spheres", spinning},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: published cases", list);
 }

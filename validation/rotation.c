@@ -1,31 +1,31 @@
-/* Validation of what acts along a contact, against closed forms: damping under the Coulomb limit, rotation,
- * rolling resistance. q = I/(m r^2) is 2/5 for a sphere and 1/2 for a disk; b is the arm of the force from
- * the centre, r less the overlap with a wall. */
+/* Validation of tangential forces against closed forms: damping under the Coulomb limit, rotation, rolling
+ * resistance. q = I/(m r^2) is 2/5 for a sphere and 1/2 for a disk; b is the lever arm of the force about the
+ * centre, r minus the overlap with a wall. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/law_shear.h"
+#include "dem/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"
 #include "validation/oblique.h"
 
-static case_problem rolls_problem = {"slides_then_rolls", "force mu m g; v - (q r^2/b) omega is kept",
-                                     "time of the spring to load and a step; round-off"},
+static case_problem rolls_problem = {"slides_then_rolls", "force mu m g; v - (q r^2/b) omega is constant",
+                                     "loading time of the spring and a step; round-off"},
                     oblique_problem = {"oblique", "event by event, undamped linear law",
                                        "W dt of the spring's first step; overlap/r"};
 
 static const double R = 0.1193, M = 0.00471, G = 981.0, FLOOR_K = 2e6;
 
-/* The largest ratio of I/(m r^2) is the disk's. */
+/* The disk has the largest I/(m r^2). */
 static double inertia_ratio(int shape)
 {
     return dem_inertia(shape, 1.0, 1.0);
 }
 
-/* One rotating grain on a floor that carries it, gravity turned by `angle` towards +x. */
+/* One rotating grain in equilibrium on a floor, gravity rotated by `angle` towards +x. */
 static dem_definition on_floor(double angle, dem_grain *grain, const dem_material *material)
 {
     dem_definition def = dem_definition_default();
@@ -48,34 +48,31 @@ static dem_state run(dem_sim *sim, double seconds, double dt)
     return s[0];
 }
 
-/* The law itself: under the limit both laws agree; beyond it, the inner dashpot's force is the limit, and the
- * spring holds what the dashpot leaves of it. */
+/* The law itself: under the limit both laws agree. Beyond it, the total force with the inner dashpot equals
+ * the limit, and the spring carries the limit minus the dashpot force. */
 static void inside_law(void)
 {
     const double k = 1e4, gamma = 40.0, mu = 0.3, m = 0.004, f_n = 2.385, h = 1e-5, cap = mu * f_n;
+    const dem_slider inside = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu),
+                     outside = dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k, gamma, mu),
+                     whole = dem_slider_of(DEM_TOTAL, DEM_DAMPING_INSIDE, k, gamma, mu);
     for (int sign = -1; sign <= 1; sign += 2) {
         double inner = sign * 1e-5, outer = inner;
-        const double little =
-            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &inner);
-        CHECK_NEAR(
-            little,
-            dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_OUTSIDE, k, gamma, mu, m, sign * 0.5, f_n, h, &outer),
-            1e-15);
+        const double little = dem_law_shear(inside, m, sign * 0.5, f_n, h, &inner);
+        CHECK_NEAR(little, dem_law_shear(outside, m, sign * 0.5, f_n, h, &outer), 1e-15);
         CHECK_NEAR(inner, outer, 0.0);
-        /* sliding on at 3 cm/s takes the spring to its limit; a dashpot of 0.48 takes most of that */
+        /* sliding at 3 cm/s loads the spring to its limit; a dashpot of 0.48 carries most of it */
         for (int step = 0; step < 10; step++)
-            CU_ASSERT(fabs(dem_law_shear(DEM_TRUNCATED, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n,
-                                         h, &inner)) <= cap);
+            CU_ASSERT(fabs(dem_law_shear(inside, m, sign * 3.0, f_n, h, &inner)) <= cap);
         CHECK_NEAR(k * inner, sign * (cap - gamma * m * 3.0), 1e-13);
         double total = sign * 1e-3;
-        CHECK_NEAR(dem_law_shear(DEM_TOTAL, DEM_DAMPING_INSIDE, k, gamma, mu, m, sign * 3.0, f_n, h, &total),
-                   -sign * cap, 1e-15);
+        CHECK_NEAR(dem_law_shear(whole, m, sign * 3.0, f_n, h, &total), -sign * cap, 1e-15);
         CHECK_NEAR(total, sign * (1e-3 + 3.0 * h), 1e-16);
     }
 }
 
-/* A grain that slides down an incline speeds up at g (sin - mu cos) with the dashpot under the limit, and
- * tends to g (sin - mu cos)/gamma_s with the dashpot outside. */
+/* A grain that slides down an incline accelerates at g (sin - mu cos) with the dashpot under the limit, and
+ * tends to the speed g (sin - mu cos)/gamma_s with the dashpot outside. */
 static void inside_incline(void)
 {
     const double mu = 0.2385, gamma_s = 40.0, angle = 1.3 * atan(mu),
@@ -96,9 +93,9 @@ static void inside_incline(void)
     }
 }
 
-/* Sliding over into rolling. The floor's force changes v_x by f/m and omega by b f/(q m r^2), so that
- * v_x - (q r^2/b) omega is kept whatever the force, and rolling, v_x = -b omega, has v0/(1 + q r^2/b^2): 5/7
- * of v0 for a sphere, 2/3 for a disk, but for the overlap. At the force mu m g that is reached at
+/* Transition from sliding to rolling. The force f of the floor changes v_x by f/m and omega by b f/(q m r^2),
+ * so that v_x - (q r^2/b) omega is constant for any force. Rolling, v_x = -b omega, then has v_x = v0/(1 + q
+ * r^2/b^2): without overlap 5/7 of v0 for a sphere, 2/3 for a disk. With the force mu m g, rolling starts at
  * t = v0/(mu g (1 + b^2/(q r^2))). */
 static void check_rolls(int shape, double mu, double v0)
 {
@@ -118,7 +115,7 @@ static void check_rolls(int shape, double mu, double v0)
         s = run(sim, def.dt, def.dt);
         slip = s.vx + b * s.omega;
     }
-    /* the spring takes mu m g/(k_s v0), and the force a step, to come up */
+    /* the spring is loaded after mu m g/(k_s v0), the force a step later */
     const double late = mu * M * G / (1e4 * v0) + def.dt;
     case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late, format,
               name, mu, v0, def.dt);
@@ -127,13 +124,13 @@ static void check_rolls(int shape, double mu, double v0)
     case_near(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
               DBL_EPSILON * v0 * dem_time(sim) / def.dt, format, name, mu, v0, def.dt);
     dem_free(sim);
-    /* the spring that is left swings, and dies out as exp(-gamma_s (1 + 1/q) t/2) */
+    /* the remaining spring force oscillates and decays as exp(-gamma_s (1 + 1/q) t/2) */
     def.walls[0].material.gamma_s = 40.0;
     sim = grains_start(&def);
     s = run(sim, exact + 0.6, def.dt);
     case_near(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0, format, name, mu, v0, def.dt);
     case_near(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b, format, name, mu, v0, def.dt);
-    /* the angle is that of the way rolled and slid: x + b angle is the slip, the rest is kept */
+    /* x + b angle is the slip distance; the conserved quantity gives the other relation */
     case_near(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0, format,
               name, mu, v0, def.dt);
     dem_free(sim);
@@ -146,7 +143,7 @@ static void slides_then_rolls(void)
         check_rolls(i % 2 ? DEM_DISK : DEM_SPHERE, mus[i / 2 % 3], speeds[i / 6]);
 }
 
-/* Impacts against a wall or another grain, linear law: v_n and v_s at touch, and what is left of v_s. */
+/* Impacts on a wall or another grain, linear law: v_n and v_s at contact, and v_s after. */
 typedef struct {
     bool pair;
     int shape;
@@ -162,7 +159,7 @@ static void collide(oblique *p, double steps)
 {
     const double r2 = 0.0871, m2 = 0.00297, m_eff = p->pair ? M * m2 / (M + m2) : M;
     const double dt = M_PI * sqrt(m_eff / LINEAR_K) / steps, gap = 0.381 * p->v_n * dt;
-    /* the first grain comes down on the other; s is +x. It turns backwards, and all else is its speed */
+    /* the first grain falls on the other; s is +x. Half of the slip is backspin, the rest its speed */
     const double spin[2] = {-0.7 * p->v_s / R, p->pair ? 0.4 * p->v_s / r2 : 0.0};
     const double vx = p->v_s - R * spin[0] - r2 * spin[1];
     dem_grain grains[2] = {{0.0, R + gap, R, M, vx, -p->v_n, 0.0, spin[0]},
@@ -192,8 +189,8 @@ static void collide(oblique *p, double steps)
     dem_free(sim);
 }
 
-/* An impact that slides throughout (k_s v_s > mu k_n v_n to its end): the tangential impulse is mu times the
- * normal one, step for step, and that is mu (1 + e) m_eff v_n with e = 1. */
+/* An impact that slides throughout (k_s v_s > mu k_n v_n to its end): in each step the tangential impulse is
+ * mu times the normal one, in total mu (1 + e) m_eff v_n with e = 1. */
 static void oblique_sliding(void)
 {
     for (int k = 0; k < 4; k++) {
@@ -202,15 +199,15 @@ static void oblique_sliding(void)
         const double depth = p.v_n * sqrt(m_eff / LINEAR_K), q = inertia_ratio(p.shape);
         collide(&p, n);
         CHECK_NEAR(p.impulse_n, 2.0 * m_eff * p.v_n, 10.0 / n * m_eff * p.v_n);
-        /* the first grain moves on along the other, by less than 2 v_s, in the time pi depth/v_n */
+        /* the first grain moves along the other at less than 2 v_s during the time pi depth/v_n */
         const double turn = p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0;
         CHECK_NEAR(p.impulse, -p.mu * p.impulse_n, (turn + 1e-12) * p.impulse_n);
         CHECK_NEAR(p.turned, p.impulse / (q * M * R), (3.0 * depth / R + turn / p.mu) * fabs(p.turned));
     }
 }
 
-/* An impact that sticks throughout: the shear spring swings at sqrt(k_s (1 + 1/q)/m_eff) while the normal one
- * does half a swing at sqrt(k_n/m_eff), so v_s comes out as v_s cos(pi sqrt((1 + 1/q) k_s/k_n)). */
+/* An impact that sticks throughout: the shear spring oscillates at sqrt(k_s (1 + 1/q)/m_eff) during half a
+ * period of the normal one at sqrt(k_n/m_eff), so that v_s becomes v_s cos(pi sqrt((1 + 1/q) k_s/k_n)). */
 static void oblique_sticking(void)
 {
     for (int k = 0; k < 4; k++) {
@@ -224,8 +221,8 @@ static void oblique_sticking(void)
         const double left = cos(M_PI * sqrt((1.0 + 1.0 / q) * p.k_s / LINEAR_K));
         const double depth = p.v_n * sqrt(M / LINEAR_K);
         collide(&p, n);
-        /* the spring's first step counts whole, though the touch falls into it: first order in 1/n; arms and
-         * direction change with the overlap and the way run in it */
+        /* the first step of the spring counts in full, although contact starts within it: first order in 1/n;
+         * lever arms and direction change with the overlap and the displacement during contact */
         CHECK_NEAR(p.out_s / p.v_s, left, 10.0 / n + 10.0 * depth / R);
         CHECK_NEAR(p.out_n / p.v_n, 1.0, 10.0 / n + 10.0 * depth / R);
         CHECK_NEAR(p.turned, p.impulse / (q * M * R), 3.0 * depth / R * fabs(p.turned));
@@ -247,8 +244,8 @@ static void oblique_any(void)
         const double m_eff = p.pair ? M * 0.00297 / (M + 0.00297) : M, depth = p.v_n * sqrt(m_eff / LINEAR_K);
         const double out = oblique_left(a, p.k_s / LINEAR_K, p.mu, p.v_n, p.v_s);
         collide(&p, steps);
-        /* the spring's first step counts whole, though the touch falls into it; the arms change with the
-         * overlap, and a pair turns by the way that it moves on */
+        /* the first step of the spring counts in full, although contact starts within it; lever arms change
+         * with the overlap, and a pair rotates with its tangential displacement */
         const double first = sqrt(a * p.k_s / LINEAR_K) * M_PI / steps * p.v_s;
         const double places = depth / R + (p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0);
         const double bound = first + 3.0 * places * (p.v_s + p.v_n);
@@ -302,14 +299,15 @@ static void pair_conserves(void)
             }
             if (!after) CHECK_OK(dem_run(sim, 500));
         }
-        CU_ASSERT(s[0].contacts == 0 && fabs(s[0].omega - 90.0) > 10.0); /* they met and parted */
+        CU_ASSERT(s[0].contacts == 0 && fabs(s[0].omega - 90.0) > 10.0); /* contact has ended */
         for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-13 * scale);
         dem_free(sim);
     }
 }
 
-/* Stuck to the floor without damping, a kicked grain swings on its shear and rolling springs: energy stays,
- * but for the leapfrog's second order, (omega dt)^2 with omega^2 = (3.5 k_s + 2.5 k_roll)/m. */
+/* In stick, without damping, a grain with an initial speed oscillates on its shear and rolling springs. Its
+ * energy is constant to second order of the leapfrog, (omega dt)^2 with omega^2 = (3.5 k_s + 2.5 k_roll)/m.
+ */
 static void energy_stays(void)
 {
     dem_material c = {1e6, 500.0, 1e4, 0.0, INFINITY, 1e6, 2e3, 0.0};
@@ -333,11 +331,12 @@ static void energy_stays(void)
         CHECK_NEAR(rest.kinetic_energy, e.kinetic + e.rotational, 1e-15);
     }
     CHECK_NEAR(most / kick, 0.0, (3.5 * 1e4 + 2.5 * 2e3) / M * def.dt * def.dt);
-    CU_ASSERT(rotational > 0.1 * kick && elastic > 0.3 * kick); /* each had its share */
+    CU_ASSERT(rotational > 0.1 * kick && elastic > 0.3 * kick); /* each spring took part */
     dem_free(sim);
 }
 
-/* A rolling grain is stopped by the couple mu_roll m g r, at b mu_roll g r/(b^2 + q r^2), and stays. */
+/* The couple mu_roll m g r stops a rolling grain at the deceleration b mu_roll g r/(b^2 + q r^2); it stays at
+ * rest. */
 static void rolling_stops(void)
 {
     const double mu_roll = 0.05, v0 = 10.0;
@@ -349,19 +348,19 @@ static void rolling_stops(void)
         grain.vx = v0;
         grain.omega = -v0 / grain.y;
         const double b = grain.y, slows = b * mu_roll * G * R / (b * b + inertia_ratio(shape) * R * R);
-        /* springs load over these ways, and friction acts from the first step on */
-        const double way = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
+        /* springs load over these distances, and friction acts from the first step on */
+        const double loading = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
         dem_sim *sim = grains_start(&def);
         dem_state s = run(sim, 0.1, def.dt);
-        CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * way / v0);
+        CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * loading / v0);
         CHECK_NEAR(s.vx, -b * s.omega, 1e-3 * v0);
         s = run(sim, 0.9, def.dt);
-        CHECK_NEAR(s.x, 0.5 * v0 * v0 / slows, way);
-        CHECK_NEAR(s.x, -b * s.angle, way);
+        CHECK_NEAR(s.x, 0.5 * v0 * v0 / slows, loading);
+        CHECK_NEAR(s.x, -b * s.angle, loading);
         CHECK_NEAR(s.vx, 0.0, 1e-6 * v0);
         const double stopped = s.x;
         s = run(sim, 0.5, def.dt);
-        CHECK_NEAR(s.x, stopped, 1e-6 * way);
+        CHECK_NEAR(s.x, stopped, 1e-6 * loading);
         dem_free(sim);
     }
 }
@@ -383,21 +382,22 @@ static void rolling_incline(void)
         s = run(sim, 0.2, def.dt);
         if (k == 0) {
             CHECK_NEAR(s.vx, 0.0, 1e-6);
-            /* suddenly loaded, it sways by springs' lengths, m g sin over each stiffness, before it sticks */
+            /* suddenly loaded, it oscillates by the extension of the springs, m g sin over each stiffness,
+             * before it sticks */
             CU_ASSERT(s.x > 0.0 && s.x < 10.0 * 2.0 * M * G * sin(angle) / 1e4);
             CHECK_NEAR(grains_only_contact(sim).rolling_torque, M * G * sin(angle) * b, 1e-6 * M * G * R);
             CHECK_NEAR(s.torque, 0.0, 1e-6 * M * G * R);
         } else {
             const double rolls =
                 b * (G * sin(angle) * b - resists * G * cos(angle) * R) / (b * b + 0.4 * R * R);
-            CHECK_NEAR((s.vx - v) / 0.2, rolls, 1e-6 * G); /* the sway has died out as exp(-gamma t) */
+            CHECK_NEAR((s.vx - v) / 0.2, rolls, 1e-6 * G); /* the oscillation has decayed as exp(-gamma t) */
         }
         dem_free(sim);
     }
 }
 
-/* A grain wedged between four walls, whose friction and rolling springs all act on its spin, keeps its
- * energy at the largest time step that is allowed. */
+/* A grain wedged between four walls, with friction and rolling springs on its spin, conserves energy at the
+ * largest allowed time step. */
 static void rotating_time_step(void)
 {
     dem_material c = {10.0, 0.0, 1e4, 0.0, INFINITY, 1e6, 1e4, 0.0};
@@ -443,17 +443,17 @@ void suite_rotation(void)
 {
     static const check_case list[] = {{"law with the dashpot inside", inside_law},
                                       {"incline with the dashpot inside", inside_incline},
-                                      {"slides, then rolls", slides_then_rolls},
+                                      {"sliding, then rolling", slides_then_rolls},
                                       {"oblique impact that slides", oblique_sliding},
                                       {"oblique impact that sticks", oblique_sticking},
                                       {"oblique impacts event by event: both ends", oblique_ends},
                                       {"oblique impacts: stick, slide, reverse", oblique_any},
-                                      {"a pair keeps its momenta", pair_conserves},
+                                      {"a pair conserves its momenta", pair_conserves},
                                       {"energy stays", energy_stays},
                                       {"rolling resistance stops", rolling_stops},
                                       {"rolling on an incline", rolling_incline},
-                                      {"time step of what rotates", rotating_time_step},
-                                      {"cases", cases},
+                                      {"time step limit of rotation", rotating_time_step},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: rotation and rolling", list);
 }

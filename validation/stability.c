@@ -1,16 +1,16 @@
-/* The largest stable time step: measured, against the linear theory of the schemes, and against the limit
- * above which a scene is refused.
+/* The largest stable time step: measured, and compared with the linear theory of the schemes and with the
+ * limit above which a scene is refused.
  *
- * Theory. The leapfrog takes damping half a step late: x(n+1) - 2 x(n) + x(n-1) + dt C (x(n) - x(n-1)) +
+ * Theory. The leapfrog evaluates damping half a step late: x(n+1) - 2 x(n) + x(n-1) + dt C (x(n) - x(n-1)) +
  * dt^2 K x(n) = 0 in coordinates weighted by the masses. As M (second difference) + dt C (central
  * difference) + dt^2 K (average of three) it is Newmark's scheme, with M = 1 - dt C/2 - dt^2 K/4, so it is
  * stable where 4 - 2 dt C - dt^2 K is positive definite, also where C and K do not commute. K and C are sums
- * over the contacts; of contacts on equal grains no direction gets more than 3, which is what the limit
- * takes: 4 - 6 gamma dt - 3 omega^2 dt^2. Gear's scheme: each mode of K by itself, with C's share of it, in
- * the matrix of predictor and corrector.
+ * over the contacts. Contacts on equal grains add up to at most 3 in any direction, which gives the limit:
+ * 4 - 6 gamma dt - 3 omega^2 dt^2. Gear's scheme: each mode of K separately, with its damping by C, in the
+ * matrix of predictor and corrector.
  *
- * Measured. Grains at rest under compression are displaced by a little; the largest time step, set behind the
- * back of the limit, for which the displacement does not grow. */
+ * Measured. Compressed grains at rest are slightly displaced; the largest time step, set without the check of
+ * the limit, for which the displacement does not grow. */
 #include <gsl/gsl_eigen.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +19,7 @@
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -28,7 +29,7 @@ static const char *const law_names[] = {"hertz", "linear"};
 enum { MOST = 256 };
 
 /* Masses and stiffnesses in cgs; damping and shear in units of the normal contact's omega = sqrt(k/m_eff) of
- * the light grains, k the slope of the force at the overlap of the start. */
+ * the light grains, k the slope of the force at the initial overlap. */
 typedef struct {
     int system, law, integrator;
     double k_n, damping, mass_ratio, radius_ratio, shear;
@@ -40,7 +41,7 @@ static const double R = 0.1, M = 0.004, DEPTH = 0.02; /* overlap over radius */
 typedef struct {
     dem_definition def;
     dem_grain grains[MOST];
-    double omega; /* of a contact of two light grains, or of one with what is fixed */
+    double omega; /* of a contact of two light grains, or of a light grain with a fixed one */
 } scene;
 
 static double slope_of(const stability_case *c, double overlap)
@@ -54,7 +55,7 @@ static void put(scene *s, double x, double y, double r, double m, bool fixed)
     s->grains[s->def.n_grains++] = (dem_grain){.x = x, .y = y, .r = r, .m = m, .fixed = fixed};
 }
 
-/* Two grains between two fixed ones, in a row. */
+/* A row of two grains between two fixed ones. */
 static void make_pair(scene *s, const stability_case *c)
 {
     const double pitch = (2.0 - DEPTH) * R;
@@ -65,7 +66,7 @@ static void make_pair(scene *s, const stability_case *c)
 }
 
 /* Rings of a triangular lattice around the origin, the outermost of them fixed; every third grain is lighter
- * than the rest, so that its six neighbours are heavy. */
+ * than its six neighbours. */
 static void make_packing(scene *s, const stability_case *c, int rings)
 {
     const double pitch = (2.0 - DEPTH) * R;
@@ -78,7 +79,7 @@ static void make_packing(scene *s, const stability_case *c, int rings)
         }
 }
 
-/* One large grain with as many fixed small ones around it as have room. */
+/* One large grain, surrounded by as many fixed small ones as fit. */
 static void make_flower(scene *s, const stability_case *c)
 {
     const double large = R * c->radius_ratio, reach = large + R - DEPTH * R;
@@ -120,7 +121,7 @@ static void make_scene(scene *s, const stability_case *c, int rings)
     }
 }
 
-/* The largest time step that is not refused. */
+/* The largest accepted time step. */
 static double refused_above(scene *s)
 {
     double lo = 1e-9 / s->omega, hi = 1e3 / s->omega;
@@ -149,7 +150,7 @@ static void add_element(gsl_matrix *A, double w, const size_t at[6], const doubl
                 gsl_matrix_set(A, at[i], at[j], gsl_matrix_get(A, at[i], at[j]) + w * b[i] * b[j]);
 }
 
-/* K and C of all contacts, weighted by the masses; a row of grains moves in the row alone, where it could
+/* K and C of all contacts, weighted by the masses; a row of grains moves only along the row, so that it can't
  * buckle. */
 static modes linearise(const scene *s, const stability_case *c, const dem_sim *sim)
 {
@@ -232,11 +233,11 @@ static double gear_radius(double k, double c)
     return radius;
 }
 
-/* What counts as growth a step: what a run of STEPS shows. */
+/* Threshold of growth per step: the growth that a run of STEPS reveals. */
 enum { STEPS = 8000 };
 static const double GROWTH = 5.0; /* log of the growth over a run */
 
-/* u A u of the m-th of the vectors. */
+/* u A u for vector m. */
 static double share(const gsl_matrix *A, const gsl_matrix *vectors, size_t m)
 {
     double sum = 0.0;
@@ -246,8 +247,8 @@ static double share(const gsl_matrix *A, const gsl_matrix *vectors, size_t m)
     return sum;
 }
 
-/* Largest step of Gear's scheme without growth in a mode. The modes are those of K + omega C: K and C have
- * nearly the same. */
+/* Largest step of Gear's scheme without growth in a mode. The modes are those of K + omega C, since K and C
+ * have nearly the same modes. */
 static double gear_theory(const modes *A, double omega)
 {
     gsl_matrix *S = gsl_matrix_alloc(A->n, A->n), *vectors = gsl_matrix_alloc(A->n, A->n);
@@ -305,7 +306,7 @@ static double displaced(const scene *s, const dem_sim *sim)
     return most / R;
 }
 
-/* Does a displacement of 1e-7 of the overlap not grow? */
+/* True if a displacement of 1e-7 of the overlap does not grow. */
 static bool holds(const scene *rest, const stability_case *c, double dt, int steps)
 {
     const bool line = c->system == PAIR || c->system == WALL || c->system == LOADED;
@@ -355,14 +356,14 @@ static stability examine(const stability_case *c, int rings)
 
 /* ---- The map */
 
-/* The bisection's last step is 1.001; growth that starts late in a run, or slowly, takes the rest: Gear's
- * scheme without damping gains 0.1 % a step where it begins to. */
+/* The last step of the bisection is 1.001; growth that is late or slow accounts for the rest: Gear's
+ * scheme without damping gains 0.1 % per step at its threshold. */
 static double theory_tolerance(const stability_case *c)
 {
     return c->integrator == DEM_VERLET ? 0.005 : c->damping > 0.0 ? 0.02 : 0.08;
 }
-/* The limit takes 0.85 of a packing's root, 1/1.176, with Verlet and the linear law 0.95, 1/1.053; the
- * bisection and growth that starts late take the rest. */
+/* The limit takes 0.85 of a packing's root, 1/1.176, with Verlet and the linear law 0.95, 1/1.053; bisection
+ * and late growth account for the rest. */
 static double least_margin(const stability_case *c)
 {
     return c->integrator == DEM_VERLET && c->law == DEM_LINEAR ? 1.04 : 1.15;
@@ -370,7 +371,7 @@ static double least_margin(const stability_case *c)
 
 static FILE *table;
 
-/* Of one scheme: margins between measured and limit, largest deviation from the theory. */
+/* For one scheme: ratio of measured to limit, largest deviation from the theory. */
 static struct {
     int cases;
     double least, most, deviation;
@@ -398,7 +399,7 @@ static void check_one(const stability_case *c)
 
 static const stability_case plain = {PACKING, DEM_HERTZ, DEM_VERLET, 1e6, 0.0, 1.0, 1.0, 0.0, false};
 
-/* Systems, laws and dampings, and masses where there are two. */
+/* Systems, laws, dampings, and mass ratios where the system has two masses. */
 static void map_damping(int scheme)
 {
     const double dampings[] = {0.1, 1.0, 0.0, 10.0, 0.03, 0.3, 3.0}, masses[] = {1.0, 1e3, 1e6};
@@ -423,7 +424,7 @@ static void map_stiffness(int scheme)
         for (c.damping = 0.1; c.damping < 2.0; c.damping *= 10.0) check_one(&c);
 }
 
-/* Shear springs that stick, from soft to stiff, of grains that rotate and that do not; Gear's do not. */
+/* Sticking shear springs, from soft to stiff, with and without rotation; with Gear's scheme only without. */
 static void map_shear(int scheme)
 {
     const double shears[] = {1.0, 0.2, 10.0, 0.02, 0.1, 0.3, 0.5, 2.0, 5.0};
@@ -439,7 +440,7 @@ static void map_shear(int scheme)
         }
 }
 
-/* One light large grain among small ones: more neighbours than six. */
+/* One light large grain among small ones: more than six neighbours. */
 static void map_radii(int scheme)
 {
     stability_case c = plain;
@@ -478,7 +479,7 @@ static void map(void)
                                           {"cases", ""},
                                           {"margin_least", "measured/limit"},
                                           {"margin_most", "measured/limit"},
-                                          {"deviation", "of measured/theory from 1, largest"},
+                                          {"deviation", "largest deviation of measured/theory from 1"},
                                           {"run_time", "s"}};
     if (sums) rp_table_columns(sums, 6, sum_columns);
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
@@ -499,8 +500,8 @@ static void map(void)
     table = NULL;
 }
 
-/* ---- The implicit scheme: no limit by stability, but its step must be solved, and lead no grain beyond half
- * the skin */
+/* ---- The implicit scheme: no stability limit, but each step must be solvable, and no grain may move by more
+ * than half the skin */
 
 typedef struct {
     int solver;
@@ -511,7 +512,7 @@ static const equation_solver solvers[] = {
 enum { SOLVERS = 3 };
 static const char *const solver_names[] = {"direct", "sor"};
 
-/* Grains at rest under compression, displaced by a little, at a step of a thousand contact times. */
+/* Compressed grains at rest, slightly displaced, at a step of a thousand contact times. */
 static bool rests_implicitly(int system, const equation_solver *with, double damping, double times)
 {
     static scene s;
@@ -535,8 +536,8 @@ typedef struct {
     const char *ends;
 } gas_run;
 
-/* Elastic grains in a box, of speeds v/2 where two that meet head-on at v press in by `depth` of a radius: a
- * step of `times` contact times of theirs. */
+/* Elastic grains in a box, with speeds v/2, where a head-on impact at v has an overlap of `depth` radii; a
+ * step of `times` of its contact time. */
 static gas_run run_gas(const equation_solver *with, double depth, double times)
 {
     const double k_n = 1e6, overlap = depth * R, v = sqrt(k_n * pow(overlap, 2.5) / (1.25 * 0.5 * M));
@@ -572,7 +573,8 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     dem_energies(sim, &before);
     if (dem_run(sim, check_full() ? 300 : 40) == RP_OK) {
         dem_energies(sim, &after);
-        /* what the tolerance leaves of a step, of a speed that is small to a radius a step, 300 times */
+        /* residual of the tolerance over 300 steps, relative to speeds that are small compared with a radius
+         * per step */
         CHECK_NEAR((after.kinetic + after.elastic) / before.kinetic, 1.0, 1e-6);
     } else {
         out.ends = dem_fault_text(dem_sim_fault(sim));
@@ -583,9 +585,9 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     return out;
 }
 
-/* The largest of a row of steps, in contact times, at which grains at rest stay so. A load that falls freely
- * for so long is farther than Newton's method finds back from; what the sweeps leave of a step grows by
- * (omega dt)^2 in the velocity of the next. */
+/* The largest of a series of steps, in contact times, at which grains at rest stay at rest. At larger steps
+ * free fall leads beyond the convergence of Newton's method; the residual of the SOR sweeps grows by (omega
+ * dt)^2 in the velocity of the next step. */
 static void implicit_rest(void)
 {
     FILE *out = check_table("stability_implicit_rest");
@@ -617,9 +619,9 @@ static void implicit_limits(void)
                                       {"depth", "overlap of an impact over radius"},
                                       {"contact_time", "s"},
                                       {"dt", "s"},
-                                      {"dt_over_contact_time", "largest that ran"},
+                                      {"dt_over_contact_time", "largest successful step"},
                                       {"iterations", "a step, there"},
-                                      {"half_skin", "contact times in which v goes half the skin"},
+                                      {"half_skin", "contact times for a displacement of half the skin at v"},
                                       {"ends", "word"}};
     if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
     for (int k = 0; k < (check_full() ? SOLVERS : 2); k++) {
@@ -646,8 +648,8 @@ static void implicit_limits(void)
 
 /* ---- Boxes: fall, settle, rest */
 
-/* Does a box whose step is `times` the limit come to rest in 2 s, or 4 s where damping is weak, without more
- * energy than it had? */
+/* True if a box with a step of `times` the limit comes to rest in 2 s, or 4 s for weak damping, without a
+ * gain of energy. */
 static bool box_rests(int law, int scheme, double gamma, long stream, double times, double *limit)
 {
     enum { N = 60 };
@@ -679,8 +681,8 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     return good;
 }
 
-/* Boxes of grains that fall and come to rest do so at the limit; the largest multiple of it at which three of
- * three do is in the table. */
+/* Boxes of falling grains come to rest at the limit; the table has the largest multiple of the limit at which
+ * three of three do. */
 static void boxes(void)
 {
     FILE *out = check_table("stability_boxes");
@@ -712,7 +714,7 @@ void suite_stability(void)
 {
     static const check_case cases[] = {{"largest time step: measured, theory, limit", map},
                                        {"implicit: rest, at any step", implicit_rest},
-                                       {"implicit: steps that can be solved", implicit_limits},
+                                       {"implicit: solvable steps", implicit_limits},
                                        {"boxes come to rest at the limit", boxes},
                                        {NULL, NULL}};
     check_register("validation: stability", cases);

@@ -1,5 +1,5 @@
-/* Validation of contacts that last or act on one another: a bounce whose contact gravity acts through, grains
- * compressed between walls, columns at rest, Newton's cradles. */
+/* Validation of lasting and interacting contacts: a bounce under gravity, grains compressed between walls,
+ * columns at rest, Newton's cradles. */
 #include <float.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -16,14 +16,15 @@ enum { MOST = 10 };
 static const char *const LAW[] = {"hertz", "linear"};
 
 static case_problem bounce_problem = {"bounce", "closed form (linear), energy (Hertz)",
-                                      "w^2 dt^2; damped also gamma dt from touch, lag and parting"},
-                    stack_problem = {"stack", "balance of forces",
-                                     "net force and damping left on the grains"},
-                    column_problem = {"column", "weight above", "net force and damping left on the grains"},
+                                      "w^2 dt^2; damped also gamma dt from contact, lag and separation"},
+                    stack_problem = {"stack", "force balance",
+                                     "remaining net force and damping on the grains"},
+                    column_problem = {"column", "weight above",
+                                      "remaining net force and damping on the grains"},
                     cradle_problem = {"cradle", "Runge-Kutta to 1e-13; linear three: also closed form",
-                                      "w^2 dt^2 for each touch and parting"},
+                                      "w^2 dt^2 for each contact and separation"},
                     gap_problem = {"cradle_gaps", "exchange of velocities",
-                                   "w^2 dt^2 for each touch and parting"};
+                                   "w^2 dt^2 for each contact and separation"};
 
 static double elastic_force(int law, double k, double overlap)
 {
@@ -66,19 +67,19 @@ static double bounce_speed(double t, const void *data)
     return exp(-p->b * t) * ((c * w + p->b * rest) * cos(w * t) + (rest * w - p->b * c) * sin(w * t));
 }
 
-/* What is left of v^2/2 when a Hertz spring of k/m and gravity have acted over an overlap. */
+/* v^2/2 after a Hertz spring of k/m and gravity have acted over an overlap. */
 static double hertz_energy(double overlap, const void *data)
 {
     const bouncing *p = data;
     return 0.5 * p->v * p->v + p->g * overlap - 0.4 * p->w02 * pow(overlap, 2.5);
 }
 
-/* A grain comes down on a floor with speed v = g/(w0 heavy): `heavy` says how much gravity does while they
- * touch. Observed are the speed at parting, the largest overlap and the time of contact. */
+/* A grain falls on a floor with speed v = g/(w0 heavy), where `heavy` measures the effect of gravity during
+ * contact. Observed: speed at separation, largest overlap, contact time. */
 static void drop(int law, const bouncing *p, double k, double m, double gamma, double dt, double phase,
                  double observed[3])
 {
-    const double r = 0.1193, before = (3.0 + phase) * dt; /* it starts in flight, a few steps above */
+    const double r = 0.1193, before = (3.0 + phase) * dt; /* it starts a few steps before contact */
     dem_grain grain = {0.0, r + (p->v - 0.5 * p->g * before) * before, r, m, 0.0, -(p->v - p->g * before)};
     dem_definition def = dem_definition_default();
     def.normal = law;
@@ -112,7 +113,7 @@ static void check_bounce(double heavy, double damping, double k, double m, doubl
     const double out = -bounce_speed(end, &p), expected[] = {out, bounce_overlap(top, &p), end};
     double observed[3];
     drop(DEM_LINEAR, &p, k, m, 2.0 * p.b, dt, phase, observed);
-    /* it parts at `out`: a change of speed of v changes the end by v/out */
+    /* it separates at speed `out`: a change v of speed changes the end by v/out */
     const double first = 2.0 * p.b * dt, second = pow(w0 * dt, 2.0) * (1.0 + heavy);
     const double scale[] = {v, expected[1], end * v / out};
     for (int q = 0; q < 3; q++)
@@ -138,8 +139,8 @@ static void bounce(void)
                      fmod(0.381 + 0.6180339887 * i, 1.0));
 }
 
-/* Run until net force and what the dashpots still carry, gamma m v each, are nowhere larger than `most`;
- * their largest sum is returned. */
+/* Run until net forces and dashpot forces, gamma m v each, are at most `most` everywhere; returns their
+ * largest sum. */
 static double settle(dem_sim *sim, double gamma, double most)
 {
     dem_state s[MOST];
@@ -155,9 +156,8 @@ static double settle(dem_sim *sim, double gamma, double most)
     return left;
 }
 
-/* Grains in a column between a floor and, if `lid` is finite, a wall above, all damped; forces of the
- * contacts in their order from below. The contact under grain i is that of the floor or of grains i - 1 and
- * i. */
+/* Grains in a column between a floor and, if `lid` is finite, a wall above, all damped; contact forces from
+ * below upwards. The contact under grain i is that of the floor or of grains i - 1 and i. */
 static double compress(int law, double k, double k_wall, size_t n, const dem_grain *grains, double lid,
                        double force[MOST + 1])
 {
@@ -173,12 +173,12 @@ static double compress(int law, double k, double k_wall, size_t n, const dem_gra
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[1] = grains_line(0.0, lid, 0.0, -1.0, &def.material);
     def.walls[0].material.k_n = def.walls[1].material.k_n = k_wall;
-    /* as much damping as settles the column's slow modes soon */
+    /* damping that makes the slow modes of the column decay fast */
     def.dt = 0.2 * dem_time_step_limit(&def, NULL);
     def.material.gamma_n = def.walls[0].material.gamma_n = def.walls[1].material.gamma_n = 0.2 / def.dt;
     dem_sim *sim = grains_start(&def);
-    /* places are rounded: to their last digit times the stiffness, and motion of less than that a step stops,
-     * whatever dashpots then carry */
+    /* positions are rounded: the force is uncertain by the last digit times the stiffness, and motion below
+     * that digit per step stops at any dashpot force */
     const double digit = 2.0 * DBL_EPSILON * grains[n - 1].y, stiff = 0.1 * heaviest / (def.dt * def.dt);
     const double left =
         settle(sim, def.material.gamma_n,
@@ -198,8 +198,8 @@ static double compress(int law, double k, double k_wall, size_t n, const dem_gra
     return left + stiff * digit;
 }
 
-/* Two grains pressed together by floor and lid: overlaps of the forces F, F + m_2 g, F + (m_1 + m_2) g add up
- * to what the walls take from the diameters. */
+/* Two grains pressed together by floor and lid: overlaps at the forces F, F + m_2 g, F + (m_1 + m_2) g add up
+ * to the sum of diameters minus the distance of the walls. */
 typedef struct {
     int law;
     double k, k_wall, m1, m2, taken;
@@ -227,7 +227,7 @@ static void stack(void)
         const double net = compress(s.law, s.k, s.k_wall, 2, grains, 4.0 * r - s.taken, force);
         const double expected[] = {top + (s.m1 + s.m2) * 981.0, top + s.m2 * 981.0, top};
         static const char *const names[] = {"force below", "force between", "force above"};
-        /* d on each grain shifts what the three springs share by at most d each */
+        /* a force d on each grain changes the force of each of the three springs by at most d */
         for (int q = 0; q < 3; q++)
             case_near(&stack_problem, names[q], expected[q], force[q], 2.0 * net,
                       "%s k_n=%g m2/m1=%g squeeze=%g", LAW[s.law], s.k, s.m2 / s.m1, s.taken);
@@ -257,8 +257,8 @@ static void column(void)
     }
 }
 
-/* A cradle of n equal grains in a row, which the first `launched` run into at speed v; start and rates of the
- * overlaps' springs, for the reference. */
+/* A cradle of n equal grains in a row, hit by the first `launched` at speed v; initial values and spring
+ * rates of the overlaps, for the reference. */
 typedef struct {
     int law, n;
     double k, m;
@@ -277,7 +277,7 @@ static int cradle_rates(double t, const double y[], double rate[], void *data)
     return GSL_SUCCESS;
 }
 
-/* Speeds after `time`, by a method that is not the simulator's; displacements from touching. */
+/* Speeds after `time`, by a method independent of the simulator; displacements relative to zero overlap. */
 static void cradle_reference(const cradle *c, int launched, double v, double time, double speeds[])
 {
     double y[2 * MOST] = {0.0}, t = 0.0;
@@ -315,7 +315,7 @@ static void cradle_simulate(const cradle *c, int launched, double v, double gap,
 }
 
 /* Linear springs, three grains, one launched: the overlaps are the half sum and difference of
- * v sin(w t)/w and v sin(sqrt 3 w t)/(sqrt 3 w) until the first contact opens; then two grains swing apart at
+ * v sin(w t)/w and v sin(sqrt 3 w t)/(sqrt 3 w) until the first contact opens; then two grains separate at
  * sqrt 2 w. */
 static double first_overlap(double wt, const void *data)
 {
@@ -360,8 +360,8 @@ static void check_cradle(int i)
             case_near(&cradle_problem, "speed", exact[j], observed[j], bound,
                       "linear, closed form, k_n=%g v=%g dt=%g grain=%d", c.k, v, dt, j);
     }
-    /* a struck grain moves less than 2 overlaps while it is touched: with wider gaps each collision is over
-     * before the next, and the blow runs through */
+    /* a grain moves by less than 2 overlaps during a collision: with wider gaps each collision ends before
+     * the next, and the momentum passes through the row */
     const double gap = 4.0 * (c.law == DEM_HERTZ ? deepest : v / w);
     cradle_simulate(&c, launched, v, gap, dt, time + (c.n + 1) * gap / v, observed);
     for (int j = 0; j < c.n && launched == 1; j++)
@@ -384,11 +384,11 @@ static void cases(void)
 
 void suite_statics(void)
 {
-    static const check_case list[] = {{"bounce with gravity through the contact", bounce},
-                                      {"two grains pressed together", stack},
+    static const check_case list[] = {{"bounce with gravity during contact", bounce},
+                                      {"two compressed grains", stack},
                                       {"columns at rest", column},
                                       {"Newton's cradles", cradles},
-                                      {"cases", cases},
+                                      {"cases", cases, true},
                                       {NULL, NULL}};
     check_register("validation: lasting contacts", list);
 }

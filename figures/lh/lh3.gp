@@ -1,6 +1,7 @@
 # Lee & Herrmann 1993, figure 3: angle of repose against friction.
 fit = T.'lh3_fit_theta_r.tsv' # t('lh3_fit_theta_r.tsv')
 slope = real(system("awk '!/^#/ && $NF == \"free\" { print $1 }' ".fit))
+# t('published.tsv')
 start = real(system("awk '!/^#/ && $NF == \"free\" { print $3 }' ".fit))
 stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
@@ -13,7 +14,5 @@ plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('th
        with yerrorbars pt 7 ps 0.7 lc 2 title 'spring truncated at the Coulomb limit, at rest', \
      t('lh3_total.tsv') using (column('mu') + 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt 4 ps 0.7 lc 3 title 'spring as (2b) is printed, '.note('lh3_total.tsv', 'relax_steps').' steps after opening', \
-     t('lh3_best.tsv') using (column('mu') - 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
-       with yerrorbars pt 5 ps 0.7 lc 7 title 'the same, smooth side walls, wall lifted at 50 cm/s', \
      [0.05:0.2] start + slope*x with lines lc 2 dt 2 title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
-     '+' using (0.207):(17.99):(0.64) every ::0::0 with yerrorbars pt 9 ps 0.9 lc 1 title 'Lee \& Herrmann 1993, text (bar as printed)'
+     '+' using (0.207):(published('lh-theta', 'published')):(published('lh-theta', 'published_se')) every ::0::0 with yerrorbars pt 9 ps 0.9 lc 1 title 'Lee \& Herrmann 1993, text (bar as printed)'

@@ -6,13 +6,13 @@ load 'figures/style.gp'
 combinations = 'lh_forensics_combinations.tsv' # t('lh_forensics_combinations.tsv')
 effects = 'lh_forensics_effects.tsv'           # t('lh_forensics_effects.tsv')
 # main effects on the first claim, and methods of surface detection, one per line from the top
-lines = "< awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
+lines = "< awk -F'\t' '!/^#/ && $1 == \"lh-theta\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
         "if ($2 == \"dt\") $3 = \"0.7 times\"; if ($2 == \"relax steps\") { $2 = \"measured after\"; $3 = \"1.0 s\" } if ($2 == \"open\") $3 = $3 \" cm/s\"; ".\
         "print ++n \"\\t\" $2 \" \" $3 \"\\t\" $5 \"\\t\" $7 \"\\t\" $8 }' ".T.effects
 ranked(status) = "< awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } ".\
         "!/^#/ && $NF == \"".status."\" { print $1 \"\\t\" $l }' ".T.combinations
 best = real(system("awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } !/^#/ { print $l; exit }' ".T.combinations))
-number = int(system("awk -F'\t' '!/^#/ && $1 == \"k_n_1e6\"' ".T.effects." | wc -l"))
+number = int(system("awk -F'\t' '!/^#/ && $1 == \"lh-theta\"' ".T.effects." | wc -l"))
 unset datafile
 set datafile separator tab
 set multiplot

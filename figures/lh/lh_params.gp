@@ -12,18 +12,19 @@ set label 2 'bars: standard error, those of Lee \& Herrmann as printed; series s
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3' font ',9' offset 0.8,0
 set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]
-$kn << EOD
-k_n	theta	se
-1e4	16.53	0.73
-1e5	18.65	0.70
-1e6	17.99	0.64
-EOD
-$gamma << EOD
-gamma_n	theta	se
-50	16.47	0.75
-100	17.15	0.62
-500	17.99	0.64
-EOD
+# t('published.tsv')
+paper(x, id) = sprintf("%s\t%.17g\t%.17g", x, published(id, 'published'), published(id, 'published_se'))
+set print $kn
+print "k_n\ttheta\tse"
+print paper('1e4', 'lh-kn-1e4')
+print paper('1e5', 'lh-kn-1e5')
+print paper('1e6', 'lh-theta')
+set print $gamma
+print "gamma_n\ttheta\tse"
+print paper('50', 'lh-gamma-50')
+print paper('100', 'lh-gamma-100')
+print paper('500', 'lh-theta')
+set print
 y = 'theta_r3_deg_mean'
 se = 'theta_r3_deg_se'
 plot t('lh_kn.tsv') using (column('k_n')):(column(y)):(column(se)) with yerrorbars pt 7 ps 0.7 lc 2 title with_piles('walls 2 {/:Italic k}_n', 1), \

@@ -59,7 +59,7 @@ const char *ang_tilt_word(ang_tilt_status status)
 static void base_force(const pile *s, double theta, double *t, double *n)
 {
     double r = s->theta_r, a = s->phi - theta, b = s->phi + theta, cot = 1.0 / tan(s->phi);
-    double p, q; /* F_A : F_B = p : q */
+    double p = NAN, q = NAN; /* F_A : F_B = p : q */
     switch (s->form) {
     case ANG_LATTICE: /* F_A and F_B worked out: no cancellation near pi/2 */
         *t = sin(theta) * cos(r) + cot * cot * sin(r) * cos(theta);
@@ -73,7 +73,11 @@ static void base_force(const pile *s, double theta, double *t, double *n)
         p = (sin(b) * cos(r) + sin(r) * gsl_pow_2(cos(b))) * cos(a);
         q = (sin(a) * cos(r) - sin(r) * gsl_pow_2(cos(a))) * cos(b);
         break;
-    default: /* ANG_BALANCED */ p = cos(r) + sin(r) / tan(b); q = cos(r) - sin(r) / tan(a);
+    case ANG_BALANCED:
+        p = cos(r) + sin(r) / tan(b);
+        q = cos(r) - sin(r) / tan(a);
+        break;
+    case ANG_N_FORMS: break;
     }
     *t = p * cos(a) - q * cos(b);
     *n = p * sin(a) + q * sin(b);

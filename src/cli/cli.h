@@ -1,4 +1,4 @@
-/* What the files of the command line share. One file a subcommand; no physics here. */
+/* Shared functions of the command line. One file per subcommand; no physics here. */
 #ifndef CLI_H
 #define CLI_H
 
@@ -9,10 +9,10 @@
 #include "core/status.h"
 #include "core/table.h"
 
-/* One subcommand: what --help says and what the parser accepts. Options of one letter take one dash. */
+/* One subcommand: text of --help, and options of the parser. Options of one letter take one dash. */
 typedef struct {
     const char *name;     /* "angle tilt" */
-    const char *synopsis; /* what follows the name on the usage line */
+    const char *synopsis; /* arguments on the usage line */
     const char *about;    /* one or more lines */
     const char *example;
     const rp_param *options;
@@ -21,8 +21,8 @@ typedef struct {
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first). Boolean options take no value.
  * Arguments that are not options go to arguments[0..*n_arguments), NULL for a command without. After --help,
- * *done is true: the text has been printed and there is nothing left to do.
- * Errors: RP_USAGE (unknown option, missing value, required option or argument), RP_BAD_INPUT (a value). */
+ * *done is true: the text has been printed. Errors: RP_USAGE (unknown option, missing value, required option
+ * or argument), RP_BAD_INPUT (a value). */
 rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
                     int *n_arguments, bool *done);
 
@@ -97,7 +97,7 @@ typedef struct {
  */
 rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc, char **argv);
 
-/* The subcommands: name, function, summary. One list makes the dispatcher and the overview. */
+/* The subcommands: name, function, summary. The dispatcher and the overview read this list. */
 #define CLI_COMMANDS(X)                                                                                      \
     X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \
     X("continuum", cmd_continuum, "forces on the base of a triangular pile, continuum model (49)-(59)")      \
@@ -109,9 +109,10 @@ rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc,
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
     X("calibrate", cmd_calibrate, "friction that gives a measured angle of repose, with its interval")       \
-    X("forensics", cmd_forensics, "which unsaid choices agree with published numbers")                       \
+    X("claims", cmd_claims, "published claims and their verdicts")                                           \
+    X("forensics", cmd_forensics, "unspecified choices of a paper against its published numbers")            \
     X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
-    X("bench", cmd_bench, "particle-steps a second on this machine")                                         \
+    X("bench", cmd_bench, "particle-steps per second on this machine")                                       \
     X("report", cmd_report, "fill a report's template from tables")
 
 #define X(name, function, summary) rp_status function(int argc, char **argv);

@@ -1,4 +1,5 @@
-/* `repose bench`: particle-steps a second on this machine, and where the time goes, for the box scene. */
+/* `repose bench`: particle-steps per second on this machine, and the share of each phase, for the box scene.
+ */
 #include <malloc.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,23 +23,23 @@ typedef struct {
 static const rp_param options[] = {
     {"n", "", RP_INT, offsetof(bench_options, n), "400", "[1, 10000000]", "grains"},
     {"width", "cm", RP_REAL, offsetof(bench_options, width), "auto", "(0, inf) | auto",
-     "of the box; auto: square once settled"},
+     "width of the box; auto: square when settled"},
     {"steps", "", RP_INT, offsetof(bench_options, steps), "auto", "[1, 1000000000] | auto",
-     "steps timed, but of a sample; auto: 2e7 particle-steps, flowing at most 10000"},
+     "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps"},
     {"state", "", RP_CHOICE, offsetof(bench_options, state), "settled", "settled | flowing | sample",
-     "at rest in the box; right after its wall is opened; or from the fill on, with reading, 30000 steps "
-     "closed and 50000 open, slopes and writing"},
+     "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "
+     "slopes, with input, 30000 steps closed, 50000 open, and output"},
     {"floor", "", RP_CHOICE, offsetof(bench_options, floor), "extends", "extends | absorbs",
-     "beyond the opening: goes on (out at 3 W), or takes grains out at W"},
+     "floor beyond the opening: extends to 3 W, or absorbs grains at W"},
     {"kernel", "", RP_CHOICE, offsetof(bench_options, kernel), "fast",
      "fast | reference | baseline | avx2 | avx512",
-     "pair loop: the best here, the general one, or with these instructions"},
+     "kernel of the pair loop: the fastest here, the reference, or an instruction set"},
     {"repeat", "", RP_INT, offsetof(bench_options, repeat), "5", "[1, 100]",
-     "runs, of which the best and the median count; 1: without the further run that times the phases"},
+     "timed runs, for the best and the median; 1: no extra run for the phases"},
     {"start", "", RP_TEXT, offsetof(bench_options, start), "", "",
-     "table with columns x y r (cm): grains at rest, instead of a fill of --n; where it is of settled ones, "
-     "2000 steps go before"},
-    {"o", "", RP_TEXT, offsetof(bench_options, final), "", "", "write the final grains of a sample there"},
+     "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and sample: "
+     "the first 2000 steps are not timed"},
+    {"o", "", RP_TEXT, offsetof(bench_options, final), "", "", "table for the final grains of a sample"},
     {0}};
 
 static const cli_command command = {
@@ -47,16 +48,13 @@ static const cli_command command = {
     "N] "
     "[--kernel NAME] [--repeat N] [-o TABLE]",
     "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
-    "and time the simulator on one core: million particle-steps a second of processor time, the best and "
-    "the\n"
-    "median of some runs. A further run, with clocks around its phases, which then come one after another "
-    "in\n"
-    "large piles too, gives the shares of contacts, neighbour lists, integration and walls, and `bound`, "
-    "the\n"
-    "rate without lists and walls. Contacts and\n"
-    "listed pairs are those of the end, a grain; `bytes` are held by a grain, `peak_bytes` the most that "
-    "the\n"
-    "process had until then.",
+    "and time the simulator on one core: 1e6 particle-steps per second of processor time, best and median "
+    "of\n"
+    "several runs. An extra run times the phases one after another: shares of contacts, neighbour lists,\n"
+    "integration and walls, and `bound`, the rate without lists and walls. Numbers of contacts and listed\n"
+    "pairs are per grain, at the end. `bytes` is the memory held per grain, `peak_bytes` the largest memory "
+    "of\n"
+    "the process so far.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     options,
     0,
@@ -68,7 +66,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The grains of a table, at rest, as a new array. */
+/* The grains of a table as a new array, with velocity 0. */
 static rp_status read_start(const char *path, dem_grain **grains, long *n)
 {
     static const char *const names[] = {"x", "y", "r"};
@@ -118,18 +116,20 @@ static rp_status begin(bench_options *o, dem_sim **sim)
         def.grains = grains;
         def.n_grains = (size_t)o->n;
         def.kernel = o->kernel;
-        def.dt =
-            fmin(def.dt, dem_time_step_limit(&def, NULL)); /* less from some 50 000 grains on: a high fall */
+        def.dt = fmin(
+            def.dt,
+            dem_time_step_limit(
+                &def, NULL)); /* smaller from some 50 000 grains on: the grains fall from a great height */
         status = dem_create(&def, sim);
     }
     free(grains);
     return status;
 }
 
-/* What the timed runs start from. */
+/* Initial state of the timed runs. */
 static rp_status prepare(const bench_options *o, dem_sim *sim)
 {
-    /* a fall from 2 W and the time to calm down, both growing with the box */
+    /* a fall from 2 W and the time to settle, both growing with the box */
     const long settling = lround(30000.0 * sqrt(o->width / 4.0)) + 10000;
     rp_status status = dem_run(sim, *o->start ? WARM_STEPS : settling);
     if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
@@ -169,7 +169,7 @@ static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
     return times ? dem_run_timed(sim, steps, times) : dem_run(sim, steps);
 }
 
-/* A sample from its fill to its slopes. */
+/* A whole run, from the fill to the slopes. */
 static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
 {
     rp_status status = begin(o, sim);
@@ -208,7 +208,7 @@ static rp_status run_once(bench_options *o, const dem_sim *settled, dem_phases *
     return status;
 }
 
-/* What malloc has given out, bytes. */
+/* Bytes allocated by malloc. */
 static double heap(void)
 {
     const struct mallinfo2 now = mallinfo2();
@@ -229,7 +229,7 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
     qsort(rates, (size_t)o->repeat, sizeof *rates, ascending);
     const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
     rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
-    /* the bound from the shares: the clocks themselves then count only by how they change these */
+    /* the bound follows from the shares, so that the cost of the clocks enters only through them */
     rp_table_row(stdout, sizeof columns / sizeof *columns,
                  (double[]){n, steps, rates[o->repeat - 1], median, median * all / inner, seconds,
                             (double)last->counts.contacts / grains, (double)last->counts.pairs / grains,
@@ -248,7 +248,7 @@ static rp_status measure(const void *values)
     rp_status status = begin(&o, &sim);
     if (o.steps <= 0) {
         o.steps = (long)fmax(100.0, 2e7 / (double)o.n);
-        if (o.state == FLOWING && o.steps > 10000) o.steps = 10000; /* later the pile has come to rest */
+        if (o.state == FLOWING && o.steps > 10000) o.steps = 10000; /* later the pile is at rest */
     }
     if (!status && o.state != SAMPLE) status = prepare(&o, sim);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};

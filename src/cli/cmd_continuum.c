@@ -20,9 +20,9 @@ static const cli_command command = {
     .name = "continuum",
     .synopsis = "--alpha-deg ANGLE [--points N | --at X,X,...]",
     .about = "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan &\n"
-             "Hughes 1992. x is a fraction of the base B. N is the normal force of the ground; H is the\n"
-             "horizontal force of the pile on the ground, positive to the right; both in chi g B, with chi\n"
-             "the mass per length of a diagonal.",
+             "Hughes 1992. x is a fraction of the base B. N is the normal force of the ground. H is the\n"
+             "horizontal force of the pile on the ground, positive to the right. The unit of both is\n"
+             "chi g B, where chi is the mass per length of a diagonal.",
     .example = "repose continuum --alpha-deg 30 --at 0.1,0.25",
     .options = schema,
 };

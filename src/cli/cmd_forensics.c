@@ -9,6 +9,7 @@
 #include "angle/angle.h"
 #include "stats/stats.h"
 #include "stats/forensics.h"
+#include "cli/claims.h"
 #include "cli/cli.h"
 #include "core/random.h"
 
@@ -25,7 +26,8 @@ typedef struct {
 } forensics_options;
 
 static const rp_param options[] = {
-    {"claims", "", RP_TEXT, offsetof(forensics_options, claims), NULL, "", "table of published claims"},
+    {"claims", "", RP_TEXT, offsetof(forensics_options, claims), "figures/claims.tsv", "",
+     "published claims"},
     {"factors", "", RP_TEXT, offsetof(forensics_options, factors), NULL, "",
      "columns of the choices, joined by commas; a:b ranks the values of a within each value of b"},
     {"report", "", RP_CHOICE, offsetof(forensics_options, report), "combinations",
@@ -39,31 +41,27 @@ static const rp_param options[] = {
 
 static const cli_command command = {
     "forensics",
-    "RUNS --claims FILE --factors LIST [options]",
+    "RUNS --factors LIST [options]",
     "Which combinations of unsaid choices agree with all published numbers at once?\n"
     "RUNS: one row a run, as repose sweep export writes; a grid point with fewer than half of its runs ok "
-    "has "
-    "no\n"
+    "has no\n"
     "number, and a combination without one of the numbers is incomplete: not computable as it stands.\n"
-    "FILE: one row a term of a claim: claim kind value error held_out coefficient column, then the columns "
-    "of "
-    "RUNS\n"
-    "that say where the term is measured. A claim is on the sum of coefficient times mean; kind: value (+- "
-    "error)\n"
-    "or sign (value -1 or 1); the errors are taken up to a common scale, averaged over 1/5 to 2. `column` "
-    "without\n"
-    "_deg: every surface variant NAME_VARIANT_deg makes a combination of its own. Held-out claims do not "
-    "judge: "
-    "they\n"
-    "test the combinations that are not excluded.\n"
+    "Claims: the rows of the claims' file with a cell `forensics`, [held] [+|-] COLUMN key=value ... [less "
+    "COLUMN\n"
+    "key=value ...]: the published number +- its error of a mean at a grid point, or after + or - the sign "
+    "of a\n"
+    "difference of two; keys that are not given are those of the header line `at`. Errors are taken up to a "
+    "common\n"
+    "scale, averaged over 1/5 to 2; signs have none. COLUMN is without _deg: every surface variant\n"
+    "COLUMN_VARIANT_deg makes a combination of its own. Claims that are `held` do not judge: they test the\n"
+    "combinations that are not excluded.\n"
     "combinations: likelihood, p-value, status and numbers; simulated: rank of a simulated combination, at "
     "its best\n"
     "surface, 0 at the others; effects: change of each number from a factor's "
     "first "
     "level\n"
     "(95 % interval; the residual holds interactions); levels: what is left of each level.",
-    "repose forensics build/tables/lh_forensics_runs.tsv --claims sweeps/lh_forensics_claims.tsv "
-    "--factors slip,shape,floor",
+    "repose forensics build/tables/lh_forensics_runs.tsv --factors slip,shape,floor",
     options,
     1,
     1};
@@ -89,6 +87,8 @@ typedef struct {
         size_t n_levels;
         char levels[MAX_LEVELS][24];
     } factor[MAX_FACTORS];
+    char coordinates[MAX_COORDINATES][24]; /* keys that say where a term is measured */
+    double usual[MAX_COORDINATES];         /* and where, if the term does not say */
     int coordinate[MAX_COORDINATES], status;
     struct {
         char name[40];
@@ -188,75 +188,108 @@ static rp_status read_combinations(study *s)
     return RP_OK;
 }
 
-static rp_status read_term(study *s, const rp_table *t, size_t row, const int columns[7])
+/* The columns of all surface variants of a quantity such as theta_r3. */
+static rp_status find_variants(const study *s, const char *stem, int column[N_VARIANTS])
 {
-    if (s->n_terms == MAX_TERMS) return rp_fail(RP_BAD_INPUT, "%s: at most %d rows", t->path, MAX_TERMS);
-    const char *name = cell(t, row, columns[0]), *kind = cell(t, row, columns[1]),
-               *stem = cell(t, row, columns[6]);
-    claim_term *term = &s->terms[s->n_terms++];
-    double value, error, held_out;
-    rp_status status = rp_table_number(t, row, columns[2], 0, &value);
-    if (!status) status = rp_table_number(t, row, columns[3], 0, &error);
-    if (!status) status = rp_table_number(t, row, columns[4], 0, &held_out);
-    if (!status) status = rp_table_number(t, row, columns[5], 0, &term->coefficient);
-    for (size_t k = 0; !status && k < s->n_coordinates; k++)
-        status = rp_table_number(t, row, columns[6] + 1 + (int)k, 0, &term->at[k]);
-    if (status) return status;
-    bool sign = strcmp(kind, "sign") == 0;
-    if (!sign && strcmp(kind, "value") != 0)
-        return rp_fail(RP_BAD_INPUT, "%s:%zu: kind = %s: allowed: value | sign", t->path, t->lines[row],
-                       kind);
-    for (term->claim = 0; term->claim < s->n_claims; term->claim++)
-        if (strcmp(s->about[term->claim].name, name) == 0) break;
-    const stats_claim stated = {sign ? STATS_CLAIM_SIGN : STATS_CLAIM_VALUE, sign ? value : value * deg,
-                                error * deg};
-    if (term->claim < s->n_claims) {
-        const stats_claim *known = &s->claims[term->claim];
-        if (known->kind != stated.kind || known->value != stated.value || known->error != stated.error ||
-            s->about[term->claim].held_out != (held_out != 0.0))
-            return rp_fail(RP_BAD_INPUT,
-                           "%s:%zu: claim %s: kind, value, error or held_out differ from its first row",
-                           t->path, t->lines[row], name);
-    }
-    if (term->claim == s->n_claims) {
-        if (s->n_claims == MAX_CLAIMS)
-            return rp_fail(RP_BAD_INPUT, "%s: at most %d claims", t->path, MAX_CLAIMS);
-        snprintf(s->about[s->n_claims].name, sizeof s->about->name, "%s", name);
-        s->about[s->n_claims].held_out = held_out != 0.0;
-        s->claims[s->n_claims++] = stated;
-    }
-    for (int v = 0; v < N_VARIANTS; v++) {
-        char column[80];
+    rp_status status = RP_OK;
+    for (int v = 0; v < N_VARIANTS && !status; v++) {
+        char name[80];
         /* the parabola is of method 3 alone */
         size_t length = strlen(variants[v]);
         if (strstr(variants[v], "_origin") && !strstr(stem, "r3")) length -= strlen("_origin");
         const bool first = strncmp(variants[v], variants[0], length) == 0;
-        snprintf(column, sizeof column, "%s%s%.*s_deg", stem, first ? "" : "_", first ? 0 : (int)length,
+        snprintf(name, sizeof name, "%s%s%.*s_deg", stem, first ? "" : "_", first ? 0 : (int)length,
                  variants[v]);
-        status = find_column(s->runs, column, &term->column[v]);
+        status = find_column(s->runs, name, &column[v]);
+    }
+    return status;
+}
+
+/* Set coordinates from the words key=value, first <= w < last. */
+static rp_status read_point(const study *s, const cli_words *words, int first, int last, double at[])
+{
+    for (int w = first; w < last; w++) {
+        char *equals = strchr(words->words[w], '='), *end;
+        size_t k = 0;
+        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
+        const size_t length = (size_t)(equals - words->words[w]);
+        while (k < s->n_coordinates &&
+               (strncmp(s->coordinates[k], words->words[w], length) != 0 || s->coordinates[k][length]))
+            k++;
+        if (k == s->n_coordinates)
+            return rp_fail(RP_BAD_INPUT, "\"%s\": not among the keys of the header line `at`",
+                           words->words[w]);
+        at[k] = strtod(equals + 1, &end);
+        if (*end) return rp_fail(RP_BAD_INPUT, "\"%s\": not a number", words->words[w]);
+    }
+    return RP_OK;
+}
+
+/* The header line `at`: the keys that say where a term is measured, and their values by default. */
+static rp_status read_coordinates(study *s, const rp_table *claims)
+{
+    cli_words words;
+    const char *note = rp_table_find_note(claims, "at");
+    rp_status status = note ? cli_split(note, &words) : rp_fail(RP_BAD_INPUT, "no header line \"at\"");
+    if (status) return status;
+    if (words.n > MAX_COORDINATES) return rp_fail(RP_BAD_INPUT, "at: at most %d keys", MAX_COORDINATES);
+    for (int w = 0; w < words.n && !status; w++) {
+        snprintf(s->coordinates[w], sizeof s->coordinates[w], "%.*s", (int)strcspn(words.words[w], "="),
+                 words.words[w]);
+        status = find_column(s->runs, s->coordinates[w], &s->coordinate[w]);
+        s->n_coordinates++;
+    }
+    return status ? status : read_point(s, &words, 0, words.n, s->usual);
+}
+
+static rp_status add_terms(study *s, const cli_words *words, int first)
+{
+    double coefficient = 1.0;
+    for (int last; first < words->n; first = last + 1, coefficient = -1.0) {
+        if (s->n_terms == MAX_TERMS) return rp_fail(RP_BAD_INPUT, "at most %d terms", MAX_TERMS);
+        claim_term *term = &s->terms[s->n_terms++];
+        for (last = first + 1; last < words->n && strcmp(words->words[last], "less") != 0;) last++;
+        term->claim = s->n_claims;
+        term->coefficient = coefficient;
+        memcpy(term->at, s->usual, sizeof term->at);
+        rp_status status = read_point(s, words, first + 1, last, term->at);
+        if (!status) status = find_variants(s, words->words[first], term->column);
         if (status) return status;
     }
     return RP_OK;
 }
 
+static rp_status read_claim(study *s, const cli_claim *c)
+{
+    cli_words words;
+    rp_status status = cli_split(c->forensics, &words);
+    if (status) return status;
+    int w = strcmp(words.words[0], "held") == 0;
+    const bool sign = w < words.n && strchr("+-", words.words[w][0]) && !words.words[w][1];
+    if (s->n_claims == MAX_CLAIMS) return rp_fail(RP_BAD_INPUT, "at most %d claims", MAX_CLAIMS);
+    if (w + sign >= words.n) return rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", c->forensics);
+    if (!sign && !(c->published.se > 0.0))
+        return rp_fail(RP_BAD_INPUT, "a published number with its error expected, or + or - for a sign");
+    snprintf(s->about[s->n_claims].name, sizeof s->about->name, "%s", c->id);
+    s->about[s->n_claims].held_out = w;
+    s->claims[s->n_claims] =
+        sign ? (stats_claim){STATS_CLAIM_SIGN, words.words[w][0] == '-' ? -1.0 : 1.0, 0.0}
+             : (stats_claim){STATS_CLAIM_VALUE, c->published.value * deg, c->published.se * deg};
+    status = add_terms(s, &words, w + sign);
+    s->n_claims++;
+    return status;
+}
+
 static rp_status read_claims(study *s, const char *path)
 {
-    static const char *const names[] = {"claim",    "kind",        "value", "error",
-                                        "held_out", "coefficient", "column"};
-    rp_table t;
-    int columns[7];
-    rp_status status = rp_table_read(path, &t);
-    for (int k = 0; k < 7 && !status; k++) status = find_column(&t, names[k], &columns[k]);
-    for (size_t k = 0; !status && (size_t)columns[6] + 1 + k < t.n_columns; k++) {
-        if (k == MAX_COORDINATES)
-            status = rp_fail(RP_BAD_INPUT, "%s: at most %d coordinates", path, MAX_COORDINATES);
-        else
-            status = find_column(s->runs, t.names[(size_t)columns[6] + 1 + k], &s->coordinate[k]);
-        if (!status) s->n_coordinates++;
-    }
-    for (size_t row = 0; !status && row < t.n_rows; row++) status = read_term(s, &t, row, columns);
+    cli_claims all;
+    rp_status status = cli_claims_read(path, &all);
+    if (!status && (status = read_coordinates(s, &all.table)) != RP_OK) rp_prefix(status, "%s: ", path);
+    for (size_t i = 0; i < all.n && !status; i++)
+        if (*all.claims[i].forensics && (status = read_claim(s, &all.claims[i])) != RP_OK)
+            rp_prefix(status, "%s: claim %s: ", path, all.claims[i].id);
     if (!status && s->n_claims == 0) status = rp_fail(RP_NO_RESULT, "%s: no claims", path);
-    rp_table_free(&t);
+    cli_claims_free(&all);
     return status;
 }
 

@@ -20,23 +20,24 @@ static const rp_param schema[] = {
     {"base", "", RP_INT, offsetof(options, base), "auto", "[1, 1000000] | auto",
      "disks in the base of a cut pile"},
     {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), "auto", "(0, 60] | auto",
-     "slope of the cut pile, at most 90 - theta"},
+     "slope of the cut pile, at most 90 - theta (with --base)"},
     {"theta-deg", "degrees", RP_REAL, offsetof(options, theta_deg), "30", "[30, 60]",
-     "angle of the diagonals to the vertical; above 30 the disks of a row are apart"},
+     "angle of the diagonals to the vertical; above 30 gaps separate the disks of a row"},
     {"method", "", RP_CHOICE, offsetof(options, method), "closed", "closed | recursion",
-     "closed form, or disk by disk from the top (up to 10000 disks in the base)"},
+     "closed form, or recursion disk by disk from the top (at most 10000 disks in the base)"},
     {0},
 };
 
 static const cli_command command = {
     .name = "lattice",
     .synopsis = "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
-    .about = "Forces of a pile of equal disks on its base, carried along the diagonals of the lattice\n"
-             "alone: equations (37)-(44) of Liffman, Chan & Hughes 1992 for the full triangle, and the\n"
-             "same balance for a pile whose slopes are cut out of the lattice. Row i = 1..K is base disk i\n"
-             "from the left. N is the normal force of the ground; H is the horizontal force of the pile on\n"
-             "the ground, positive to the right. The columns in chi g B (chi = m/sigma) compare with\n"
-             "`repose continuum`: B is the base of the triangle of equal weight.",
+    .about =
+        "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice\n"
+        "carry force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the\n"
+        "same force balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i\n"
+        "from the left. N is the normal force of the ground. H is the horizontal force of the pile on\n"
+        "the ground, positive to the right. The columns in chi g B (chi = m/sigma) compare with\n"
+        "`repose continuum`; B is the base of the triangle of equal weight.",
     .example = "repose lattice --base 45 --alpha-deg 30",
     .options = schema,
 };
@@ -51,11 +52,11 @@ static rp_status check_usage(const options *o)
         return rp_fail(RP_USAGE, "give --layers, or --base with --alpha-deg; see repose lattice --help");
     if (cut != sloped)
         return rp_fail(RP_USAGE, "%s; see repose lattice --help",
-                       cut ? "--base needs --alpha-deg" : "--alpha-deg goes with --base");
+                       cut ? "--base needs --alpha-deg" : "--alpha-deg needs --base");
     return RP_OK;
 }
 
-/* Forces on the k base disks, and the number of disks of the pile. `up` is room for k numbers. */
+/* Forces on the k base disks, and the number of disks of the pile. `up` holds k numbers. */
 static rp_status solve(const options *o, long k, double alpha, double theta, long up[], an_force force[],
                        double *disks)
 {

@@ -1,4 +1,4 @@
-/* repose params: the schemas of the protocols, and what they yield. */
+/* repose params: parameters and outputs of the protocols. */
 #include "cli/cli.h"
 
 #include <string.h>

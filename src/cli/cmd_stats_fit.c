@@ -125,7 +125,8 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
     return status;
 }
 
-static rp_status print_fit(size_t n, const double x[], const double y[], const double se[], bool logarithms)
+static rp_status print_fit(size_t n, const double x[], const double y[], const double se[], bool logarithms,
+                           const double range[2])
 {
     static const char *const columns[][2] = {
         {"slope", "y/x"},      {"slope_se", "y/x"},     {"intercept", "y"},
@@ -134,22 +135,16 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
         {"x_from", "x"},       {"x_to", "x"},           {"line", ""}};
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
-    double from = NAN, to = NAN;
     for (int i = 0; i < n_lines; i++) {
         rp_status status = stats_line_fit(n, x, y, se, i == 1, &lines[i]);
         if (status) return status;
-    }
-    for (size_t i = 0; i < n; i++) {
-        from = fmin(from, x[i]);
-        to = fmax(to, x[i]);
     }
     rp_table_columns(stdout, N_OF(columns), columns);
     for (int i = 0; i < n_lines; i++) {
         const stats_line *l = &lines[i];
         rp_table_row_word(stdout, N_OF(columns) - 1,
                           (double[]){l->slope, l->slope_se, l->intercept, l->intercept_se, l->covariance,
-                                     l->chi2, (double)l->dof, l->p_value, (double)l->n,
-                                     logarithms ? exp(from) : from, logarithms ? exp(to) : to},
+                                     l->chi2, (double)l->dof, l->p_value, (double)l->n, range[0], range[1]},
                           i == 1 ? "origin" : "free");
     }
     return RP_OK;
@@ -177,12 +172,14 @@ static rp_status fit_table(rp_table *table, const void *values)
         cli_table(stdout, fit_params, o);
         rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", used,
                       missing, n - used - missing);
+        double range[2] = {NAN, NAN};
+        for (size_t i = 0; i < used; i++) range[0] = fmin(range[0], x[i]), range[1] = fmax(range[1], x[i]);
         if (logarithms) status = take_logarithms(table, used, x, o->x);
         if (logarithms && !status) status = take_logarithms(table, used, y, o->y);
         if (o->successive) status = sort_points(n, used, block);
         if (!status)
             status = o->successive ? print_successive(used, x, y, se, o->level)
-                                   : print_fit(used, x, y, se, logarithms);
+                                   : print_fit(used, x, y, se, logarithms, range);
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     free(block);

@@ -33,20 +33,22 @@ static rp_status parse(const cli_command *command, int argc, char **argv, option
 static rp_status plan(int argc, char **argv)
 {
     static const rp_param schema[] = {
-        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; made if there is none"},
+        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
         {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-         "runs of a grid point; auto: as the file says"},
+         "runs per grid point; auto: as in the file"},
         {0}};
     static const cli_command command = {
         "sweep plan",
         "FILE -o DIR [--replicas N]",
         "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-        "after a change, or for more replicas, keeps what is stored and reuses what fits. The file "
+        "after a change, or for more replicas, keeps all stored runs and reuses those that match. The file "
         "(libconfig syntax):\n\n"
-        "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs of a grid point; 0 to 2147483647\n"
+        "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to "
+        "2147483647\n"
         "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
         "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
-        "  piles = \"own\";                                      # shared: every grid point the same piles",
+        "  piles = \"own\";                                      # shared: the same piles at every grid "
+        "point",
         "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
         schema,
         1,
@@ -67,19 +69,18 @@ static rp_status plan(int argc, char **argv)
 static rp_status run(int argc, char **argv)
 {
     static const rp_param schema[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-                                       "worker processes; auto: one a processor"},
+                                       "worker processes; auto: one per processor"},
                                       {0}};
-    static const cli_command command = {"sweep run",
-                                        "DIR [-j N]",
-                                        "Make the runs of a planned sweep that are not stored yet; each is "
-                                        "stored when it ends. Stopping it,\n"
-                                        "even with SIGKILL, loses only the runs in progress; run again to "
-                                        "resume. Exit status 0 when every run\n"
-                                        "is stored, whatever its status; 75 when stopped.",
-                                        "repose sweep run build/sweeps/lh3 -j 2",
-                                        schema,
-                                        1,
-                                        1};
+    static const cli_command command = {
+        "sweep run",
+        "DIR [-j N]",
+        "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
+        "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
+        "if every run is stored, whatever its status; 75 if stopped.",
+        "repose sweep run build/sweeps/lh3 -j 2",
+        schema,
+        1,
+        1};
     options o;
     bool done;
     rp_status status = parse(&command, argc, argv, &o, &done);
@@ -95,7 +96,7 @@ static rp_status status_of(int argc, char **argv)
     static const cli_command command = {
         "sweep status",
         "DIR",
-        "How many runs are planned, stored and missing, and with which status.",
+        "Numbers of planned, stored and missing runs, and of runs with each status.",
         "repose sweep status build/sweeps/lh3",
         no_options,
         1,
@@ -115,14 +116,13 @@ static rp_status export(int argc, char **argv)
     static const rp_param schema[] = {
         {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
         {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
-         "one row a grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
+         "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
         {0}};
     static const cli_command command = {
         "sweep export",
         "DIR [--reduce] [-o FILE]",
-        "Write what is stored as a table, one row a run in the order of the plan. With --reduce, a run "
-        "whose\n"
-        "status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+        "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
+        "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
         "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
         schema,
         1,
@@ -143,8 +143,9 @@ static rp_status digest(int argc, char **argv)
     static const cli_command command = {
         "sweep digest",
         "DIR",
-        "XXH3-128 over key, status and outputs of all rows, and their number: the same for any number of\n"
-        "workers and after any interruption. Exit status 1 while rows are missing.",
+        "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does "
+        "not\n"
+        "depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
         "repose sweep digest build/sweeps/lh3",
         no_options,
         1,
@@ -167,10 +168,10 @@ rp_status cmd_sweep(int argc, char **argv)
         rp_status (*function)(int, char **);
         const char *summary;
     } actions[] = {{"plan", plan, "check a sweep file and plan its runs in a folder"},
-                   {"run", run, "make the runs that are missing"},
-                   {"status", status_of, "how many runs are stored, and with which status"},
-                   {"export", export, "the rows, or their statistics, as a table"},
-                   {"digest", digest, "one number that changes when any bit of a result does"}};
+                   {"run", run, "make the missing runs"},
+                   {"status", status_of, "numbers of stored runs and of each status"},
+                   {"export", export, "write the runs, or their statistics, as a table"},
+                   {"digest", digest, "print a digest of all results"}};
     const char *name = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
         if (strcmp(name, actions[i].name) == 0) return actions[i].function(argc - 1, argv + 1);

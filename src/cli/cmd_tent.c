@@ -18,7 +18,7 @@ static const rp_param schema[] = {
      "alpha_2, slope from X_1 to the middle"},
     {"x1", "B", RP_REAL, offsetof(options, x_1), NULL, "(0, 0.5)", "X_1, where the slope changes"},
     {"map", "", RP_BOOL, offsetof(options, map), "false", "",
-     "instead: how deep the dip of N is, for all pairs of whole degrees"},
+     "depth of the dip of N for all pairs of whole degrees, instead of one tent"},
     CLI_POSITIONS(options, where),
     {0},
 };
@@ -26,12 +26,11 @@ static const rp_param schema[] = {
 static const cli_command command = {
     .name = "tent",
     .synopsis = "--x1 X (--outer-deg ANGLE --inner-deg ANGLE [--points N | --at X,X,...] | --map)",
-    .about =
-        "Forces of a symmetric pile with two slopes on its base, and its outline: the tents of\n"
-        "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the\n"
-        "normal force of the ground; H is the horizontal force of the pile on the ground, positive to\n"
-        "the right; both in chi g B, with chi the mass per length of a diagonal. The dip is the part of\n"
-        "the largest N by which N in the middle is below it.",
+    .about = "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of\n"
+             "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the\n"
+             "normal force of the ground. H is the horizontal force of the pile on the ground, positive to\n"
+             "the right. The unit of both is chi g B, where chi is the mass per length of a diagonal. The\n"
+             "dip is (max N - N in the middle)/max N.",
     .example = "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
     .options = schema,
 };
@@ -39,7 +38,7 @@ static const cli_command command = {
 static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}, {"y/B", ""}};
 
 typedef struct {
-    double x_most, most, middle; /* place of the largest N; it; N in the middle */
+    double x_most, most, middle; /* position of the largest N; largest N; N in the middle */
 } dip;
 
 static rp_status find_dip(const an_profile *tent, dip *d)

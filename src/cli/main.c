@@ -27,16 +27,16 @@ const char *cli_command_line(void)
 
 static void print_overview(FILE *out)
 {
-    fprintf(
-        out,
-        "Repose %s: forces in and under a pile of grains, and the angles at which it stands and fails.\n\n"
-        "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
-        RP_VERSION);
+    fprintf(out,
+            "Repose %s: forces in and under piles of grains, and the angles at which piles are stable and "
+            "fail.\n\n"
+            "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
+            RP_VERSION);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
 }
 
-/* What was printed must have arrived; a failure has one message. */
+/* Flush standard output, since a failed write is an error; a failure has one message. */
 static int finish(const char *command, rp_status status)
 {
     if (!status) status = rp_table_finish(stdout, "standard output");
@@ -46,7 +46,7 @@ static int finish(const char *command, rp_status status)
 
 int main(int argc, char **argv)
 {
-    gsl_set_error_handler_off(); /* GSL's statuses are checked where they arise */
+    gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
     size_t used = (size_t)snprintf(command_line, sizeof command_line, "repose");
     for (int i = 1; i < argc && used < sizeof command_line; i++)
         used += (size_t)snprintf(command_line + used, sizeof command_line - used, " %s", argv[i]);

@@ -56,7 +56,7 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
     rp_params_defaults(command->options, values);
     *done = false;
     *n_arguments = 0;
-    optind = 0; /* start afresh: glibc's way */
+    optind = 0; /* reset the parser (glibc) */
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, shorts, longs, NULL)) != -1;) {
         if (c == 'h') {
@@ -65,7 +65,7 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
             return RP_OK;
         }
         if (c == '?') {
-            /* one letter may stand among others: getopt has not passed its word then */
+            /* a letter within a group: getopt has not passed its word yet */
             const char letter[] = {'-', (char)optopt, '\0'};
             return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
                            optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);

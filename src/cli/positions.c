@@ -1,4 +1,4 @@
-/* Places along the base; see positions.h. */
+/* Positions along the base; see positions.h. */
 #include "cli/positions.h"
 
 #include <stdlib.h>

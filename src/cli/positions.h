@@ -1,4 +1,4 @@
-/* Places along the base, for the commands that evaluate a model there. */
+/* Positions along the base, for the commands that evaluate a model there. */
 #ifndef POSITIONS_H
 #define POSITIONS_H
 
@@ -6,7 +6,7 @@
 
 #include "cli/cli.h"
 
-/* What --points and --at of these commands are read into. */
+/* Values of the options --points and --at. */
 typedef struct {
     long points;    /* -1: not given */
     const char *at; /* "auto": not given */
@@ -15,11 +15,11 @@ typedef struct {
 /* clang-format off */
 #define CLI_POSITIONS(type, field)                                                                           \
     {"points", "", RP_INT, offsetof(type, field.points), "auto", "[2, 10000000] | auto",                     \
-     "equidistant places from 0 to B; auto: 201 unless --at is given"},                                      \
-    {"at", "", RP_TEXT, offsetof(type, field.at), "auto", "", "places as fractions of B, as in 0.1,0.25"}
+     "number of equidistant positions from 0 to B; auto: 201 unless --at is given"},                                      \
+    {"at", "", RP_TEXT, offsetof(type, field.at), "auto", "", "positions as fractions of B, as in 0.1,0.25"}
 /* clang-format on */
 
-/* The places as a new array (free it) of fractions of the base.
+/* The positions as a new array (free it) of fractions of the base.
  * Errors: RP_USAGE (both given), RP_BAD_INPUT (not numbers in [0, 1]), RP_NO_MEMORY. */
 rp_status cli_positions_read(const cli_positions *asked, double **x, size_t *n);
 

@@ -17,7 +17,7 @@ static const char *clock_text(double seconds, char *buffer, size_t size)
     return buffer;
 }
 
-/* One line, drawn over and over; plain text, so that there is no colour to leave out. */
+/* One line, redrawn in place, in plain text. */
 static void draw(const sweep_progress *p, void *context)
 {
     *(bool *)context = true;

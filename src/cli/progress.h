@@ -4,7 +4,7 @@
 
 #include "sweeps/driver/sweep.h"
 
-/* sweep_run with so many workers, below 1: one a processor; its errors. */
+/* sweep_run with the given number of workers, below 1: one per processor; its errors. */
 rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
 
 #endif

@@ -100,7 +100,7 @@ static rp_status wrong_type(const rp_param *param, const rp_value *value, const 
     case RP_V_INT: snprintf(shown, sizeof shown, "%ld", value->i); break;
     case RP_V_REAL: snprintf(shown, sizeof shown, "%g", value->r); break;
     case RP_V_BOOL: snprintf(shown, sizeof shown, "%s", value->i ? "true" : "false"); break;
-    default: snprintf(shown, sizeof shown, "\"%.50s\"", value->s);
+    case RP_V_TEXT: snprintf(shown, sizeof shown, "\"%.50s\"", value->s); break;
     }
     return rp_fail(RP_BAD_INPUT, "%s = %s: %s expected%s%s", param->name, shown, wanted,
                    param->range && *param->range ? ", allowed: " : "", param->range ? param->range : "");

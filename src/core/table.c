@@ -150,24 +150,24 @@ static rp_status read_all(const char *path, char **text)
     return RP_OK;
 }
 
-static size_t count_cells(const char *line)
+static size_t count_cells(const char *line, const char *blanks)
 {
     size_t n = 0;
     for (; *line; n++) {
-        line += strspn(line, " \t\r");
+        line += strspn(line, blanks);
         if (!*line) break;
-        line += strcspn(line, " \t\r");
+        line += strcspn(line, blanks);
     }
     return n;
 }
 
-static void split_cells(char *line, char **cells)
+static void split_cells(char *line, const char *blanks, char **cells)
 {
-    for (char *save, *cell = strtok_r(line, " \t\r", &save); cell; cell = strtok_r(NULL, " \t\r", &save))
+    for (char *save, *cell = strtok_r(line, blanks, &save); cell; cell = strtok_r(NULL, blanks, &save))
         *cells++ = cell;
 }
 
-rp_status rp_table_read(const char *path, rp_table *table)
+static rp_status read_table(const char *path, const char *blanks, rp_table *table)
 {
     *table = (rp_table){.path = path};
     rp_status status = read_all(path, &table->text);
@@ -183,10 +183,10 @@ rp_status rp_table_read(const char *path, rp_table *table)
         if (next) *next++ = '\0';
         line_number++;
         if (*line == '#') {
-            if (!table->cells) header = line + 1;
+            if (!table->cells) header = line + 1 + strspn(line + 1, " ");
             continue;
         }
-        size_t n = count_cells(line);
+        size_t n = count_cells(line, blanks);
         if (n == 0) continue;
         if (!table->cells) {
             table->n_columns = n;
@@ -196,14 +196,24 @@ rp_status rp_table_read(const char *path, rp_table *table)
         if (n != table->n_columns)
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", path, line_number, n,
                            table->n_columns);
-        split_cells(line, table->cells + table->n_rows * n);
+        split_cells(line, blanks, table->cells + table->n_rows * n);
         table->lines[table->n_rows++] = line_number;
     }
-    if (header && table->n_columns == 0) table->n_columns = count_cells(header);
+    if (header && table->n_columns == 0) table->n_columns = count_cells(header, blanks);
     table->names = calloc(table->n_columns + 1, sizeof *table->names);
     if (!table->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    if (header && count_cells(header) == table->n_columns) split_cells(header, table->names);
+    if (header && count_cells(header, blanks) == table->n_columns) split_cells(header, blanks, table->names);
     return RP_OK;
+}
+
+rp_status rp_table_read(const char *path, rp_table *table)
+{
+    return read_table(path, " \t\r", table);
+}
+
+rp_status rp_table_read_texts(const char *path, rp_table *table)
+{
+    return read_table(path, "\t\r", table);
 }
 
 void rp_table_free(rp_table *table)

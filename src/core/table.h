@@ -48,6 +48,9 @@ typedef struct {
  * has columns "1", "2", ... Free with rp_table_free, also after an error.
  * Errors: RP_BAD_INPUT (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
+
+/* The same for a table whose cells hold blanks: only tabs separate them. */
+rp_status rp_table_read_texts(const char *path, rp_table *table);
 void rp_table_free(rp_table *table);
 
 /* Index of a column, or -1. */

@@ -7,23 +7,27 @@
  * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
  * along -s; so both add to v_s, and F_s turns both the same way. */
 static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t from, size_t to, double h,
-                                                            int normal, int tangential, int slip,
-                                                            bool tension, int damping, bool rotation,
+                                                            dem_normal_law normal,
+                                                            dem_tangential_law tangential, dem_slip slip,
+                                                            bool tension, dem_damping damping, bool rotation,
                                                             bool rolling, bool gear)
 {
-    const dem_record *restrict grain = sim->grain;
-    dem_vec *restrict force = sim->force;
-    const uint32_t *restrict pair_i = sim->pair_i, *restrict pair_j = sim->pair_j;
-    const double *restrict radii = sim->pair_radii, *restrict mass = sim->pair_mass;
-    double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    const double *restrict radius = sim->radius;
-    const double *restrict omega = sim->omega;
-    dem_push *restrict push = sim->push;
-    uint64_t *restrict touching = sim->touching;
+    const dem_motion *restrict grain = sim->grains.motion;
+    dem_vec *restrict force = sim->grains.force;
+    const uint32_t *restrict pair_i = sim->pairs.i, *restrict pair_j = sim->pairs.j;
+    const double *restrict radii = sim->pairs.radii, *restrict mass = sim->pairs.m_eff;
+    double *restrict spring = sim->pairs.spring, *restrict roll = sim->pairs.roll;
+    const double *restrict radius = sim->grains.radius;
+    const double *restrict omega = sim->grains.omega;
+    dem_force_torque *restrict force_torque = sim->grains.force_torque;
+    uint64_t *restrict touching = sim->pairs.touching;
     const dem_material c = sim->def.material;
-    const double mu = sim->mu, limit = sim->r_min;
+    const dem_slider shear = dem_slider_of(slip, damping, c.k_s, c.gamma_s, sim->mu),
+                     rolls = dem_rolls_of(&c);
+    const bool has_spring = dem_has_spring(tangential);
+    const double limit = sim->r_min;
 
-    bool alarm = false;
+    bool too_deep = false;
     uint64_t word = 0;
     while (from < to) {
         /* which pairs touch, listed without a branch; a spring ends with its contact */
@@ -38,7 +42,7 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
                 bits |= (unsigned)touch << (k - from);
                 held[n] = (uint32_t)k;
                 n += touch;
-                if (tangential == DEM_SPRING) spring[k] = touch ? spring[k] : 0.0;
+                if (has_spring) spring[k] = touch ? spring[k] : 0.0;
                 if (rolling) roll[k] = touch ? roll[k] : 0.0;
             }
             dem_note(touching, from, bits, &word);
@@ -48,36 +52,35 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
             dem_vec d = grain[i].x - grain[j].x, v = grain[i].v - grain[j].v;
             double r = sqrt(dem_dot(d, d)), overlap = radii[k] - r;
             dem_vec direction = d * (1.0 / r);
-            alarm |= !(overlap <= limit);
+            too_deep |= !(overlap <= limit);
             double f_n =
                 dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
             dem_vec f = f_n * direction;
-            if (tangential != DEM_NONE) {
+            if (dem_has_friction(tangential)) {
                 dem_vec s = dem_clockwise(direction);
                 double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
                 if (rotation) {
                     arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
                     v_s += arm_i * omega[i] + arm_j * omega[j];
                 }
-                if (gear && tangential == DEM_SPRING)
-                    spring[k] += dem_dot(sim->gear[i].slide - sim->gear[j].slide, s);
-                double f_s =
-                    dem_law_tangential(tangential, slip, damping, &c, mu, mass[k], v_s, f_n, h, &spring[k]);
+                if (gear && has_spring)
+                    spring[k] += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], s);
+                double f_s = dem_law_tangential(tangential, shear, mass[k], v_s, f_n, h, &spring[k]);
                 f += f_s * s;
                 if (rotation) {
                     double couple = 0.0;
                     if (rolling) {
                         const double r_eff = radius[i] * radius[j] / radii[k];
-                        couple = r_eff * dem_law_rolling(&c, mass[k], r_eff * (omega[i] - omega[j]), f_n, h,
-                                                         &roll[k]);
+                        couple =
+                            dem_law_rolling(rolls, r_eff, mass[k], omega[i] - omega[j], f_n, h, &roll[k]);
                     }
-                    push[i].torque += arm_i * f_s + couple;
-                    push[j].torque += arm_j * f_s - couple;
+                    force_torque[i].torque += arm_i * f_s + couple;
+                    force_torque[j].torque += arm_j * f_s - couple;
                 }
             }
-            *(rotation ? &push[i].force : &force[i]) += f;
-            *(rotation ? &push[j].force : &force[j]) -= f;
+            *(rotation ? &force_torque[i].force : &force[i]) += f;
+            *(rotation ? &force_torque[j].force : &force[j]) -= f;
         }
     }
-    sim->alarm |= alarm;
+    sim->too_deep |= too_deep;
 }

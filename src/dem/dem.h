@@ -13,14 +13,8 @@
 #include <stdint.h>
 
 #include "core/status.h"
+#include "dem/laws.h"
 
-enum { DEM_HERTZ, DEM_LINEAR }; /* normal law */
-/* tangential law: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a spring
- * (Liffman, Chan & Hughes 1992, eqs (27)-(32)) */
-enum { DEM_NONE, DEM_SPRING, DEM_SLIP_ROLL };
-enum { DEM_TRUNCATED, DEM_TOTAL }; /* what the shear spring remembers while it slides */
-/* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
-enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE };
 /* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
     X(DEM_VERLET, verlet)                                                                                    \
@@ -35,10 +29,10 @@ typedef enum {
 enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
 #undef X
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
-enum { DEM_SPHERE, DEM_DISK };
+typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
-enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS };
+typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
 enum { DEM_MAX_WALLS = 8 };
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
@@ -80,14 +74,14 @@ typedef struct {
  * `set` says when a grain gets its s0: at first touch, or once it is at rest along the ground (it slows down,
  * and the well is deep enough to hold it: m v_s^2 + I omega^2 <= mu_static N a), or then and again after each
  * break. */
-enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN };
+typedef enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN } dem_well_set;
 typedef struct {
     int wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
-    int set;
+    dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of what approaches fast; impact.h. Grains, or a grain and a wall, that would come to touch
+/* Hard collisions of what approaches fast; hard.h. Grains, or a grain and a wall, that would come to touch
  * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
  * presses them together: eq (22), where a rebound would be taken back within the step. Those then overlap: a
  * soft contact, that lasts until they part. */
@@ -100,9 +94,9 @@ typedef struct {
  * factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own Newton
  * step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more than
  * `tolerance` of its radius. */
-enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR };
+typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
 typedef struct {
-    int solver;
+    dem_solver solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */
     double tolerance;  /* [1e-15, 1e-3] */
     long max_iterations;
@@ -113,10 +107,13 @@ typedef struct {
     double dt;
     double skin; /* of the neighbour list; 0: each grain has its own, by its speed */
     dem_integrator integrator;
-    int normal, tangential, slip, damping;
-    bool tension;  /* true: the damped normal force may pull, as (2a) is printed */
-    bool rotation; /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
-    int shape;     /* gives the moments of inertia */
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    dem_slip slip;
+    dem_damping damping;
+    bool tension;    /* true: the damped normal force may pull, as (2a) is printed */
+    bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
+    dem_shape shape; /* gives the moments of inertia */
     dem_material material;
     dem_ground ground;            /* not with the tangential law DEM_SPRING */
     dem_hard hard;                /* needs DEM_VERLET and no tension */
@@ -126,7 +123,7 @@ typedef struct {
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */
-    int kernel;
+    dem_kernel_choice kernel;
     bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
     dem_wall walls[DEM_MAX_WALLS];
@@ -218,7 +215,6 @@ void dem_gravity_set(dem_sim *sim, const double g[2]);
  * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
  * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
 void dem_box_turn(dem_sim *sim, double radians_per_step);
-double dem_box_angle(const dem_sim *sim); /* turned so far, radians */
 
 /* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
  * which the walls are where the definition has them. */
@@ -234,7 +230,7 @@ void dem_gravity(const dem_sim *sim, double gravity[2]);
 const char *dem_kernel_name(const dem_sim *sim);
 
 /* Whether this processor can run it. */
-bool dem_kernel_runs(int kernel);
+bool dem_kernel_runs(dem_kernel_choice kernel);
 
 /* How much work the run was. */
 typedef struct {
@@ -259,14 +255,14 @@ typedef struct {
  * Errors: RP_NO_MEMORY. */
 rp_status dem_states(const dem_sim *sim, dem_state *states);
 
-enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN };
+typedef enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN } dem_well;
 typedef struct dem_contact {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
-    int well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
+    dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
 
 /* All contacts, walls included; *contacts is a new array (free it). Errors: RP_NO_MEMORY. */
@@ -334,7 +330,7 @@ typedef struct {
     double W, H; /* grains lie inside (0, W) x (0, H) */
     double radius_mean, radius_width, radius_min, radius_max;
     double density;
-    int shape;
+    dem_shape shape;
     long seed, run; /* names of the random streams */
 } dem_fill;
 
@@ -344,8 +340,8 @@ typedef struct {
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
 /* Mass of a grain, and its moment of inertia. */
-double dem_mass(int shape, double density, double r);
-double dem_inertia(int shape, double m, double r);
+double dem_mass(dem_shape shape, double density, double r);
+double dem_inertia(dem_shape shape, double m, double r);
 
 /* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
  * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4
@@ -354,11 +350,7 @@ double dem_inertia(int shape, double m, double r);
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;
-rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, double m_eff, double v,
-                        dem_collision_result *result);
-
-/* Speed below which a Hertz pair whose damping may pull never parts: gamma_n (m_eff/k_n)^(2/5) v^(-1/5)
- * = 1.12799. */
-double dem_sticking_speed(double k_n, double gamma_n, double m_eff);
+rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
+                        double v, dem_collision_result *result);
 
 #endif

@@ -5,47 +5,59 @@
 
 #include "core/table.h"
 #include "dem/integrator.h"
+#include "dem/law.h"
 #include "dem/scene.h"
+#include "dem/sim.h"
 
+/* An impact in units of its length, at which the spring alone stops it, and of the time to run that. */
 typedef struct {
-    int normal;
+    dem_normal_law law;
     bool tension;
-    double damping; /* gamma_n times the unit of time */
+    double k_n, gamma_n, m_eff, length, time;
+    double damping; /* rate at that length */
 } impact_problem;
 
-/* Overlap y[0] and its rate y[1], in units of L and L/T: y'' = -f(y) - damping y', f = y^(3/2) or y. */
+/* Overlap y[0] and its rate y[1]. */
 static int impact_rates(double t, const double y[], double dydt[], void *params)
 {
     (void)t;
     const impact_problem *p = params;
     const bool apart = y[0] <= 0.0 && y[1] < 0.0;
-    double x = y[0] > 0.0 ? y[0] : 0.0;
-    double force = (p->normal == DEM_HERTZ ? x * sqrt(x) : x) + p->damping * y[1];
+    const double x = y[0] > 0.0 ? y[0] : 0.0, unit = p->m_eff * p->length / (p->time * p->time);
     dydt[0] = y[1];
-    dydt[1] = !apart && (p->tension || force > 0.0) ? -force : 0.0;
+    dydt[1] = apart ? 0.0
+                    : -dem_law_normal(p->law, p->tension, p->k_n, p->gamma_n, p->m_eff, x * p->length,
+                                      -y[1] * p->length / p->time) /
+                          unit;
     return GSL_SUCCESS;
 }
 
-/* Where damping is so strong that it stops the impact before the spring pushes, y = 1/damping there, and the
- * spring then pushes back at the speed y^(3/2)/damping, or y/damping, at which damping balances it. Without
- * tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2 or less. */
+/* Where damping is so strong that it stops the impact before the spring pushes, the overlap is there the
+ * speed over the mean rate up to it, and the spring then pushes back at the speed at which damping balances
+ * it. Without tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2 or less. */
 static void creep(const impact_problem *p, double *overlap, double *speed)
 {
-    *overlap = 1.0 / p->damping;
-    *speed = p->tension ? 0.0 : (p->normal == DEM_HERTZ ? sqrt(*overlap) : 1.0) * *overlap / p->damping;
+    enum { ROUNDS = 40 }; /* each leaves a quarter of the error, or none where the rate is constant */
+    const double v = p->length / p->time;
+    double x = p->length;
+    for (int k = 0; k < ROUNDS; k++) x = v / dem_law_mean_rate(p->law, p->k_n, p->gamma_n, p->m_eff, 0.0, x);
+    *overlap = x / p->length;
+    *speed = p->tension ? 0.0
+                        : dem_law_elastic(p->law, p->k_n, x) /
+                              (p->m_eff * dem_law_damping_rate(p->law, p->k_n, p->gamma_n, p->m_eff, x)) / v;
 }
 
-rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, double m_eff, double v,
-                        dem_collision_result *result)
+rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
+                        double v, dem_collision_result *result)
 {
+    const dem_normal_descriptor *law = &dem_normal_descriptors[normal];
     *result = (dem_collision_result){NAN, NAN, NAN};
     if (!(k_n > 0.0 && gamma_n >= 0.0 && m_eff > 0.0 && v > 0.0))
         return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive",
                        k_n, gamma_n, m_eff, v);
-    /* units: length at which the elastic force has turned the speed, and the time to run it */
-    const double length = normal == DEM_HERTZ ? pow(m_eff * v * v / k_n, 0.4) : v * sqrt(m_eff / k_n);
-    const double time = length / v, most = 1e4;
-    impact_problem problem = {normal, tension, gamma_n * time};
+    const double length = law->impact_overlap(k_n, m_eff, v), time = length / v, most = 1e4;
+    impact_problem problem = {normal, tension, k_n,  gamma_n,
+                              m_eff,  length,  time, time * law->damping_rate(k_n, gamma_n, m_eff, length)};
     if (problem.damping > 1e4) {
         double overlap, speed;
         creep(&problem, &overlap, &speed);
@@ -84,26 +96,22 @@ rp_status dem_collision(int normal, bool tension, double k_n, double gamma_n, do
     return RP_OK;
 }
 
-double dem_sticking_speed(double k_n, double gamma_n, double m_eff)
-{
-    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12799, 5.0);
-}
-
 void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const dem_material *c = &sim->def.material;
-    const double r = sim->radius_mean, m_eff = 0.5 * sim->mass_mean, v = sim->start_speed;
-    rp_table_note(out, "kernel", "%s", sim->kernel_name);
+    const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
+    const double r = sim->start.radius_mean, m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
+    rp_table_note(out, "kernel", "%s", sim->kernels.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
-    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->dt_limit,
-                  sim->dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->start.dt_limit,
+                  sim->start.dt_limit_of);
     if (!(c->k_n > 0.0)) return;
-    if (sim->def.normal == DEM_HERTZ && sim->def.tension)
+    if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",
-                      dem_sticking_speed(c->k_n, c->gamma_n, m_eff));
-    if (sim->def.normal == DEM_HERTZ)
+                      law->sticking_speed(c->k_n, c->gamma_n, m_eff));
+    if (law->modulus)
         rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii",
-                      0.75 * c->k_n / sqrt(0.5 * r));
+                      law->modulus(c->k_n, r));
     dem_collision_result impact;
     if (!(v > 0.0) ||
         dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)

@@ -7,6 +7,8 @@
 #include <math.h>
 
 #include "dem/integrator.h"
+#include "dem/sim.h"
+#include "dem/step.h"
 
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
 static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
@@ -14,17 +16,20 @@ static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
 static void hold_fixed(dem_sim *sim)
 {
     dem_hold_fixed(sim);
-    for (size_t k = 0; k < sim->n_fixed; k++) sim->gear[sim->fixed[k]] = (dem_gear){0};
+    for (size_t k = 0; k < sim->grains.n_fixed; k++) {
+        sim->grains.gear[sim->grains.fixed[k]] = (dem_gear){0};
+        sim->grains.excess[sim->grains.fixed[k]] = (dem_vec){0.0, 0.0};
+    }
 }
 
-static inline void predict(dem_record *grain, dem_gear *gear, double dt)
+static inline void predict(dem_motion *grain, dem_gear *gear, dem_vec *excess, double dt)
 {
     dem_vec *q = gear->q;
     dem_vec curve = q[0] + q[1] + q[2] + q[3];
     dem_vec gain = 2.0 * q[0] + 3.0 * q[1] + 4.0 * q[2] + 5.0 * q[3]; /* of v dt */
     grain->x += grain->v * dt + curve;
     grain->v += gain / dt;
-    gear->slide += curve - gain;
+    *excess += curve - gain;
     q[0] += 3.0 * q[1] + 6.0 * q[2] + 10.0 * q[3];
     q[1] += 4.0 * q[2] + 10.0 * q[3];
     q[2] += 5.0 * q[3];
@@ -33,14 +38,15 @@ static inline void predict(dem_record *grain, dem_gear *gear, double dt)
 static unsigned predict_all(dem_sim *sim)
 {
     unsigned left = 0;
-    for (size_t i = 0; i < sim->n; i++) {
-        predict(&sim->grain[i], &sim->gear[i], sim->def.dt);
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        predict(&sim->grains.motion[i], &sim->grains.gear[i], &sim->grains.excess[i], sim->def.dt);
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
-        const dem_vec x = sim->grain[i].x, moved = x - sim->ref[i];
-        left |= !(dem_dot(moved, moved) <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+        const dem_vec x = sim->grains.motion[i].x, moved = x - sim->grains.listed_x[i];
+        left |= !(dem_dot(moved, moved) <= sim->grains.margin2[i]) *
+                DEM_LIST_OUT; /* so that NaN counts as moved */
         left |= dem_beyond(sim, x) * DEM_GRAIN_OUT;
     }
-    sim->grain_steps += (double)sim->n;
+    sim->count.grain_steps += (double)sim->grains.n;
     hold_fixed(sim);
     return left;
 }
@@ -48,12 +54,12 @@ static unsigned predict_all(dem_sim *sim)
 static void correct(dem_sim *sim)
 {
     const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++) {
-        dem_gear *g = &sim->gear[i];
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        dem_gear *g = &sim->grains.gear[i];
         dem_vec error = 0.5 * dt * dt * dem_acceleration(sim, i) - g->q[0];
-        g->slide = correct_x * error;
-        sim->grain[i].x += g->slide;
-        sim->grain[i].v += correct_v / dt * error;
+        sim->grains.excess[i] = correct_x * error;
+        sim->grains.motion[i].x += sim->grains.excess[i];
+        sim->grains.motion[i].v += correct_v / dt * error;
         for (int k = 0; k < 4; k++) g->q[k] += correct_q[k] * error;
     }
     hold_fixed(sim);
@@ -72,15 +78,15 @@ static rp_status step(dem_sim *sim, bool last)
 static void start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
-    for (size_t i = from; i < sim->n; i++)
-        sim->gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * dem_acceleration(sim, i)};
+    for (size_t i = from; i < sim->grains.n; i++)
+        sim->grains.gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * dem_acceleration(sim, i)};
     hold_fixed(sim);
 }
 
 static void change_gravity(dem_sim *sim, dem_vec change)
 {
     const double dt = sim->def.dt;
-    for (size_t i = 0; i < sim->n; i++) sim->gear[i].q[0] += 0.5 * dt * dt * change;
+    for (size_t i = 0; i < sim->grains.n; i++) sim->grains.gear[i].q[0] += 0.5 * dt * dt * change;
     hold_fixed(sim);
 }
 

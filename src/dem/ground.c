@@ -4,16 +4,18 @@
  * large at the moment, so it conserves energy only while N is constant. */
 #include <math.h>
 
+#include "dem/ground.h"
 #include "dem/sim.h"
 
 static double along(const dem_sim *sim, const dem_wall_slot *slot, dem_vec v)
 {
-    return dem_dot(v, dem_clockwise(sim->wall[slot->wall].direction));
+    return dem_dot(v, dem_clockwise(sim->walls.line[slot->wall].direction));
 }
 
 double dem_ground_displacement(const dem_sim *sim, const dem_wall_slot *slot)
 {
-    return along(sim, slot, sim->grain[slot->grain].x - sim->wall[slot->wall].point) - slot->rest;
+    return along(sim, slot, sim->grains.motion[slot->grain].x - sim->walls.line[slot->wall].point) -
+           slot->rest;
 }
 
 double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double normal_force)
@@ -23,16 +25,22 @@ double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double no
     return -g->mu_static * fmax(normal_force, 0.0) / g->a * dem_ground_displacement(sim, slot);
 }
 
+bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot)
+{
+    return (int)slot->wall + 1 == sim->def.ground.wall;
+}
+
 /* See dem_ground. */
 static bool comes_to_rest(const dem_sim *sim, const dem_wall_slot *slot, double normal_force, dem_vec f,
                           dem_vec ground_velocity)
 {
     const size_t i = slot->grain;
-    const double v = along(sim, slot, sim->grain[i].v - ground_velocity);
-    const double push = along(sim, slot, *dem_force(sim, i) + f + sim->mass[i] * sim->gravity);
-    double twice = sim->mass[i] * v * v; /* its kinetic energy; a spin may turn into speed */
-    if (sim->omega) twice += sim->omega[i] * sim->omega[i] / sim->inverse_inertia[i];
-    return v * push <= 0.0 && twice <= sim->def.ground.mu_static * normal_force * sim->def.ground.a;
+    const double v = along(sim, slot, sim->grains.motion[i].v - ground_velocity);
+    const double drive = along(sim, slot, *dem_force(sim, i) + f + sim->grains.mass[i] * sim->gravity);
+    double twice = sim->grains.mass[i] * v * v; /* its kinetic energy; a spin may turn into speed */
+    if (sim->grains.omega)
+        twice += sim->grains.omega[i] * sim->grains.omega[i] / sim->grains.inverse_inertia[i];
+    return v * drive <= 0.0 && twice <= sim->def.ground.mu_static * normal_force * sim->def.ground.a;
 }
 
 dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
@@ -48,5 +56,5 @@ dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_f
         slot->rest = dem_ground_displacement(sim, slot);
         slot->well = DEM_WELL_HOLDS;
     }
-    return dem_ground_force(sim, slot, normal_force) * dem_clockwise(sim->wall[slot->wall].direction);
+    return dem_ground_force(sim, slot, normal_force) * dem_clockwise(sim->walls.line[slot->wall].direction);
 }

@@ -23,8 +23,13 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "dem/ground.h"
 #include "dem/integrator.h"
-#include "dem/law_normal.h"
+#include "dem/law.h"
+#include "dem/ledger.h"
+#include "dem/neighbours.h"
+#include "dem/sim.h"
+#include "dem/step.h"
 #include "core/stiffness.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
@@ -60,7 +65,7 @@ static const size_t NOBODY = SIZE_MAX;
 static rp_status check(const dem_definition *def)
 {
     const dem_implicit_solver *s = &def->implicit;
-    if (def->tangential == DEM_SPRING)
+    if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
@@ -83,7 +88,7 @@ static rp_status check(const dem_definition *def)
 
 static rp_status no_memory(const dem_sim *sim)
 {
-    return rp_fail(RP_NO_MEMORY, "implicit integrator for %zu particles: out of memory", sim->n);
+    return rp_fail(RP_NO_MEMORY, "implicit integrator for %zu particles: out of memory", sim->grains.n);
 }
 
 static rp_status alloc_work(dem_sim *sim)
@@ -91,13 +96,13 @@ static rp_status alloc_work(dem_sim *sim)
     workspace *m = sim->work = calloc(1, sizeof *m);
     if (!m) return no_memory(sim);
     m->list = -1;
-    m->u = malloc(sim->room * sizeof *m->u);
-    m->force = malloc(sim->room * sizeof *m->force);
-    m->residual = malloc(sim->room * sizeof *m->residual);
-    m->stiffness = malloc(sim->room * sizeof *m->stiffness);
-    m->step = malloc(2 * sim->room * sizeof *m->step);
-    m->next = malloc(2 * sim->room * sizeof *m->next);
-    m->first = malloc((sim->room + 1) * sizeof *m->first);
+    m->u = malloc(sim->grains.capacity * sizeof *m->u);
+    m->force = malloc(sim->grains.capacity * sizeof *m->force);
+    m->residual = malloc(sim->grains.capacity * sizeof *m->residual);
+    m->stiffness = malloc(sim->grains.capacity * sizeof *m->stiffness);
+    m->step = malloc(2 * sim->grains.capacity * sizeof *m->step);
+    m->next = malloc(2 * sim->grains.capacity * sizeof *m->next);
+    m->first = malloc((sim->grains.capacity + 1) * sizeof *m->first);
     return m->u && m->force && m->residual && m->stiffness && m->step && m->next && m->first ? RP_OK
                                                                                              : no_memory(sim);
 }
@@ -112,53 +117,49 @@ static void free_work(dem_sim *sim)
     sim->work = NULL;
 }
 
-static bool is_fixed(const dem_sim *sim, size_t i)
-{
-    return sim->inverse_mass[i] == 0.0;
-}
-
 /* ---- Forces of a step ---------------------------------------------------------------------------------- */
 
-/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second. Nowhere
- * a difference of numbers that are nearly the same. */
-static void quotient(int law, double k, double before, double after, double *force, double *slope)
+/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second, both
+ * above 0. */
+static double quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
 {
-    if (before > 0.0 && after > 0.0) {
-        if (law == DEM_LINEAR) {
-            *force = 0.5 * k * (before + after);
-            *slope = 0.5 * k;
-            return;
-        }
-        /* (s^5 - t^5)/(s^2 - t^2) */
-        const double s = sqrt(before), t = sqrt(after), sum = s + t;
-        *force = 0.4 * k * (before * before + after * after + s * t * (before + s * t + after)) / sum;
-        *slope = 0.2 * k * (s * before * 2.0 + t * (4.0 * before + 6.0 * s * t + 3.0 * after)) / (sum * sum);
-        return;
+    switch (law) {
+#define X(id, word, spring, ...)                                                                             \
+    case id: return spring##_quotient(k_n, before, after, slope);
+        DEM_NORMAL_LAWS(X)
+#undef X
     }
+    __builtin_unreachable();
+}
+
+/* The same from or to a gap, where the potential is 0. */
+static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
+{
     const double in = fmax(before, after), way = fabs(after - before),
-                 potential = law == DEM_HERTZ ? 0.4 : 0.5;
-    const double end = dem_law_elastic(law, k, in); /* the force there */
-    *force = potential * end * in / way;
-    *slope = (after > 0.0 ? end - *force : *force) / way;
+                 force = dem_normal_descriptors[law].potential(k_n, in) / way;
+    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / way;
+    return force;
 }
 
 /* What the step knows of a contact before it is solved. */
 typedef struct {
     const dem_material *c;
     double mu, m_eff;
-} law;
+} coefficients;
 
 /* Normal force of the step, and its derivative by the overlap at the end; here and below, its parts too where
  * `p` is not NULL. */
-static inline double normal_force(const dem_sim *sim, const law *l, double before, double after,
+static inline double normal_force(const dem_sim *sim, const coefficients *l, double before, double after,
                                   double *slope, dem_parts *p)
 {
-    double force;
-    quotient(sim->def.normal, l->c->k_n, before, after, &force, slope);
+    const dem_normal_law law = sim->def.normal;
+    const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
+                 dt = sim->def.dt;
+    double force = before > 0.0 && after > 0.0 ? quotient(law, k_n, before, after, slope)
+                                               : end_quotient(law, k_n, before, after, slope);
     if (p) p->elastic = force;
-    const double dashpot = l->c->gamma_n * l->m_eff / sim->def.dt;
-    force += dashpot * (fmax(after, 0.0) - fmax(before, 0.0));
-    if (after > 0.0) *slope += dashpot;
+    force += dem_law_mean_rate(law, k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
+    if (after > 0.0) *slope += dem_law_damping_rate(law, k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
     if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
     if (p) p->damping = force - p->elastic;
     return force;
@@ -174,10 +175,10 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
 }
 
 /* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
-static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double way, double before,
+static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double way, double before,
                             double after, double f_n, contact *to, dem_parts *p)
 {
-    if (sim->def.tangential == DEM_NONE) return;
+    if (!dem_has_friction(sim->def.tangential)) return;
     const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
     const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
     const bool slides = fabs(viscous * way) > cap;
@@ -188,16 +189,17 @@ static inline void add_slip(const dem_sim *sim, const law *l, dem_vec s, double 
 
 static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
 {
-    const size_t i = sim->pair_i[k], j = sim->pair_j[k];
-    const dem_vec from = sim->grain[i].x - sim->grain[j].x, u = work(sim)->u[i] - work(sim)->u[j];
+    const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
+    const dem_vec from = sim->grains.motion[i].x - sim->grains.motion[j].x,
+                  u = work(sim)->u[i] - work(sim)->u[j];
     const dem_vec to = from + u, sum = from + to;
-    const double r = sqrt(dem_dot(from, from)), before = sim->pair_radii[k] - r;
+    const double r = sqrt(dem_dot(from, from)), before = sim->pairs.radii[k] - r;
     contact f = {0};
     /* an overlap from the change of the distance is good to its own last digit, not to that of the distance
      */
     const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.material, sim->mu, sim->pair_mass[k]};
+    const coefficients l = {&sim->def.material, sim->mu, sim->pairs.m_eff[k]};
     double slope;
     const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = f_n / both;
     const dem_vec s = sum / both;
@@ -233,7 +235,8 @@ static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, 
     const dem_vec u = work(sim)->u[i], t = dem_clockwise(n);
     const double after = before - dem_dot(u, n);
     if (before <= 0.0 && after <= 0.0) return f;
-    const law l = {&sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], sim->mass[i]};
+    const coefficients l = {&sim->def.walls[slot.wall].material, sim->walls.mu[slot.wall],
+                            sim->grains.mass[i]};
     const double f_n = normal_force(sim, &l, before, after, &slope, p);
     add_along(&f, n, f_n, slope);
     add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
@@ -244,8 +247,8 @@ static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, 
 
 static contact any_contact(const dem_sim *sim, size_t c)
 {
-    return c < sim->n_pairs ? pair_contact(sim, c, NULL)
-                            : slot_contact(sim, &sim->wall_slot[c - sim->n_pairs], NULL);
+    return c < sim->pairs.n ? pair_contact(sim, c, NULL)
+                            : slot_contact(sim, &sim->walls.slot[c - sim->pairs.n], NULL);
 }
 
 static dem_parts pair_parts(const dem_sim *sim, size_t k)
@@ -258,7 +261,7 @@ static dem_parts pair_parts(const dem_sim *sim, size_t k)
 static dem_parts slot_parts(const dem_sim *sim, size_t k)
 {
     dem_parts p = {0};
-    slot_contact(sim, &sim->wall_slot[k], &p);
+    slot_contact(sim, &sim->walls.slot[k], &p);
     return p;
 }
 
@@ -267,9 +270,9 @@ static dem_parts slot_parts(const dem_sim *sim, size_t k)
 /* What the equation of grain i lacks, under the contacts' force. */
 static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
 {
-    const double dt = sim->def.dt, m = sim->mass[i];
-    if (is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
-    return m * (work(sim)->u[i] - dt * sim->grain[i].v - 0.5 * dt * dt * sim->gravity) -
+    const double dt = sim->def.dt, m = sim->grains.mass[i];
+    if (dem_is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
+    return m * (work(sim)->u[i] - dt * sim->grains.motion[i].v - 0.5 * dt * dt * sim->gravity) -
            0.5 * dt * dt * force;
 }
 
@@ -278,7 +281,7 @@ static double own_step(const dem_sim *sim, size_t i, dem_vec residual, double st
 {
     const double dt = sim->def.dt;
     return sqrt(dem_dot(residual, residual)) /
-           (sim->radius[i] * (sim->mass[i] + 0.5 * dt * dt * fmax(stiffness, 0.0)));
+           (sim->grains.radius[i] * (sim->grains.mass[i] + 0.5 * dt * dt * fmax(stiffness, 0.0)));
 }
 
 typedef struct {
@@ -298,23 +301,23 @@ static void note_own_step(lack *l, size_t i, double step)
 static lack evaluate(dem_sim *sim)
 {
     workspace *m = work(sim);
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = 0; i < sim->grains.n; i++) {
         m->force[i] = (dem_vec){0.0, 0.0};
         m->stiffness[i] = 0.0;
     }
     for (size_t c = 0; c < m->n_contacts; c++) {
         const contact f = m->contact[c] = any_contact(sim, c);
-        const bool pair = c < sim->n_pairs;
-        const size_t i = pair ? sim->pair_i[c] : sim->wall_slot[c - sim->n_pairs].grain;
+        const bool pair = c < sim->pairs.n;
+        const size_t i = pair ? sim->pairs.i[c] : sim->walls.slot[c - sim->pairs.n].grain;
         m->force[i] += f.force;
         m->stiffness[i] += f.xx + f.yy;
         if (!pair) continue;
-        const size_t j = sim->pair_j[c];
+        const size_t j = sim->pairs.j[c];
         m->force[j] -= f.force;
         m->stiffness[j] += f.xx + f.yy;
     }
     lack l = {0};
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_vec h = m->residual[i] = residual_of(sim, i, m->force[i]);
         note_own_step(&l, i, own_step(sim, i, h, m->stiffness[i]));
     }
@@ -341,7 +344,7 @@ static int by_ends(const void *a, const void *b)
 static rp_status make_matrix(dem_sim *sim)
 {
     workspace *m = work(sim);
-    const size_t n = sim->n_pairs;
+    const size_t n = sim->pairs.n;
     rp_stiffness_free(m->matrix);
     m->matrix = NULL;
     rp_pair *ends = malloc((n + 1) * sizeof *ends);
@@ -352,12 +355,12 @@ static rp_status make_matrix(dem_sim *sim)
         return no_memory(sim);
     }
     for (uint32_t k = 0; k < n; k++) {
-        const uint32_t i = sim->pair_i[k], j = sim->pair_j[k];
+        const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
         m->bond[k] = (bond){{i < j ? i : j, i < j ? j : i}, k};
     }
     qsort(m->bond, n, sizeof *m->bond, by_ends);
     for (size_t k = 0; k < n; k++) ends[k] = m->bond[k].ends;
-    rp_status status = rp_stiffness_create(sim->n, n, ends, &m->matrix);
+    rp_status status = rp_stiffness_create(sim->grains.n, n, ends, &m->matrix);
     free(ends);
     return status;
 }
@@ -367,17 +370,18 @@ static void assemble(dem_sim *sim)
     workspace *m = work(sim);
     const double c = 0.5 * sim->def.dt * sim->def.dt;
     rp_stiffness_clear(m->matrix, 0.0);
-    for (size_t i = 0; i < sim->n; i++) {
-        const double mass = is_fixed(sim, i) ? 1e30 * sim->mass[i] : sim->mass[i]; /* as good as infinite */
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        const double mass =
+            dem_is_fixed(sim, i) ? 1e30 * sim->grains.mass[i] : sim->grains.mass[i]; /* as good as infinite */
         rp_stiffness_add_site(m->matrix, i, mass, 0.0, mass);
     }
-    for (size_t k = 0; k < sim->n_pairs; k++) {
+    for (size_t k = 0; k < sim->pairs.n; k++) {
         const contact *f = &m->contact[m->bond[k].pair];
         rp_stiffness_add_bond(m->matrix, k, m->bond[k].ends, c * f->xx, c * f->xy, c * f->yy);
     }
-    for (size_t s = 0; s < sim->n_wall_slots; s++) {
-        const contact *f = &m->contact[sim->n_pairs + s];
-        rp_stiffness_add_site(m->matrix, sim->wall_slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
+    for (size_t s = 0; s < sim->walls.n_slots; s++) {
+        const contact *f = &m->contact[sim->pairs.n + s];
+        rp_stiffness_add_site(m->matrix, sim->walls.slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
     }
 }
 
@@ -386,11 +390,11 @@ static void assemble(dem_sim *sim)
 static rp_status newton_step(dem_sim *sim, double *step, double *size, double *far)
 {
     workspace *m = work(sim);
-    for (size_t i = 0; i < sim->n; i++)
+    for (size_t i = 0; i < sim->grains.n; i++)
         for (size_t a = 0; a < 2; a++) step[2 * i + a] = m->residual[i][a];
     rp_status status = rp_stiffness_solve(m->matrix, step, step);
     *size = *far = 0.0;
-    for (size_t i = 0; i < sim->n && !status; i++) {
+    for (size_t i = 0; i < sim->grains.n && !status; i++) {
         const double square = step[2 * i] * step[2 * i] + step[2 * i + 1] * step[2 * i + 1];
         *size += square;
         *far = fmax(*far, sqrt(square));
@@ -402,8 +406,8 @@ static rp_status newton_step(dem_sim *sim, double *step, double *size, double *f
 static lack go(dem_sim *sim, double part)
 {
     workspace *m = work(sim);
-    for (size_t i = 0; i < sim->n; i++)
-        if (!is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (!dem_is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
     return evaluate(sim);
 }
 
@@ -416,7 +420,7 @@ static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
     rp_status status = newton_step(sim, work(sim)->step, &before, &far);
-    const double most = fmin(1.0, 0.5 * sim->skin / far);
+    const double most = fmin(1.0, 0.5 * sim->list.skin / far);
     for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
         *l = go(sim, part - gone);
         gone = part;
@@ -443,7 +447,7 @@ static rp_status solve_direct(dem_sim *sim)
         if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
         if (!status) status = improve(sim, &l);
         if (status) return status;
-        sim->iterations++;
+        sim->count.iterations++;
     }
     return RP_OK;
 }
@@ -456,21 +460,21 @@ static rp_status make_contacts_of(dem_sim *sim)
     free(m->of);
     m->of = malloc((2 * m->n_contacts + 1) * sizeof *m->of);
     if (!m->of) return no_memory(sim);
-    for (size_t i = 0; i <= sim->n; i++) m->first[i] = 0;
+    for (size_t i = 0; i <= sim->grains.n; i++) m->first[i] = 0;
     for (int pass = 0; pass < 2; pass++) {
         for (size_t c = 0; c < m->n_contacts; c++) {
-            const bool pair = c < sim->n_pairs;
-            const size_t i = pair ? sim->pair_i[c] : sim->wall_slot[c - sim->n_pairs].grain;
-            const size_t ends[2] = {i, pair ? sim->pair_j[c] : NOBODY};
+            const bool pair = c < sim->pairs.n;
+            const size_t i = pair ? sim->pairs.i[c] : sim->walls.slot[c - sim->pairs.n].grain;
+            const size_t ends[2] = {i, pair ? sim->pairs.j[c] : NOBODY};
             for (int e = 0; e < 2 && ends[e] != NOBODY; e++)
                 if (pass == 0)
                     m->first[ends[e] + 1]++;
                 else
                     m->of[m->first[ends[e]]++] = c;
         }
-        for (size_t i = 0; i < sim->n && pass == 0; i++) m->first[i + 1] += m->first[i];
+        for (size_t i = 0; i < sim->grains.n && pass == 0; i++) m->first[i + 1] += m->first[i];
     }
-    for (size_t i = sim->n; i > 0; i--) m->first[i] = m->first[i - 1];
+    for (size_t i = sim->grains.n; i > 0; i--) m->first[i] = m->first[i - 1];
     m->first[0] = 0;
     return RP_OK;
 }
@@ -484,13 +488,14 @@ static void relax(dem_sim *sim, size_t i, lack *l)
     for (size_t k = m->first[i]; k < m->first[i + 1]; k++) {
         const size_t at = m->of[k];
         const contact f = any_contact(sim, at);
-        const bool second = at < sim->n_pairs && sim->pair_j[at] == i;
+        const bool second = at < sim->pairs.n && sim->pairs.j[at] == i;
         sum.force += second ? -f.force : f.force;
         sum.xx += f.xx, sum.xy += f.xy, sum.yy += f.yy;
     }
     const dem_vec h = residual_of(sim, i, sum.force);
     note_own_step(l, i, own_step(sim, i, h, sum.xx + sum.yy));
-    const double xx = sim->mass[i] + c * sum.xx, xy = c * sum.xy, yy = sim->mass[i] + c * sum.yy;
+    const double xx = sim->grains.mass[i] + c * sum.xx, xy = c * sum.xy,
+                 yy = sim->grains.mass[i] + c * sum.yy;
     const dem_vec step = (dem_vec){yy * h[0] - xy * h[1], xx * h[1] - xy * h[0]} / (xx * yy - xy * xy);
     m->u[i] -= sim->def.implicit.relaxation * step;
 }
@@ -502,9 +507,9 @@ static rp_status solve_sor(dem_sim *sim)
     for (long k = 0; !(l.largest <= how->tolerance); k++) {
         if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
         l = (lack){0};
-        for (size_t i = 0; i < sim->n; i++)
-            if (!is_fixed(sim, i)) relax(sim, i, &l);
-        sim->iterations++;
+        for (size_t i = 0; i < sim->grains.n; i++)
+            if (!dem_is_fixed(sim, i)) relax(sim, i, &l);
+        sim->count.iterations++;
         if (l.largest <= how->tolerance) l = evaluate(sim);
     }
     return RP_OK;
@@ -516,13 +521,13 @@ static rp_status solve_sor(dem_sim *sim)
 static rp_status prepare(dem_sim *sim)
 {
     workspace *m = work(sim);
-    if (m->list == sim->rebuilds) return RP_OK;
-    m->n_contacts = sim->n_pairs + sim->n_wall_slots;
+    if (m->list == sim->count.rebuilds) return RP_OK;
+    m->n_contacts = sim->pairs.n + sim->walls.n_slots;
     free(m->contact);
     m->contact = malloc((m->n_contacts + 1) * sizeof *m->contact);
     if (!m->contact) return no_memory(sim);
     rp_status status = sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim);
-    if (!status) m->list = sim->rebuilds;
+    if (!status) m->list = sim->count.rebuilds;
     return status;
 }
 
@@ -532,18 +537,18 @@ static rp_status solve(dem_sim *sim)
     const double dt = sim->def.dt;
     rp_status status = prepare(sim);
     if (status) return status;
-    for (size_t i = 0; i < sim->n; i++)
-        m->u[i] =
-            is_fixed(sim, i) ? (dem_vec){0.0, 0.0} : dt * sim->grain[i].v + 0.5 * dt * dt * sim->gravity;
+    for (size_t i = 0; i < sim->grains.n; i++)
+        m->u[i] = dem_is_fixed(sim, i) ? (dem_vec){0.0, 0.0}
+                                       : dt * sim->grains.motion[i].v + 0.5 * dt * dt * sim->gravity;
     return sim->def.implicit.solver == DEM_SOLVER_SOR ? solve_sor(sim) : solve_direct(sim);
 }
 
 /* A grain that the step takes farther from its place in the neighbour list than half the skin; NOBODY. */
 static size_t beyond_list(const dem_sim *sim)
 {
-    for (size_t i = 0; i < sim->n; i++) {
-        const dem_vec moved = sim->grain[i].x + work(sim)->u[i] - sim->ref[i];
-        if (!(dem_dot(moved, moved) <= 0.25 * sim->skin * sim->skin)) return i;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        const dem_vec moved = sim->grains.motion[i].x + work(sim)->u[i] - sim->grains.listed_x[i];
+        if (!(dem_dot(moved, moved) <= 0.25 * sim->list.skin * sim->list.skin)) return i;
     }
     return NOBODY;
 }
@@ -553,17 +558,17 @@ static rp_status move_grains(dem_sim *sim, unsigned *left)
 {
     const workspace *m = work(sim);
     const double dt = sim->def.dt;
-    rp_status status = sim->book ? dem_ledger_between(sim, m->force) : RP_OK;
+    rp_status status = sim->ledger ? dem_ledger_between(sim, m->force) : RP_OK;
     if (status) return status;
-    for (size_t i = 0; i < sim->n; i++) {
+    for (size_t i = 0; i < sim->grains.n; i++) {
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
-        if (is_fixed(sim, i)) continue;
+        if (dem_is_fixed(sim, i)) continue;
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
-        sim->grain[i].v += dt * (sim->inverse_mass[i] * m->force[i] + sim->gravity);
-        sim->grain[i].x += m->u[i];
-        if (dem_beyond(sim, sim->grain[i].x)) *left = DEM_LIST_OUT;
+        sim->grains.motion[i].v += dt * (sim->grains.inverse_mass[i] * m->force[i] + sim->gravity);
+        sim->grains.motion[i].x += m->u[i];
+        if (dem_beyond(sim, sim->grains.motion[i].x)) *left = DEM_LIST_OUT;
     }
-    sim->grain_steps += (double)sim->n;
+    sim->count.grain_steps += (double)sim->grains.n;
     return RP_OK;
 }
 
@@ -578,7 +583,7 @@ static rp_status step(dem_sim *sim, bool last)
         const size_t i = status ? NOBODY : beyond_list(sim);
         if (i != NOBODY)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
-                            sqrt(dem_dot(work(sim)->u[i], work(sim)->u[i])), 0.5 * sim->skin);
+                            sqrt(dem_dot(work(sim)->u[i], work(sim)->u[i])), 0.5 * sim->list.skin);
     }
     if (!status) status = move_grains(sim, &left);
     if (!status) status = dem_step_lists(sim, left);

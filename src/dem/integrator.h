@@ -3,7 +3,10 @@
 #ifndef DEM_INTEGRATOR_H
 #define DEM_INTEGRATOR_H
 
-#include "dem/sim.h"
+#include <math.h>
+
+#include "dem/dem.h"
+#include "dem/vec.h"
 
 /* Rates of the fastest mode of a packing whose contacts are all alike: damping, and the square of the
  * frequency, over a third of a pair's. */
@@ -22,12 +25,12 @@ typedef struct {
     double elastic, damping, dashpot, slip, well;
 } dem_parts;
 
-struct dem_scheme {
+typedef struct dem_scheme {
     const char *name;
     int order[2];      /* of the error where forces are smooth: without damping, with it */
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
-    bool excess;       /* keeps excess displacements, which shear springs need; see dem_gear */
+    bool excess;       /* keeps excess displacements, which shear springs need; see grains.h */
     bool even_margins; /* a step may move a grain by more than v dt: half the skin is every grain's margin */
 
     /* Limits of its own; NULL for none. Errors: RP_BAD_INPUT. */
@@ -35,7 +38,8 @@ struct dem_scheme {
     /* Largest stable time step; NULL: none is too large. */
     double (*step_limit)(const dem_definition *def, dem_rates rates, dem_load load);
 
-    /* Work space of its own, sim->work, for sim->room grains; NULL for none. Errors: RP_NO_MEMORY. */
+    /* Work space of its own, sim->work, for as many grains as the simulation holds; NULL for none. Errors:
+     * RP_NO_MEMORY. */
     rp_status (*alloc)(dem_sim *sim);
     void (*free)(dem_sim *sim);
 
@@ -56,15 +60,12 @@ struct dem_scheme {
      * the forces of the step's ends. */
     dem_parts (*pair_parts)(const dem_sim *sim, size_t k);
     dem_parts (*slot_parts)(const dem_sim *sim, size_t k);
-};
+} dem_scheme;
 
 #define X(name, word) extern const dem_scheme dem_scheme_##word;
 DEM_INTEGRATOR_LIST(X)
 #undef X
 extern const dem_scheme *const dem_schemes[DEM_INTEGRATORS];
-
-/* Can the definition's integrator do all that the definition asks for? Errors: RP_BAD_INPUT. */
-rp_status dem_scheme_check(const dem_definition *def);
 
 /* Limit of schemes that damp by velocities of the half step, which need 4 - 6 gamma dt - 3 omega^2 dt^2 > 0:
  * a part of that root. */
@@ -73,27 +74,5 @@ static inline double dem_half_step_limit(dem_rates rates, double part)
     const double rate = 3.0 * rates.gamma + sqrt(9.0 * rates.gamma * rates.gamma + 12.0 * rates.omega2);
     return rate > 0.0 ? part * 4.0 / rate : INFINITY;
 }
-
-static inline dem_vec dem_acceleration(const dem_sim *sim, size_t i)
-{
-    return *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity;
-}
-
-/* Put fixed grains back to where they were at the last rebuilding, at rest. */
-static inline void dem_hold_fixed(dem_sim *sim)
-{
-    for (size_t k = 0; k < sim->n_fixed; k++)
-        sim->grain[sim->fixed[k]] = (dem_record){sim->ref[sim->fixed[k]], {0.0, 0.0}};
-}
-
-/* Parts of a step, in this order, once grains are where it takes them. Count it, and rebuild the neighbour
- * list or take grains out as `left` asks; then all forces, checks of overlaps, and the ledger's notes.
- * Errors: RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_step_lists(dem_sim *sim, unsigned left);
-rp_status dem_step_forces(dem_sim *sim);
-
-/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
- * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
-rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain);
 
 #endif

@@ -1,4 +1,4 @@
-/* The pair loop of contact.inl and the integration of integrators.c for several pairs or grains at once, with
+/* The pair loop of contact.inl and the integration of verlet.c for several pairs or grains at once, with
  * the same operations in the same order for each of them, and the same order of the sums of each grain. A
  * file that includes this one asks for instructions first, and defines the functions' names. */
 #include <float.h>
@@ -8,90 +8,24 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+/* The laws of a kind of contact. */
 typedef struct {
-    dem_material c;
-    double mu;
-    bool hertz, tension, shear, slip_roll, truncated, inside;
-    bool friction; /* shear or slip_roll; asked for as two bytes, the compiler reads what it has just written
-                    */
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    bool tension;
+    double k_n, gamma_n;
+    dem_slider shear, rolls;
 } laws;
-
-/* A spring and a dashpot under a limit: shear, or rolling. */
-typedef struct {
-    wide k, inverse_k, gamma, mu;
-    bool truncated, inside;
-} slider;
-
-INLINE slider slider_of(double k, double gamma, double mu, bool truncated, bool inside)
-{
-    const wide zero = {0};
-    return (slider){zero + k, zero + 1.0 / k, zero + gamma, zero + mu, truncated, inside};
-}
 
 INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
 {
-    return (laws){*c,
-                  mu,
-                  def->normal == DEM_HERTZ,
-                  def->tension,
-                  def->tangential == DEM_SPRING,
-                  def->tangential == DEM_SLIP_ROLL,
-                  def->slip == DEM_TRUNCATED,
-                  def->damping == DEM_DAMPING_INSIDE,
-                  def->tangential != DEM_NONE};
+    return (laws){def->normal, def->tangential,          def->tension,   c->k_n,
+                  c->gamma_n,  dem_shear_of(def, c, mu), dem_rolls_of(c)};
 }
 
-INLINE slider shear_of(const laws *law)
+INLINE wide normal_force(const laws *law, wide m_eff, wide overlap, wide v_n)
 {
-    const dem_material *c = &law->c;
-    return slider_of(c->k_s, c->gamma_s, law->mu, law->truncated, law->inside);
-}
-
-INLINE slider rolls_of(const laws *law)
-{
-    const dem_material *c = &law->c;
-    return slider_of(c->k_roll, c->gamma_roll, c->mu_roll, true, true);
-}
-
-/* law_normal.h */
-INLINE wide law_normal(const laws *law, wide m_eff, wide overlap, wide v_n)
-{
-    wide f = law->c.k_n * overlap;
-    if (law->hertz) f *= wide_sqrt(overlap);
-    f -= law->c.gamma_n * m_eff * v_n;
-    return law->tension ? f : wide_max(f, (wide){0});
-}
-
-/* dem_law_shear */
-INLINE wide law_shear(slider c, wide m_eff, wide v_s, wide f_n, double h, wide *spring)
-{
-    wide ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
-    wide cap = c.mu * wide_max(f_n, (wide){0});
-    wide pull = c.k * ds;
-    if (c.inside) pull += dashpot;
-    lanes slides;
-    wide held = wide_limit(pull, cap, &slides), of_spring = held, force = -held;
-    if (c.inside)
-        of_spring -= dashpot;
-    else
-        force = -dashpot - held;
-    if (c.truncated) ds = wide_choose(slides, of_spring * c.inverse_k, ds);
-    *spring = ds;
-    return force;
-}
-
-/* dem_law_slip_roll */
-INLINE wide law_slip_roll(const laws *law, wide m_eff, wide v_s, wide f_n)
-{
-    wide slip = law->c.gamma_s * m_eff * v_s, cap = law->mu * wide_max(f_n, (wide){0});
-    lanes slides;
-    return -wide_limit(slip, cap, &slides);
-}
-
-/* Rolling resistance: the couple on grain i. */
-INLINE wide law_rolling(slider c, wide r_eff, wide m_eff, wide omega, wide f_n, double h, wide *roll)
-{
-    return r_eff * law_shear(c, m_eff, r_eff * omega, f_n, h, roll);
+    return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
 }
 
 /* Where the pairs of a block touch: normal from j to i, overlap, relative velocity. */
@@ -104,23 +38,23 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
 {
     geometry m;
     wide x, y;
-    wide_difference(sim->grain, sim->pair_i + k, sim->pair_j + k, &x, &y, &m.vx, &m.vy);
-    const wide radii = wide_load(sim->pair_radii + k), r2 = x * x + y * y;
+    wide_difference(sim->grains.motion, sim->pairs.i + k, sim->pairs.j + k, &x, &y, &m.vx, &m.vy);
+    const wide radii = wide_load(sim->pairs.radii + k), r2 = x * x + y * y;
     m.touch = wide_less(r2, radii * radii);
     m.nx = m.ny = m.overlap = (wide){0};
     if (!wide_bits(m.touch)) return m;
-    const wide r = wide_sqrt(r2), inverse = 1.0 / r;
+    const wide r = num_sqrt(r2), inverse = 1.0 / r;
     m.overlap = radii - r, m.nx = x * inverse, m.ny = y * inverse;
     return m;
 }
 
 /* *to += *b and *to -= *b, all of their 32 bytes at once */
-INLINE void push_add(dem_push *to, const dem_push *b)
+INLINE void force_torque_add(dem_force_torque *to, const dem_force_torque *b)
 {
     _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
 }
 
-INLINE void push_subtract(dem_push *to, const dem_push *b)
+INLINE void force_torque_subtract(dem_force_torque *to, const dem_force_torque *b)
 {
     _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
 }
@@ -130,106 +64,115 @@ INLINE void push_subtract(dem_push *to, const dem_push *b)
  * since it starts from +0. The list ends in pairs that never touch. */
 INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
-    const slider shear = shear_of(&law), rolls = rolls_of(&law);
-    dem_vec *restrict force = sim->force;
-    const double *restrict omega = sim->omega;
-    dem_push *restrict push = sim->push;
-    double *restrict spring = sim->spring, *restrict roll = sim->roll;
-    uint64_t *restrict touching = sim->touching;
+    const bool friction = dem_has_friction(law.tangential), has_spring = dem_has_spring(law.tangential);
+    dem_vec *restrict force = sim->grains.force;
+    const double *restrict omega = sim->grains.omega;
+    dem_force_torque *restrict force_torque = sim->grains.force_torque;
+    double *restrict spring = sim->pairs.spring, *restrict roll = sim->pairs.roll;
+    uint64_t *restrict touching = sim->pairs.touching;
     const wide zero = {0}, limit = zero + sim->r_min;
-    unsigned alarm = 0;
+    unsigned too_deep = 0;
     uint64_t word = 0;
     geometry next = {0};
     if (from < to) next = geometry_of(sim, from);
     for (size_t k = from; k < to; k += WIDTH) {
-        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        const uint32_t *i = sim->pairs.i + k, *j = sim->pairs.j + k;
         const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
         const lanes touch = next.touch;
         if (k + WIDTH < to)
             next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
         dem_note(touching, k, wide_bits(touch), &word);
         if (!wide_bits(touch)) {
-            if (law.shear) wide_store(spring + k, zero);
+            if (has_spring) wide_store(spring + k, zero);
             if (rolling) wide_store(roll + k, zero);
             continue;
         }
-        const wide m_eff = wide_load(sim->pair_mass + k);
-        alarm |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
-        wide f_n = law_normal(&law, m_eff, overlap, vx * nx + vy * ny);
+        const wide m_eff = wide_load(sim->pairs.m_eff + k);
+        too_deep |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
+        wide f_n = normal_force(&law, m_eff, overlap, vx * nx + vy * ny);
         wide fx = f_n * nx, fy = f_n * ny;
-        if (law.friction) {
+        if (friction) {
             /* along s = (ny, -nx), the normal turned clockwise */
-            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, f_s;
+            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, ds = zero;
             if (rotation) {
-                r_i = wide_load(sim->radius_i + k), r_j = wide_load(sim->radius_j + k);
+                r_i = wide_load(sim->pairs.radius_i + k), r_j = wide_load(sim->pairs.radius_j + k);
                 omega_i = wide_gather(omega, i, 1);
                 omega_j = wide_gather(omega, j, 1);
                 v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
             }
-            if (law.shear) {
-                wide ds = wide_load(spring + k);
-                f_s = law_shear(shear, m_eff, v_s, f_n, h, &ds);
-                wide_store(spring + k, wide_choose(touch, ds, zero));
-            } else {
-                f_s = law_slip_roll(&law, m_eff, v_s, f_n);
-            }
+            if (has_spring) ds = wide_load(spring + k);
+            const wide f_s = dem_law_tangential(law.tangential, law.shear, m_eff, v_s, f_n, h, &ds);
+            if (has_spring) wide_store(spring + k, num_choose(touch, ds, zero));
             fx = fx + f_s * ny;
             fy = fy - f_s * nx;
             if (rotation) {
                 wide couple = zero;
                 if (rolling) {
                     wide xi = wide_load(roll + k);
-                    couple = law_rolling(rolls, wide_load(sim->roll_radius + k), m_eff, omega_i - omega_j,
-                                         f_n, h, &xi);
-                    wide_store(roll + k, wide_choose(touch, xi, zero));
+                    couple = dem_law_rolling(law.rolls, wide_load(sim->pairs.r_eff + k), m_eff,
+                                             omega_i - omega_j, f_n, h, &xi);
+                    wide_store(roll + k, num_choose(touch, xi, zero));
                 }
-                dem_push on_i[WIDTH], on_j[WIDTH];
-                const wide x = wide_choose(touch, fx, zero), y = wide_choose(touch, fy, zero);
-                wide_store_pushes(on_i, x, y, wide_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
-                wide_store_pushes(on_j, x, y, wide_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
+                dem_force_torque on_i[WIDTH], on_j[WIDTH];
+                const wide x = num_choose(touch, fx, zero), y = num_choose(touch, fy, zero);
+                wide_store_force_torques(on_i, x, y,
+                                         num_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
+                wide_store_force_torques(on_j, x, y,
+                                         num_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
                 for (int p = 0; p < WIDTH; p++) {
-                    push_add(push + i[p], on_i + p);
-                    push_subtract(push + j[p], on_j + p);
+                    force_torque_add(force_torque + i[p], on_i + p);
+                    force_torque_subtract(force_torque + j[p], on_j + p);
                 }
                 continue;
             }
         }
         dem_vec f[WIDTH];
-        wide_store_vectors(f, wide_choose(touch, fx, zero), wide_choose(touch, fy, zero));
+        wide_store_vectors(f, num_choose(touch, fx, zero), num_choose(touch, fy, zero));
         for (int p = 0; p < WIDTH; p++) {
-            *(rotation ? &push[i[p]].force : &force[i[p]]) += f[p];
-            *(rotation ? &push[j[p]].force : &force[j[p]]) -= f[p];
+            *(rotation ? &force_torque[i[p]].force : &force[i[p]]) += f[p];
+            *(rotation ? &force_torque[j[p]].force : &force[j[p]]) -= f[p];
         }
     }
-    sim->alarm |= alarm != 0;
+    sim->too_deep |= too_deep != 0;
 }
 
-/* A law with truncated springs of these kinds, told in a way that the compiler can leave the others out. */
-INLINE laws spring_law(laws law, bool hertz, bool tension, bool inside)
+/* The laws with these choices, known to the compiler, so that it can leave the others out. */
+INLINE laws spring_laws(laws law, bool tension, dem_damping damping)
 {
-    law.hertz = hertz, law.tension = tension, law.inside = inside;
-    law.shear = law.truncated = law.friction = true, law.slip_roll = false;
+    law.tangential = DEM_SPRING, law.tension = tension;
+    law.shear.slip = DEM_TRUNCATED, law.shear.damping = damping;
     return law;
 }
 
 /* With instances of their own for the laws of a box and of dropped piles. */
-void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
+INLINE void run_loop(dem_sim *sim, size_t from, size_t to, double h, laws law)
 {
-    const laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
-    const bool turns = sim->def.rotation;
-    const bool spring = law.shear && !law.slip_roll && law.truncated;
-    if (!turns && spring && law.hertz && law.tension && !law.inside)
-        wide_loop(sim, from, to, h, spring_law(law, true, true, false), false, false);
-    else if (!turns && !law.friction && law.hertz && law.tension)
+    const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
+               inside = law.shear.damping == DEM_DAMPING_INSIDE;
+    if (!sim->def.rotation && spring && law.tension && !inside)
+        wide_loop(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE), false, false);
+    else if (!sim->def.rotation)
         wide_loop(sim, from, to, h, law, false, false);
-    else if (!turns)
-        wide_loop(sim, from, to, h, law, false, false);
-    else if (!sim->rolling)
+    else if (!sim->pairs.rolling)
         wide_loop(sim, from, to, h, law, true, false);
-    else if (spring && !law.hertz && !law.tension && law.inside)
-        wide_loop(sim, from, to, h, spring_law(law, false, false, true), true, true);
+    else if (spring && !law.tension && inside)
+        wide_loop(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE), true, true);
     else
         wide_loop(sim, from, to, h, law, true, true);
+}
+
+void WIDE_PAIRS(dem_sim *sim, size_t from, size_t to, double h)
+{
+    laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    switch (law.normal) {
+#define X(id, ...)                                                                                           \
+    case id:                                                                                                 \
+        law.normal = id;                                                                                     \
+        run_loop(sim, from, to, h, law);                                                                     \
+        break;
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
 }
 
 /* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
@@ -237,46 +180,47 @@ void WIDE_KERNEL(dem_sim *sim, size_t from, size_t to, double h)
 typedef struct {
     wide fx, fy, slip, couple, spring, roll;
     unsigned touch, deep;
-} blows;
+} slot_forces;
 
 /* As apply_slot in walls.c, for grains i[] in the slots at[] of wall w. */
-INLINE blows blows_of(const dem_sim *sim, const laws *law, uint32_t w, const uint32_t *at, const uint32_t *i,
-                      double h)
+INLINE slot_forces slot_forces_of(const dem_sim *sim, const laws *law, uint32_t w, const uint32_t *at,
+                                  const uint32_t *i, double h)
 {
-    const dem_wall_slot *slot = sim->wall_slot;
-    const double *grain = (const double *)sim->grain;
-    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grain / sizeof *grain;
-    const dem_vec point = sim->wall[w].point, n = sim->wall[w].direction;
+    const dem_wall_slot *slot = sim->walls.slot;
+    const double *grain = (const double *)sim->grains.motion;
+    const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grains.motion / sizeof *grain;
+    const dem_vec point = sim->walls.line[w].point, n = sim->walls.line[w].direction;
     const unsigned all = (1u << WIDTH) - 1;
-    const wide zero = {0}, radius = wide_gather(sim->radius, i, 1), mass = wide_gather(sim->mass, i, 1),
-               side = wide_gather(&slot->side, at, of_slot);
+    const wide zero = {0}, radius = wide_gather(sim->grains.radius, i, 1),
+               mass = wide_gather(sim->grains.mass, i, 1), side = wide_gather(&slot->side, at, of_slot);
     const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
                vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
     const wide distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
                nx = side * n[0], ny = side * n[1];
-    const wide f_n = law_normal(law, mass, overlap, vx * nx + vy * ny);
-    blows b = {.fx = f_n * nx,
-               .fy = f_n * ny,
-               .spring = wide_gather(&slot->spring, at, of_slot),
-               .roll = wide_gather(&slot->roll, at, of_slot),
-               .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
-               .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
-    if (!law->friction) return b;
-    const wide arm = radius - overlap, omega = sim->omega ? wide_gather(sim->omega, i, 1) : zero;
-    wide v_s = vx * ny - vy * nx, f_s;
-    if (sim->omega) v_s += arm * omega;
-    f_s = law->shear ? law_shear(shear_of(law), mass, v_s, f_n, h, &b.spring)
-                     : law_slip_roll(law, mass, v_s, f_n);
+    const wide f_n = normal_force(law, mass, overlap, vx * nx + vy * ny);
+    slot_forces b = {.fx = f_n * nx,
+                     .fy = f_n * ny,
+                     .spring = wide_gather(&slot->spring, at, of_slot),
+                     .roll = wide_gather(&slot->roll, at, of_slot),
+                     .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
+                     .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
+    if (!dem_has_friction(law->tangential)) return b;
+    const wide arm = radius - overlap,
+               omega = sim->grains.omega ? wide_gather(sim->grains.omega, i, 1) : zero;
+    wide v_s = vx * ny - vy * nx;
+    if (sim->grains.omega) v_s += arm * omega;
+    const wide f_s = dem_law_tangential(law->tangential, law->shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;
-    if (sim->rolling) b.couple = law_rolling(rolls_of(law), radius, mass, omega, f_n, h, &b.roll);
+    if (sim->pairs.rolling) b.couple = dem_law_rolling(law->rolls, radius, mass, omega, f_n, h, &b.roll);
     return b;
 }
 
 /* Slots from k on, n of them, of grains i[], take what a block gives; what of it acts on the wall is taken
  * from *wall. */
-INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, const blows *b, dem_vec *wall)
+INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i, const slot_forces *b,
+                             dem_vec *wall)
 {
     dem_vec f[WIDTH];
     double spring[WIDTH], roll[WIDTH], slip[WIDTH], couple[WIDTH];
@@ -286,7 +230,7 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
     wide_store(slip, b->slip);
     wide_store(couple, b->couple);
     for (size_t p = 0; p < n; p++) {
-        dem_wall_slot *slot = &sim->wall_slot[k + p];
+        dem_wall_slot *slot = &sim->walls.slot[k + p];
         if (!(b->touch >> p & 1)) {
             slot->spring = slot->roll = 0.0;
             slot->well = DEM_WELL_NONE;
@@ -294,8 +238,8 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
         }
         slot->spring = spring[p];
         slot->roll = roll[p];
-        if (sim->omega) sim->push[i[p]].torque += slip[p];
-        if (sim->rolling) sim->push[i[p]].torque += couple[p];
+        if (sim->grains.omega) sim->grains.force_torque[i[p]].torque += slip[p];
+        if (sim->pairs.rolling) sim->grains.force_torque[i[p]].torque += couple[p];
         *dem_force(sim, i[p]) += f[p];
         *wall -= f[p];
     }
@@ -305,41 +249,43 @@ INLINE void take_blows(dem_sim *sim, size_t k, size_t n, const uint32_t *i, cons
  * filled up with its last slot. */
 void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
 {
-    const dem_wall_slot *slot = sim->wall_slot;
+    const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->wall_mu[w]);
-    dem_vec wall = sim->wall_force[w];
+    const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->walls.mu[w]);
+    dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         const size_t n = end - k < WIDTH ? end - k : WIDTH;
         uint32_t at[WIDTH], i[WIDTH];
         for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + (p < n ? p : n - 1));
         for (size_t p = 0; p < WIDTH; p++) i[p] = slot[at[p]].grain;
-        const blows b = blows_of(sim, &law, w, at, i, h);
-        take_blows(sim, k, n, i, &b, &wall);
-        sim->alarm |= b.deep != 0;
+        const slot_forces b = slot_forces_of(sim, &law, w, at, i, h);
+        take_slot_forces(sim, k, n, i, &b, &wall);
+        sim->too_deep |= b.deep != 0;
     }
-    sim->wall_force[w] = wall;
+    sim->walls.force[w] = wall;
 }
 
-/* As integrate_spins in integrators.c, for WIDTH grains; `rest` are their (torque, spare). */
+/* As integrate_spins in verlet.c, for WIDTH grains; `rest` are their (torque, spare). */
 INLINE void advance_spins(const dem_sim *sim, size_t i, const wide rest[2], double *next_angle,
                           double *next_omega)
 {
     const wide torque = wide_firsts(rest[0], rest[1]);
     const double dt = sim->def.dt;
-    const wide omega = wide_load(sim->omega + i) + dt * wide_load(sim->inverse_inertia + i) * torque;
+    const wide omega =
+        wide_load(sim->grains.omega + i) + dt * wide_load(sim->grains.inverse_inertia + i) * torque;
     wide_store(next_omega + i, omega);
-    wide_store(next_angle + i, wide_load(sim->angle + i) + dt * omega);
+    wide_store(next_angle + i, wide_load(sim->grains.angle + i) + dt * omega);
 }
 
 /* The forces on WIDTH/2 grains; those and the torques, left in *rest, are then 0. */
 INLINE wide take_forces(dem_sim *sim, size_t i, wide *rest)
 {
     const wide zero = {0};
-    double *from = sim->push ? (double *)(sim->push + i) : (double *)(sim->force + i);
+    double *from = sim->grains.force_torque ? (double *)(sim->grains.force_torque + i)
+                                            : (double *)(sim->grains.force + i);
     wide force = wide_load(from);
-    if (sim->push) {
-        wide_load_records((const dem_record *)from, &force, rest);
+    if (sim->grains.force_torque) {
+        wide_load_records((const dem_motion *)from, &force, rest);
         wide_store(from + WIDTH, zero);
     }
     wide_store(from, zero);
@@ -359,7 +305,7 @@ INLINE double largest(wide a)
 INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2, bool look)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
-    const bool turned = sim->box_angle != 0.0; /* then the caller looks who left */
+    const bool turned = sim->walls.angle != 0.0; /* then the caller looks who left */
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity),
@@ -373,23 +319,23 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
         for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
             wide x, v;
             const wide force = take_forces(sim, at, &rest[h]);
-            wide_load_records(sim->grain + at, &x, &v);
-            v = v + dt * (force * wide_load_twice(sim->inverse_mass + at) + gravity);
+            wide_load_records(sim->grains.motion + at, &x, &v);
+            v = v + dt * (force * wide_load_twice(sim->grains.inverse_mass + at) + gravity);
             x = x + dt * v;
-            wide_store_records(sim->grain + at, x, v);
+            wide_store_records(sim->grains.motion + at, x, v);
             wide moved = v, most_moved = finite;
             if (look) {
-                moved = x - wide_load((const double *)(sim->ref + at));
-                most_moved = wide_load_twice(sim->margin2 + at);
+                moved = x - wide_load((const double *)(sim->grains.listed_x + at));
+                most_moved = wide_load_twice(sim->grains.margin2 + at);
             }
             moved *= moved;
             moved += wide_swap(moved);
-            if (!look) fast = wide_max(moved, fast);
+            if (!look) fast = num_max(moved, fast);
             /* written so that NaN counts as moved */
             far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
             out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
         }
-        if (sim->omega) advance_spins(sim, i, rest, sim->angle, sim->omega);
+        if (sim->grains.omega) advance_spins(sim, i, rest, sim->grains.angle, sim->grains.omega);
     }
     if (!look) *speed2 = far ? INFINITY : largest(fast);
     *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
@@ -403,8 +349,9 @@ size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double
                   : advance_grains(sim, from, to, left, NULL, true);
 }
 
-/* As measure_slack in integrators.c. */
-size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2, double *beyond)
+/* As measure_slack in verlet.c. */
+size_t WIDE_BEYOND_MARGIN(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
+                          double *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     wide widest = (wide){0} + *margin2, most = (wide){0} + *beyond;
@@ -412,15 +359,15 @@ size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, do
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
         wide x, v;
-        wide_load_records(sim->grain + i, &x, &v);
-        wide moved = x - wide_load((const double *)(sim->ref + i));
+        wide_load_records(sim->grains.motion + i, &x, &v);
+        wide moved = x - wide_load((const double *)(sim->grains.listed_x + i));
         moved *= moved;
         moved += wide_swap(moved);
-        const wide margin = wide_load_twice(sim->margin2 + i);
+        const wide margin = wide_load_twice(sim->grains.margin2 + i);
         /* written so that NaN counts as moved */
         far |= wide_bits(wide_at_most(moved, margin)) ^ ALL;
-        widest = wide_max(margin, widest);
-        most = wide_max(moved - margin, most);
+        widest = num_max(margin, widest);
+        most = num_max(moved - margin, most);
     }
     *left |= (far != 0) * DEM_LIST_OUT;
     *margin2 = largest(widest);
@@ -429,70 +376,71 @@ size_t WIDE_STRAY(const dem_sim *sim, size_t from, size_t to, unsigned *left, do
 }
 
 /* As add_near in neighbours.c. */
-void WIDE_NEAR(dem_sim *sim, size_t i, size_t from, size_t to)
+void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    const wide zero = {0}, x = wide_repeat(sim->ref[i]), own = zero + sim->reach[i],
-               inverse_mass = zero + sim->inverse_mass[i];
-    size_t k = sim->n_pairs;
+    const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
+               inverse_mass = zero + sim->grains.inverse_mass[i];
+    size_t k = sim->pairs.n;
     for (size_t j = from; j < to; j += WIDTH) {
-        wide a = x - wide_load((const double *)(sim->ref + j)),
-             b = x - wide_load((const double *)(sim->ref + j + WIDTH / 2));
+        wide a = x - wide_load((const double *)(sim->grains.listed_x + j)),
+             b = x - wide_load((const double *)(sim->grains.listed_x + j + WIDTH / 2));
         a *= a;
         b *= b;
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide reach = own + wide_load(sim->reach + j);
+        wide reach = own + wide_load(sim->grains.cutoff + j);
         unsigned near = wide_bits(wide_less(d2, reach * reach)) &
-                        wide_bits(wide_less(zero, inverse_mass + wide_load(sim->inverse_mass + j)));
+                        wide_bits(wide_less(zero, inverse_mass + wide_load(sim->grains.inverse_mass + j)));
         if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
-        for (size_t p = 0; p < WIDTH; p++) sim->pair_i[k + p] = (uint32_t)i;
-        k = wide_append(sim->pair_j, k, near, j);
+        for (size_t p = 0; p < WIDTH; p++) sim->pairs.i[k + p] = (uint32_t)i;
+        k = wide_append(sim->pairs.j, k, near, j);
     }
-    sim->n_pairs = k;
+    sim->pairs.n = k;
 }
 
-/* As foresee_all in impact.c. */
-size_t WIDE_FORESEE(dem_sim *sim, size_t *beyond)
+/* As foresee_all in hard.c. */
+size_t WIDE_PREDICT(dem_sim *sim, size_t *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
-    const bool some_fixed = sim->n_fixed > 0;
+    const bool some_fixed = sim->grains.n_fixed > 0;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity);
     size_t i = 0;
-    for (; i + WIDTH <= sim->n; i += WIDTH) {
+    for (; i + WIDTH <= sim->grains.n; i += WIDTH) {
         wide rest[2] = {zero, zero};
         for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
-            const wide inverse_mass = wide_load_twice(sim->inverse_mass + at);
+            const wide inverse_mass = wide_load_twice(sim->grains.inverse_mass + at);
             wide x, v, force;
-            if (sim->push)
-                wide_load_records((const dem_record *)(sim->push + at), &force, &rest[h]);
+            if (sim->grains.force_torque)
+                wide_load_records((const dem_motion *)(sim->grains.force_torque + at), &force, &rest[h]);
             else
-                force = wide_load((const double *)(sim->force + at));
-            wide_load_records(sim->grain + at, &x, &v);
+                force = wide_load((const double *)(sim->grains.force + at));
+            wide_load_records(sim->grains.motion + at, &x, &v);
             const wide v_next = v + dt * (force * inverse_mass + gravity), x_next = x + dt * v_next;
             const lanes moves = wide_less(zero, inverse_mass);
-            v = some_fixed ? wide_choose(moves, v_next, v) : v_next;
-            x = some_fixed ? wide_choose(moves, x_next, x) : x_next;
-            wide_store_records(sim->next + at, x, v);
-            wide moved = x - wide_load((const double *)(sim->ref + at));
+            v = some_fixed ? num_choose(moves, v_next, v) : v_next;
+            x = some_fixed ? num_choose(moves, x_next, x) : x_next;
+            wide_store_records(sim->grains.next_motion + at, x, v);
+            wide moved = x - wide_load((const double *)(sim->grains.listed_x + at));
             moved *= moved;
             /* written so that NaN counts as moved */
             const unsigned far =
-                wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->margin2 + at))) ^ ALL;
+                wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->grains.margin2 + at))) ^
+                ALL;
             if (far) *beyond = at + (31 - (size_t)__builtin_clz(far)) / 2;
         }
-        if (sim->omega) advance_spins(sim, i, rest, sim->next_angle, sim->next_omega);
+        if (sim->grains.omega) advance_spins(sim, i, rest, sim->grains.next_angle, sim->grains.next_omega);
     }
     return i;
 }
 
-/* Which of WIDTH pairs may come to touch; as in impact.c. */
+/* Which of WIDTH pairs may come to touch; as in hard.c. */
 INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
 {
     wide x, y, vx, vy;
-    wide_difference(sim->next, i, j, &x, &y, &vx, &vy);
+    wide_difference(sim->grains.next_motion, i, j, &x, &y, &vx, &vy);
     const double dt = sim->def.dt;
     const wide way_x = dt * vx, way_y = dt * vy, start_x = x - way_x, start_y = y - way_y;
-    const wide reach2 = reach * reach, slop = 1e-9 * reach2 + 4.0 * reach * sim->round_off,
+    const wide reach2 = reach * reach, slop = 1e-9 * reach2 + 4.0 * reach * sim->list.round_off,
                gap = start_x * start_x + start_y * start_y - reach2,
                along = start_x * way_x + start_y * way_y, way2 = way_x * way_x + way_y * way_y;
     const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),
@@ -502,17 +450,17 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end, bool apart)
+size_t WIDE_NEXT_APPROACHING(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
     const uint64_t all = (1u << WIDTH) - 1;
     uint64_t left = ~0ull << k % 64;
     for (k -= k % 64; k < end; k += 64, left = ~0ull) {
-        if (apart) left &= ~sim->touching[k / 64];
+        if (apart) left &= ~sim->pairs.touching[k / 64];
         if (end - k < 64) left &= ~(~0ull << (end - k));
         while (left) {
             const size_t shift = (size_t)__builtin_ctzll(left) / WIDTH * WIDTH, at = k + shift;
             const uint64_t near =
-                may_touch(sim, sim->pair_i + at, sim->pair_j + at, wide_load(sim->pair_radii + at)) &
+                may_touch(sim, sim->pairs.i + at, sim->pairs.j + at, wide_load(sim->pairs.radii + at)) &
                 left >> shift & all;
             if (near) return at + (size_t)__builtin_ctzll(near);
             left &= ~(all << shift);
@@ -521,16 +469,17 @@ size_t WIDE_CLOSING(const dem_sim *sim, size_t k, size_t end, bool apart)
     return end;
 }
 
-/* As next_deflected in impact.c, of DEM_HITS grains at most. */
-size_t WIDE_DEFLECTED(const dem_sim *sim, size_t k, size_t end)
+/* As next_deflected in hard.c, of DEM_HITS grains at most. */
+size_t WIDE_NEXT_COLLIDED(const dem_sim *sim, size_t k, size_t end)
 {
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
-        const uint32_t *i = sim->pair_i + k, *j = sim->pair_j + k;
+        const uint32_t *i = sim->pairs.i + k, *j = sim->pairs.j + k;
         unsigned hit = 0;
-        for (size_t h = 0; h < sim->n_hit; h++) hit |= wide_is(i, sim->hit[h]) | wide_is(j, sim->hit[h]);
+        for (size_t h = 0; h < sim->hits.n; h++)
+            hit |= wide_is(i, sim->hits.grain[h]) | wide_is(j, sim->hits.grain[h]);
         hit &= from;
-        if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pair_radii + k));
+        if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pairs.radii + k));
         if (!hit) continue;
         k += (size_t)__builtin_ctz(hit);
         break;

@@ -12,14 +12,17 @@
  *
  * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
  * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
+#include "dem/ledger.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/impact.h"
+#include "dem/energy.h"
+#include "dem/ground.h"
 #include "dem/integrator.h"
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
+#include "dem/law.h"
+#include "dem/sim.h"
 
 /* A grain, by id, as it was read last; then its way and turn in the step, and the energy that hard collisions
  * of the step gave to it. Mass 0: it is fixed. */
@@ -41,7 +44,7 @@ typedef struct {
     dem_elastic energy;
 } ledger_contact;
 
-struct dem_book {
+struct dem_ledger_state {
     dem_ledger sum;
     dem_vec gravity;
     size_t room; /* ids, with the 0 that is nobody's */
@@ -64,7 +67,7 @@ static rp_status no_memory(void)
 
 static rp_status grain_room(dem_sim *sim, size_t last_id)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     if (last_id < b->room) return RP_OK;
     const size_t room = 2 * last_id + 2;
     if (!dem_grow(&b->grain, sizeof *b->grain, room)) return no_memory();
@@ -75,8 +78,8 @@ static rp_status grain_room(dem_sim *sim, size_t last_id)
 
 static rp_status contact_room(dem_sim *sim)
 {
-    struct dem_book *b = sim->book;
-    const size_t need = dem_count_touching(sim) + sim->n_wall_slots;
+    struct dem_ledger_state *b = sim->ledger;
+    const size_t need = dem_count_touching(&sim->pairs) + sim->walls.n_slots;
     if (need < b->contact_room) return RP_OK;
     const size_t room = 2 * need + 16;
     if (!dem_grow(&b->old_contact, sizeof *b->old_contact, room) ||
@@ -100,21 +103,23 @@ static double split_forces(const dem_sim *sim, const dem_material *c, double mu,
         dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
     e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
     e->damping = f_n - e->elastic;
-    if (def->tangential == DEM_SPRING) {
-        double ds = r->spring, pull = c->k_s * ds;
-        const double cap = mu * fmax(f_n, 0.0);
+    const dem_slider shear = dem_shear_of(def, c, mu);
+    double ds = r->spring, pull = c->k_s * ds;
+    const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
+                 cap = mu * fmax(f_n, 0.0);
+    switch (def->tangential) {
+    case DEM_NONE: break;
+    case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
         e->spring = -pull;
-        e->dashpot = pull + dem_law_shear(def->slip, def->damping, c->k_s, c->gamma_s, mu, r->m_eff, r->v_s,
-                                          f_n, 0.0, &ds);
-    } else if (def->tangential == DEM_SLIP_ROLL) {
-        const double f_s = dem_law_slip_roll(c->gamma_s, mu, r->m_eff, r->v_s, f_n);
-        *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s;
+        e->dashpot = pull + f_s;
+        break;
+    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s; break;
     }
-    if (sim->rolling) {
+    if (sim->pairs.rolling) {
         double xi = r->roll;
         e->roll_spring = -c->k_roll * xi;
-        e->roll_dashpot = dem_law_rolling(c, r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
+        e->roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
     }
     return f_n;
 }
@@ -122,68 +127,71 @@ static double split_forces(const dem_sim *sim, const dem_material *c, double mu,
 /* Grain a is that of the smaller id, so that a contact keeps its sense as places change. */
 static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
-    const bool swap = sim->id[sim->pair_i[k]] > sim->id[sim->pair_j[k]];
-    const size_t i = swap ? sim->pair_j[k] : sim->pair_i[k], j = swap ? sim->pair_i[k] : sim->pair_j[k];
-    const dem_vec d = sim->grain[i].x - sim->grain[j].x, v = sim->grain[i].v - sim->grain[j].v;
-    const double distance = sqrt(dem_dot(d, d)), overlap = sim->pair_radii[k] - distance;
-    *e = (ledger_contact){.a = sim->id[i], .b = sim->id[j], .place = k, .n = d * (1.0 / distance)};
+    const bool swap = sim->grains.id[sim->pairs.i[k]] > sim->grains.id[sim->pairs.j[k]];
+    const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
+    const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x,
+                  v = sim->grains.motion[i].v - sim->grains.motion[j].v;
+    const double distance = sqrt(dem_dot(d, d)), overlap = sim->pairs.radii[k] - distance;
+    *e = (ledger_contact){
+        .a = sim->grains.id[i], .b = sim->grains.id[j], .place = k, .n = d * (1.0 / distance)};
     e->key = (uint64_t)e->a << 32 | e->b;
     if (one_force(sim)) return;
     e->s = dem_clockwise(e->n);
-    relative r = {.m_eff = sim->pair_mass[k],
+    relative r = {.m_eff = sim->pairs.m_eff[k],
                   .overlap = overlap,
                   .v_n = dem_dot(v, e->n),
                   .v_s = dem_dot(v, e->s),
-                  .spring = sim->spring[k]};
-    if (sim->omega) {
-        e->arm_a = sim->radius[i] - 0.5 * overlap;
-        e->arm_b = sim->radius[j] - 0.5 * overlap;
-        e->r_eff = sim->radius[i] * sim->radius[j] / sim->pair_radii[k];
-        r.v_s += e->arm_a * sim->omega[i] + e->arm_b * sim->omega[j];
-        r.v_roll = e->r_eff * (sim->omega[i] - sim->omega[j]);
+                  .spring = sim->pairs.spring[k]};
+    if (sim->grains.omega) {
+        e->arm_a = sim->grains.radius[i] - 0.5 * overlap;
+        e->arm_b = sim->grains.radius[j] - 0.5 * overlap;
+        e->r_eff = sim->grains.radius[i] * sim->grains.radius[j] / sim->pairs.radii[k];
+        r.v_s += e->arm_a * sim->grains.omega[i] + e->arm_b * sim->grains.omega[j];
+        r.v_roll = e->r_eff * (sim->grains.omega[i] - sim->grains.omega[j]);
     }
-    if (sim->rolling) r.roll = swap ? -sim->roll[k] : sim->roll[k];
+    if (sim->pairs.rolling) r.roll = swap ? -sim->pairs.roll[k] : sim->pairs.roll[k];
     e->sheared = r.v_s * h;
-    if (sim->gear) e->sheared += dem_dot(sim->gear[i].slide - sim->gear[j].slide, e->s);
+    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], e->s);
     e->rolled = r.v_roll * h;
     split_forces(sim, &sim->def.material, sim->mu, &r, e);
 }
 
 static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
 {
-    return (uint64_t)sim->id[slot->grain] << 32 | (UINT32_MAX - slot->wall);
+    return (uint64_t)sim->grains.id[slot->grain] << 32 | (UINT32_MAX - slot->wall);
 }
 
 static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
-    dem_wall_slot slot = sim->wall_slot[k];
+    dem_wall_slot slot = sim->walls.slot[k];
     const size_t i = slot.grain;
     dem_vec wall_velocity;
     double overlap;
-    *e = (ledger_contact){.a = sim->id[i], .place = k};
+    *e = (ledger_contact){.a = sim->grains.id[i], .place = k};
     e->key = slot_key(sim, &slot);
     if (one_force(sim) || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
         return;
-    const dem_vec v = sim->grain[i].v - wall_velocity;
+    const dem_vec v = sim->grains.motion[i].v - wall_velocity;
     e->s = dem_clockwise(e->n);
-    e->point = sim->grain[i].x - (sim->radius[i] - overlap) * e->n;
-    e->gate = wall_velocity - dem_box_velocity(sim, e->point);
-    relative r = {.m_eff = sim->mass[i],
+    e->point = sim->grains.motion[i].x - (sim->grains.radius[i] - overlap) * e->n;
+    e->gate = wall_velocity - dem_box_velocity(&sim->walls, e->point);
+    relative r = {.m_eff = sim->grains.mass[i],
                   .overlap = overlap,
                   .v_n = dem_dot(v, e->n),
                   .v_s = dem_dot(v, e->s),
                   .spring = slot.spring,
                   .roll = slot.roll};
-    if (sim->omega) {
-        e->arm_a = sim->radius[i] - overlap;
-        e->r_eff = sim->radius[i];
-        r.v_s += e->arm_a * sim->omega[i];
-        r.v_roll = e->r_eff * (sim->omega[i] + sim->box_swing[1]);
+    if (sim->grains.omega) {
+        e->arm_a = sim->grains.radius[i] - overlap;
+        e->r_eff = sim->grains.radius[i];
+        r.v_s += e->arm_a * sim->grains.omega[i];
+        r.v_roll = e->r_eff * (sim->grains.omega[i] + sim->walls.swing[1]);
     }
     e->sheared = r.v_s * h;
-    if (sim->gear) e->sheared += dem_dot(sim->gear[i].slide, e->s);
+    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i], e->s);
     e->rolled = r.v_roll * h;
-    const double f_n = split_forces(sim, &sim->def.walls[slot.wall].material, sim->wall_mu[slot.wall], &r, e);
+    const double f_n =
+        split_forces(sim, &sim->def.walls[slot.wall].material, sim->walls.mu[slot.wall], &r, e);
     if (dem_is_ground(sim, &slot)) e->well = dem_ground_force(sim, &slot, f_n);
 }
 
@@ -195,17 +203,17 @@ static int by_key(const void *a, const void *b)
 
 rp_status dem_ledger_forces(dem_sim *sim, double h)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     rp_status status = contact_room(sim);
     if (status) return status;
     b->n_new = 0;
-    DEM_EACH_TOUCHING (sim, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
-    for (uint32_t k = 0; k < sim->n_wall_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
+    DEM_EACH_TOUCHING (&sim->pairs, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
+    for (uint32_t k = 0; k < sim->walls.n_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
     qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
     return RP_OK;
 }
 
-static void note_between(struct dem_book *b, ledger_contact c, dem_parts p)
+static void note_between(struct dem_ledger_state *b, ledger_contact c, dem_parts p)
 {
     c.n = p.n, c.s = p.s;
     c.elastic = p.elastic, c.damping = p.damping, c.dashpot = p.dashpot, c.slip = p.slip, c.well = p.well;
@@ -214,20 +222,21 @@ static void note_between(struct dem_book *b, ledger_contact c, dem_parts p)
 
 rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 {
-    struct dem_book *b = sim->book;
-    const size_t need = sim->n_pairs + sim->n_wall_slots;
+    struct dem_ledger_state *b = sim->ledger;
+    const size_t need = sim->pairs.n + sim->walls.n_slots;
     if (need > b->between_room) {
         if (!dem_grow(&b->between, sizeof *b->between, need)) return no_memory();
         b->between_room = need;
     }
     b->n_between = 0;
-    for (size_t i = 0; i < sim->n; i++) b->grain[sim->id[i]].force = force[i];
-    for (size_t k = 0; k < sim->n_pairs; k++)
-        note_between(b, (ledger_contact){.a = sim->id[sim->pair_i[k]], .b = sim->id[sim->pair_j[k]]},
-                     sim->scheme->pair_parts(sim, k));
-    for (size_t k = 0; k < sim->n_wall_slots; k++) {
-        const dem_wall_slot *slot = &sim->wall_slot[k];
-        note_between(b, (ledger_contact){.a = sim->id[slot->grain], .key = slot_key(sim, slot)},
+    for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]].force = force[i];
+    for (size_t k = 0; k < sim->pairs.n; k++)
+        note_between(
+            b, (ledger_contact){.a = sim->grains.id[sim->pairs.i[k]], .b = sim->grains.id[sim->pairs.j[k]]},
+            sim->scheme->pair_parts(sim, k));
+    for (size_t k = 0; k < sim->walls.n_slots; k++) {
+        const dem_wall_slot *slot = &sim->walls.slot[k];
+        note_between(b, (ledger_contact){.a = sim->grains.id[slot->grain], .key = slot_key(sim, slot)},
                      sim->scheme->slot_parts(sim, k));
     }
     return RP_OK;
@@ -235,18 +244,18 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 
 static ledger_grain read_grain(const dem_sim *sim, size_t i)
 {
-    ledger_grain g = {.present = true, .x = sim->grain[i].x, .force = *dem_force(sim, i)};
-    if (sim->omega) {
-        g.angle = sim->angle[i];
-        g.torque = sim->push[i].torque;
+    ledger_grain g = {.present = true, .x = sim->grains.motion[i].x, .force = *dem_force(sim, i)};
+    if (sim->grains.omega) {
+        g.angle = sim->grains.angle[i];
+        g.torque = sim->grains.force_torque[i].torque;
     }
-    if (sim->inverse_mass[i] == 0.0) return g;
-    g.mass = sim->mass[i];
+    if (sim->grains.inverse_mass[i] == 0.0) return g;
+    g.mass = sim->grains.mass[i];
     g.kinetic = dem_kinetic_energy(sim, i) + dem_rotational_energy(sim, i, 0.0);
     return g;
 }
 
-static double weight_energy(const struct dem_book *b, const ledger_grain *g)
+static double weight_energy(const struct dem_ledger_state *b, const ledger_grain *g)
 {
     return -g->mass * dem_dot(b->gravity, g->x);
 }
@@ -272,9 +281,9 @@ static void add(dem_ledger *sum, const dem_ledger *l)
  * A grain that is no longer there was taken out as it was at the step's start. */
 static void move_grains(dem_sim *sim)
 {
-    struct dem_book *b = sim->book;
-    for (size_t i = 0; i < sim->n; i++) {
-        ledger_grain *g = &b->grain[sim->id[i]], now = read_grain(sim, i);
+    struct dem_ledger_state *b = sim->ledger;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        ledger_grain *g = &b->grain[sim->grains.id[i]], now = read_grain(sim, i);
         now.seen = true;
         now.way = now.x - g->x;
         now.turn = now.angle - g->angle;
@@ -287,7 +296,7 @@ static void move_grains(dem_sim *sim)
         }
         *g = now;
     }
-    for (size_t id = 1; id <= sim->last_id; id++) {
+    for (size_t id = 1; id <= sim->grains.last_id; id++) {
         ledger_grain *g = &b->grain[id];
         if (g->present && !g->seen) {
             b->sum.taken_out += g->kinetic + g->hard + weight_energy(b, g);
@@ -301,13 +310,13 @@ static void move_grains(dem_sim *sim)
 static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, dem_ledger *step)
 {
     const double dt = sim->def.dt;
-    const ledger_grain *a = &sim->book->grain[c->a], *b = &sim->book->grain[c->b];
+    const ledger_grain *a = &sim->ledger->grain[c->a], *b = &sim->ledger->grain[c->b];
     dem_vec way = b->way;
     double turn = b->turn;
     if (c->b == 0) { /* where the wall's point goes from the step's start, or came from at its end */
-        way = dt * (c->gate + (first ? -sim->box_swing[0] : sim->box_swing[0]) * c->point +
-                    sim->box_swing[1] * dem_clockwise(c->point));
-        turn = -dt * sim->box_swing[1];
+        way = dt * (c->gate + (first ? -sim->walls.swing[0] : sim->walls.swing[0]) * c->point +
+                    sim->walls.swing[1] * dem_clockwise(c->point));
+        turn = -dt * sim->walls.swing[1];
     }
     const double along_n = dem_dot(a->way - way, c->n), turned = a->turn - turn;
     const double centres = dem_dot(a->way - way, c->s); /* a well holds the centre */
@@ -333,7 +342,7 @@ static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
 /* Put what a contact did in the step into the books. */
 static void book_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
         step = (dem_ledger){.taken_out = -net(&step)};
     else if (c->b == 0 && wall_gone(sim, c))
@@ -369,14 +378,14 @@ static void settle_between(dem_sim *sim, const ledger_contact *c)
 
 static void read_elastic(dem_sim *sim)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     for (size_t k = 0; k < b->n_new; k++) {
         ledger_contact *c = &b->new_contact[k];
         c->energy = c->b ? dem_pair_elastic(sim, c->place) : dem_slot_elastic(sim, c->place);
     }
 }
 
-static void swap_contacts(struct dem_book *b)
+static void swap_contacts(struct dem_ledger_state *b)
 {
     ledger_contact *swap = b->old_contact;
     b->old_contact = b->new_contact;
@@ -387,7 +396,7 @@ static void swap_contacts(struct dem_book *b)
 void dem_ledger_step(dem_sim *sim)
 {
     static const ledger_contact none;
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     move_grains(sim);
     read_elastic(sim);
     for (size_t i = 0, j = 0; i < b->n_old || j < b->n_new;) {
@@ -404,11 +413,12 @@ void dem_ledger_step(dem_sim *sim)
 
 void dem_ledger_gravity(dem_sim *sim)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     const dem_vec change = sim->gravity - b->gravity;
     double gain = 0.0;
-    for (size_t i = 0; i < sim->n; i++)
-        if (sim->inverse_mass[i] > 0.0) gain -= sim->mass[i] * dem_dot(change, sim->grain[i].x);
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (sim->grains.inverse_mass[i] > 0.0)
+            gain -= sim->grains.mass[i] * dem_dot(change, sim->grains.motion[i].x);
     b->sum.gravity_turn += gain;
     b->sum.turnover += fabs(gain);
     b->gravity = sim->gravity;
@@ -426,12 +436,12 @@ static double energy_of_body(const dem_body *body)
 void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
                           const dem_body after[2])
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     double gain = 0.0, wall = 0.0;
     for (int k = 0; k < 2; k++) {
         if (before[k].inverse_mass == 0.0) continue;
         const double gained = energy_of_body(&after[k]) - energy_of_body(&before[k]);
-        b->grain[sim->id[grain[k]]].hard += gained;
+        b->grain[sim->grains.id[grain[k]]].hard += gained;
         gain += gained;
         /* where the other cannot be moved, the work of the impulse as it moves */
         if (before[1 - k].inverse_mass == 0.0)
@@ -444,10 +454,10 @@ void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body be
 
 rp_status dem_ledger_add(dem_sim *sim, const dem_grain *p)
 {
-    struct dem_book *b = sim->book;
-    rp_status status = grain_room(sim, sim->last_id + 1);
+    struct dem_ledger_state *b = sim->ledger;
+    rp_status status = grain_room(sim, sim->grains.last_id + 1);
     if (status) return status;
-    ledger_grain *g = &b->grain[sim->last_id + 1];
+    ledger_grain *g = &b->grain[sim->grains.last_id + 1];
     *g = (ledger_grain){.present = true, .x = {p->x, p->y}, .angle = p->angle, .mass = p->m};
     g->kinetic = 0.5 * p->m * (p->vx * p->vx + p->vy * p->vy) +
                  0.5 * dem_inertia(sim->def.shape, p->m, p->r) * p->omega * p->omega;
@@ -464,15 +474,15 @@ static double energy_now(const dem_sim *sim)
 
 rp_status dem_ledger_alloc(dem_sim *sim)
 {
-    if (!(sim->book = calloc(1, sizeof *sim->book))) return no_memory();
-    return grain_room(sim, sim->last_id);
+    if (!(sim->ledger = calloc(1, sizeof *sim->ledger))) return no_memory();
+    return grain_room(sim, sim->grains.last_id);
 }
 
 void dem_ledger_start(dem_sim *sim)
 {
-    struct dem_book *b = sim->book;
+    struct dem_ledger_state *b = sim->ledger;
     b->gravity = sim->gravity;
-    for (size_t i = 0; i < sim->n; i++) b->grain[sim->id[i]] = read_grain(sim, i);
+    for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]] = read_grain(sim, i);
     read_elastic(sim);
     swap_contacts(b);
     b->sum.start = energy_now(sim);
@@ -480,8 +490,8 @@ void dem_ledger_start(dem_sim *sim)
 
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
 {
-    const struct dem_book *from = sim->book;
-    struct dem_book *b = copy->book = malloc(sizeof *b);
+    const struct dem_ledger_state *from = sim->ledger;
+    struct dem_ledger_state *b = copy->ledger = malloc(sizeof *b);
     if (!b) return no_memory();
     *b = *from;
     b->between = NULL; /* of a step */
@@ -497,15 +507,15 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
 
 void dem_ledger_free(dem_sim *sim)
 {
-    if (!sim->book) return;
-    free(sim->book->grain), free(sim->book->old_contact), free(sim->book->new_contact);
-    free(sim->book->between), free(sim->book);
+    if (!sim->ledger) return;
+    free(sim->ledger->grain), free(sim->ledger->old_contact), free(sim->ledger->new_contact);
+    free(sim->ledger->between), free(sim->ledger);
 }
 
 bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger)
 {
-    if (!sim->book) return false;
-    *ledger = sim->book->sum;
+    if (!sim->ledger) return false;
+    *ledger = sim->ledger->sum;
     ledger->residual = energy_now(sim) - (ledger->start + net(ledger));
     return true;
 }

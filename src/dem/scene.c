@@ -77,16 +77,17 @@ static const rp_param top_schema[] = {
     {0}};
 
 static const rp_param normal_schema[] = {
-    {"law", "", RP_CHOICE, AT(law_values, law), "hertz", "hertz | linear", "normal force, eq (2a)"},
+    {"law", "", RP_CHOICE, AT(law_values, law), "hertz", DEM_NORMAL_WORDS, "normal force, eq (2a)"},
     {"k_n", "dyn/cm^1.5", RP_REAL, AT(law_values, material.k_n), "1e6", "[0, inf)",
-     "normal stiffness (linear: dyn/cm)"},
-    {"gamma_n", "1/s", RP_REAL, AT(law_values, material.gamma_n), "500.0", "[0, inf)", "normal damping"},
+     "normal stiffness, in units of the law: " DEM_K_N_UNITS},
+    {"gamma_n", "1/s", RP_REAL, AT(law_values, material.gamma_n), "500.0", "[0, inf)",
+     "normal damping, in units of the law: " DEM_GAMMA_N_UNITS},
     {"tension", "", RP_BOOL, AT(law_values, tension), "true", "",
      "whether the damped force may pull, as printed"},
     {0}};
 
 static const rp_param tangential_schema[] = {
-    {"law", "", RP_CHOICE, AT(law_values, law), "none", "none | spring | slip_roll",
+    {"law", "", RP_CHOICE, AT(law_values, law), "none", DEM_TANGENTIAL_WORDS,
      "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n"},
     {"k_s", "dyn/cm", RP_REAL, AT(law_values, material.k_s), "1e4", "(0, inf)", "shear stiffness"},
     {"gamma_s", "1/s", RP_REAL, AT(law_values, material.gamma_s), "auto", "[0, inf) | auto",
@@ -205,7 +206,7 @@ static rp_status read_rolling(const config_setting_t *root, dem_definition *def)
     rp_params_defaults(rolling_schema, &v);
     rp_status status = group ? rp_config_group(group, rolling_schema, &v, NULL) : RP_OK;
     if (status) return status;
-    if (v.mu_roll > 0.0 && (!def->rotation || def->tangential == DEM_NONE))
+    if (v.mu_roll > 0.0 && (!def->rotation || !dem_has_friction(def->tangential)))
         return rp_config_fail(
             group, "mu = %g: needs rotation = true and tangential = { law = \"spring\"; ... }", v.mu_roll);
     def->material.mu_roll = v.mu_roll;
@@ -229,9 +230,9 @@ static rp_status read_laws(const config_setting_t *root, dem_definition *def)
     rp_params_defaults(tangential_schema, &v);
     if (group) status = rp_config_group(group, tangential_schema, &v, NULL);
     if (status) return status;
-    if (v.law == DEM_NONE && v.material.mu > 0.0)
-        return rp_config_fail(group, "mu = %g: needs law = \"spring\"", v.material.mu);
     def->tangential = v.law;
+    if (!dem_has_friction(def->tangential) && v.material.mu > 0.0)
+        return rp_config_fail(group, "mu = %g: needs law = \"spring\"", v.material.mu);
     def->slip = v.slip;
     def->damping = v.damping;
     def->material.k_s = v.material.k_s;
@@ -263,7 +264,7 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     if (!(wall->extent[0] < wall->extent[1]))
         return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
                               wall->extent[1]);
-    if (def->tangential == DEM_NONE && v.material.mu > 0.0)
+    if (!dem_has_friction(def->tangential) && v.material.mu > 0.0)
         return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }",
                               v.material.mu);
     wall->material = (dem_material){or_else(v.material.k_n, 2.0 * def->material.k_n),

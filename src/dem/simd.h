@@ -23,13 +23,13 @@ static inline void wide_store(double *to, wide a)
     _mm512_storeu_pd(to, a);
 }
 
-static inline wide wide_sqrt(wide a)
+static inline wide num_sqrt(wide a)
 {
     return _mm512_sqrt_pd(a);
 }
 
 /* a where a > b, else b */
-static inline wide wide_max(wide a, wide b)
+static inline wide num_max(wide a, wide b)
 {
     return _mm512_max_pd(a, b);
 }
@@ -49,14 +49,14 @@ static inline unsigned wide_bits(lanes l)
     return l;
 }
 
-static inline wide wide_choose(lanes l, wide yes, wide no)
+static inline wide num_choose(lanes l, wide yes, wide no)
 {
     return _mm512_mask_blend_pd(l, no, yes);
 }
 
 /* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
  * `most`. */
-static inline wide wide_limit(wide a, wide most, lanes *less)
+static inline wide num_limit(wide a, wide most, lanes *less)
 {
     const wide limited = _mm512_range_pd(a, most, 2);
     *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
@@ -86,7 +86,7 @@ static inline wide wide_gather(const double *from, const uint32_t *index, int st
 }
 
 /* Positions and velocities of grains i[] relative to grains j[]. */
-static inline void wide_difference(const dem_record *grain, const uint32_t *i, const uint32_t *j, wide *x,
+static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
                                    wide *y, wide *vx, wide *vy)
 {
     wide d[4];
@@ -116,7 +116,7 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
 }
 
 /* The pushes (x, y, torque); of the fourth number any. */
-static inline void wide_store_pushes(dem_push to[WIDTH], wide x, wide y, wide torque)
+static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
 {
     for (int p = 0; p < 8; p += 2) {
         const __m512i xy = _mm512_setr_epi64(p, p + 8, p, p, p + 1, p + 9, p, p),
@@ -138,14 +138,14 @@ static inline wide wide_load_twice(const double *from)
     return _mm512_permutexvar_pd(index, _mm512_castpd256_pd512(_mm256_loadu_pd(from)));
 }
 
-static inline void wide_load_records(const dem_record *from, wide *x, wide *v)
+static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
 {
     wide a = wide_load((const double *)from), b = wide_load((const double *)(from + 2));
     *x = _mm512_shuffle_f64x2(a, b, 0x88);
     *v = _mm512_shuffle_f64x2(a, b, 0xdd);
 }
 
-static inline void wide_store_records(dem_record *to, wide x, wide v)
+static inline void wide_store_records(dem_motion *to, wide x, wide v)
 {
     const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
                   high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
@@ -180,12 +180,12 @@ static inline void wide_store(double *to, wide a)
     _mm256_storeu_pd(to, a);
 }
 
-static inline wide wide_sqrt(wide a)
+static inline wide num_sqrt(wide a)
 {
     return _mm256_sqrt_pd(a);
 }
 
-static inline wide wide_max(wide a, wide b)
+static inline wide num_max(wide a, wide b)
 {
     return _mm256_max_pd(a, b);
 }
@@ -205,16 +205,16 @@ static inline unsigned wide_bits(lanes l)
     return (unsigned)_mm256_movemask_pd(l);
 }
 
-static inline wide wide_choose(lanes l, wide yes, wide no)
+static inline wide num_choose(lanes l, wide yes, wide no)
 {
     return _mm256_blendv_pd(no, yes, l);
 }
 
-static inline wide wide_limit(wide a, wide most, lanes *less)
+static inline wide num_limit(wide a, wide most, lanes *less)
 {
     const wide mask = _mm256_set1_pd(-0.0);
     *less = wide_less(most, _mm256_andnot_pd(mask, a));
-    return wide_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
+    return num_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
 static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
@@ -238,7 +238,7 @@ static inline wide wide_gather(const double *from, const uint32_t *index, int st
     return _mm256_i32gather_pd(from, at, 8);
 }
 
-static inline void wide_difference(const dem_record *grain, const uint32_t *i, const uint32_t *j, wide *x,
+static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
                                    wide *y, wide *vx, wide *vy)
 {
     wide d[4];
@@ -258,7 +258,7 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
     wide_store((double *)(to + 2), _mm256_permute2f128_pd(even, odd, 0x31));
 }
 
-static inline void wide_store_pushes(dem_push to[WIDTH], wide x, wide y, wide torque)
+static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
 {
     wide even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y),
          t_even = _mm256_unpacklo_pd(torque, torque), t_odd = _mm256_unpackhi_pd(torque, torque);
@@ -278,14 +278,14 @@ static inline wide wide_load_twice(const double *from)
     return _mm256_permute4x64_pd(_mm256_castpd128_pd256(_mm_loadu_pd(from)), 0x50);
 }
 
-static inline void wide_load_records(const dem_record *from, wide *x, wide *v)
+static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
 {
     wide a = wide_load((const double *)from), b = wide_load((const double *)(from + 1));
     *x = _mm256_permute2f128_pd(a, b, 0x20);
     *v = _mm256_permute2f128_pd(a, b, 0x31);
 }
 
-static inline void wide_store_records(dem_record *to, wide x, wide v)
+static inline void wide_store_records(dem_motion *to, wide x, wide v)
 {
     wide_store((double *)to, _mm256_permute2f128_pd(x, v, 0x20));
     wide_store((double *)(to + 1), _mm256_permute2f128_pd(x, v, 0x31));
@@ -301,5 +301,8 @@ static inline wide wide_firsts(wide a, wide b)
     return _mm256_permute4x64_pd(_mm256_unpacklo_pd(a, b), 0xd8);
 }
 #endif
+
+typedef wide num;
+#include "dem/law.inl"
 
 #endif

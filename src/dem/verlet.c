@@ -3,44 +3,47 @@
  * spring; their phase lag of dt/2 is of first order, as is everything at a contact that damps on touch. */
 #include <math.h>
 
+#include "dem/hard.h"
 #include "dem/integrator.h"
+#include "dem/sim.h"
+#include "dem/step.h"
 
 /* Spins and angles by the same leapfrog, of the grains i..to. */
 static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
     const double dt = sim->def.dt;
     for (; i < to; i++) {
-        sim->omega[i] += dt * sim->inverse_inertia[i] * sim->push[i].torque;
-        sim->angle[i] += dt * sim->omega[i];
-        sim->push[i].torque = 0.0;
+        sim->grains.omega[i] += dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
+        sim->grains.angle[i] += dt * sim->grains.omega[i];
+        sim->grains.force_torque[i].torque = 0.0;
     }
 }
 
 /* As dem_advance, of all of them. */
 static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
-    const bool turned = sim->box_angle != 0.0;
+    const bool turned = sim->walls.angle != 0.0;
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const dem_vec gravity = sim->gravity;
-    dem_record *restrict grain = sim->grain;
+    dem_motion *restrict grain = sim->grains.motion;
     dem_vec *restrict force = dem_force(sim, 0);
-    const size_t stride = sim->push ? sizeof *sim->push / sizeof *force : 1;
-    const size_t advanced = sim->advance ? sim->advance(sim, from, to, left, speed2) : from;
+    const size_t stride = sim->grains.force_torque ? sizeof *sim->grains.force_torque / sizeof *force : 1;
+    const size_t advanced = sim->kernels.advance ? sim->kernels.advance(sim, from, to, left, speed2) : from;
     for (size_t i = advanced; i < to; i++) {
-        grain[i].v += dt * (force[stride * i] * sim->inverse_mass[i] + gravity);
+        grain[i].v += dt * (force[stride * i] * sim->grains.inverse_mass[i] + gravity);
         grain[i].x += dt * grain[i].v;
         force[stride * i] = (dem_vec){0.0, 0.0};
-        const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->ref[i];
+        const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->grains.listed_x[i];
         const double moved2 = dem_dot(moved, moved);
         if (speed2)
             *speed2 = moved2 <= *speed2 ? *speed2 : isnan(moved2) ? INFINITY : moved2;
         else
-            *left |= !(moved2 <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+            *left |= !(moved2 <= sim->grains.margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
         *left |= ((x[0] > x_max) | (x[1] < y_min)) * DEM_GRAIN_OUT;
     }
     for (size_t i = from; i < to && turned; i++) *left |= dem_beyond(sim, grain[i].x) * DEM_GRAIN_OUT;
-    if (sim->omega) integrate_spins(sim, advanced, to);
+    if (sim->grains.omega) integrate_spins(sim, advanced, to);
 }
 
 /* Look whether grains of a group have left their margins, and how far they may go until one can. A way d
@@ -49,14 +52,17 @@ static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
 {
     unsigned left = 0;
     double margin2 = 0.0, beyond = -INFINITY;
-    for (size_t i = sim->stray ? sim->stray(sim, from, to, &left, &margin2, &beyond) : from; i < to; i++) {
-        const dem_vec moved = sim->grain[i].x - sim->ref[i];
+    for (size_t i = sim->kernels.beyond_margin
+                        ? sim->kernels.beyond_margin(sim, from, to, &left, &margin2, &beyond)
+                        : from;
+         i < to; i++) {
+        const dem_vec moved = sim->grains.motion[i].x - sim->grains.listed_x[i];
         const double way2 = dem_dot(moved, moved);
-        left |= !(way2 <= sim->margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
-        margin2 = fmax(margin2, sim->margin2[i]);
-        beyond = fmax(beyond, way2 - sim->margin2[i]);
+        left |= !(way2 <= sim->grains.margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+        margin2 = fmax(margin2, sim->grains.margin2[i]);
+        beyond = fmax(beyond, way2 - sim->grains.margin2[i]);
     }
-    sim->slack[from / DEM_GROUP] = -0.5 * beyond / sqrt(margin2) - 1e-9 * sqrt(margin2);
+    sim->grains.slack[from / DEM_GROUP] = -0.5 * beyond / sqrt(margin2) - 1e-9 * sqrt(margin2);
     return left;
 }
 
@@ -65,18 +71,18 @@ static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
  * have been used up. Where it is not, and in flow, where that often is so, to look at once costs less. */
 static unsigned move(dem_sim *sim, size_t from, size_t to)
 {
-    const bool large = sim->n_chunks > 0;
+    const bool large = sim->pairs.n_chunks > 0;
     unsigned left = 0;
-    sim->grain_steps += (double)(to - from);
+    sim->count.grain_steps += (double)(to - from);
     if (!large) advance(sim, from, to, &left, NULL);
     for (size_t end; large && from < to; from = end) {
-        double speed2 = 0.0, *slack = &sim->slack[from / DEM_GROUP];
+        double speed2 = 0.0, *slack = &sim->grains.slack[from / DEM_GROUP];
         end = from + DEM_GROUP < to ? from + DEM_GROUP : to;
         advance(sim, from, end, &left, &speed2);
-        *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->round_off;
+        *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->list.round_off;
         if (!(*slack > 0.0)) left |= measure_slack(sim, from, end);
     }
-    if (to == sim->n) dem_hold_fixed(sim);
+    if (to == sim->grains.n) dem_hold_fixed(sim);
     return left;
 }
 
@@ -84,8 +90,8 @@ static unsigned move(dem_sim *sim, size_t from, size_t to)
 static bool may_run_ahead(const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
-    return sim->n_chunks > 0 && def->kernel != DEM_REFERENCE && !def->hard.on && !sim->book && !sim->times &&
-           def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
+    return sim->pairs.n_chunks > 0 && def->kernel != DEM_REFERENCE && !def->hard.on && !sim->ledger &&
+           !sim->times && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
 }
 
 /* The forces, and the next step of the grains behind them while these are in the cache. */
@@ -94,11 +100,12 @@ static rp_status run_ahead(dem_sim *sim)
     rp_status status;
     sim->ahead = true;
     sim->ahead_left = 0;
-    for (size_t c = 0, k = 0, i = 0; c < sim->n_chunks; c++) {
-        const size_t end = c + 1 < sim->n_chunks ? k + sim->chunk : sim->n_pairs, done = sim->done[c];
-        sim->kernel(sim, k, end, sim->def.dt);
+    for (size_t c = 0, k = 0, i = 0; c < sim->pairs.n_chunks; c++) {
+        const size_t end = c + 1 < sim->pairs.n_chunks ? k + sim->pairs.chunk : sim->pairs.n,
+                     done = sim->pairs.done[c];
+        sim->kernels.pairs(sim, k, end, sim->def.dt);
         dem_walls_apply(sim, i, done, sim->def.dt);
-        if (sim->alarm && (status = dem_check_overlaps(sim, k, end, i)) != RP_OK) return status;
+        if (sim->too_deep && (status = dem_check_overlaps(sim, k, end, i)) != RP_OK) return status;
         sim->ahead_left |= move(sim, i, done);
         k = end, i = done;
     }
@@ -108,13 +115,13 @@ static rp_status run_ahead(dem_sim *sim)
 static rp_status step(dem_sim *sim, bool last)
 {
     const bool hard = sim->def.hard.on, ahead = sim->ahead;
-    rp_status status = hard ? dem_impacts_apply(sim) : RP_OK;
+    rp_status status = hard ? dem_hard_apply(sim) : RP_OK;
     if (status) return status;
     dem_walls_turn(sim);
     sim->ahead = false;
-    status = dem_step_lists(sim, hard    ? dem_impacts_integrate(sim)
+    status = dem_step_lists(sim, hard    ? dem_hard_move(sim)
                                  : ahead ? sim->ahead_left
-                                         : move(sim, 0, sim->n));
+                                         : move(sim, 0, sim->grains.n));
     if (status) return status;
     return !last && may_run_ahead(sim) ? run_ahead(sim) : dem_step_forces(sim);
 }
@@ -122,34 +129,39 @@ static rp_status step(dem_sim *sim, bool last)
 static void start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
-    for (size_t i = from; i < sim->n; i++) sim->grain[i].v -= 0.5 * dt * dem_acceleration(sim, i);
-    for (size_t i = from; i < sim->n && sim->omega; i++)
-        sim->omega[i] -= 0.5 * dt * sim->inverse_inertia[i] * sim->push[i].torque;
+    for (size_t i = from; i < sim->grains.n; i++)
+        sim->grains.motion[i].v -= 0.5 * dt * dem_acceleration(sim, i);
+    for (size_t i = from; i < sim->grains.n && sim->grains.omega; i++)
+        sim->grains.omega[i] -=
+            0.5 * dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
     dem_hold_fixed(sim);
 }
 
 static void change_gravity(dem_sim *sim, dem_vec change)
 {
-    for (size_t i = 0; i < sim->n; i++) sim->grain[i].v -= 0.5 * sim->def.dt * change;
+    for (size_t i = 0; i < sim->grains.n; i++) sim->grains.motion[i].v -= 0.5 * sim->def.dt * change;
     dem_hold_fixed(sim);
 }
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
-    return sim->grain[i].v + 0.5 * sim->def.dt * dem_acceleration(sim, i);
+    return sim->grains.motion[i].v + 0.5 * sim->def.dt * dem_acceleration(sim, i);
 }
 
 static double spin(const dem_sim *sim, size_t i)
 {
-    return sim->omega[i] + 0.5 * sim->def.dt * sim->inverse_inertia[i] * sim->push[i].torque;
+    return sim->grains.omega[i] +
+           0.5 * sim->def.dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
 }
 
-/* Of the root, 0.95 are allowed where the stiffness is known, and 0.85 of Hertz' law, whose contacts may
+/* Of the root, 0.95 are allowed where the stiffness is known, and 0.85 of others, whose contacts may
  * become deeper than foreseen: without damping about 1/omega. */
 static double step_limit(const dem_definition *def, dem_rates rates, dem_load load)
 {
-    return load == DEM_AT_REST ? INFINITY
-                               : dem_half_step_limit(rates, def->normal == DEM_LINEAR ? 0.95 : 0.85);
+    return load == DEM_AT_REST
+               ? INFINITY
+               : dem_half_step_limit(rates,
+                                     dem_normal_descriptors[def->normal].constant_stiffness ? 0.95 : 0.85);
 }
 
 const dem_scheme dem_scheme_verlet = {

@@ -1,33 +1,100 @@
 /* Walls: the pair's law with an infinite mass and no radius on the other side (Lee & Herrmann 1993, after
  * eq (2)). The nearest point of the wall pushes along the line to the centre, so that the end of a segment
  * is a corner, and the shear spring lives on as a grain rolls over it. */
-#include <math.h>
+#include "dem/walls.h"
 
-#include "dem/law_normal.h"
-#include "dem/law_shear.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/gravity.h"
+#include "dem/ground.h"
+#include "dem/law.h"
 #include "dem/sim.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
 {
-    return sim->box[0] * (dem_vec){x[0], x[1]} + sim->box[1] * dem_clockwise((dem_vec){x[0], x[1]});
+    return sim->walls.turn[0] * (dem_vec){x[0], x[1]} +
+           sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
 }
 
-/* The walls' places follow from the definition's and the angle, so that they keep their shape. */
+rp_status dem_walls_copy(const dem_walls *walls, dem_walls *copy)
+{
+    *copy = *walls;
+    copy->capacity = walls->n_slots + 1;
+    copy->slot = malloc(copy->capacity * sizeof *copy->slot);
+    if (!copy->slot) return rp_fail(RP_NO_MEMORY, "wall slots: out of memory");
+    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
+    return RP_OK;
+}
+
+void dem_walls_free(dem_walls *walls)
+{
+    free(walls->slot);
+}
+
+void dem_walls_place(dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    dem_walls *const walls = &sim->walls;
+    walls->turn = (dem_vec){1.0, 0.0};
+    dem_box_turn(sim, def->box_turn_per_step);
+    walls->turn_from_step = def->turn_from_step;
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &def->walls[w];
+        walls->line[w].point = (dem_vec){wall->point[0], wall->point[1]};
+        walls->line[w].direction = (dem_vec){wall->direction[0], wall->direction[1]};
+        walls->mu[w] = dem_finite_mu(wall->material.mu);
+    }
+}
+
+void dem_box_turn(dem_sim *sim, double radians_per_step)
+{
+    double sine, cosine;
+    dem_sine_cosine(radians_per_step, &sine, &cosine);
+    sim->def.box_turn_per_step = radians_per_step;
+    sim->walls.turn_from_step = sim->step;
+    sim->walls.turn_of_step = (dem_vec){cosine, sine};
+}
+
+void dem_box_frame(const dem_sim *sim, double *x, double *y)
+{
+    const dem_vec in_box = dem_to_box(&sim->walls, (dem_vec){*x, *y});
+    *x = in_box[0];
+    *y = in_box[1];
+}
+
+void dem_wall_open(dem_sim *sim, size_t wall, double speed)
+{
+    sim->def.walls[wall].open_at_step = sim->step + 1;
+    sim->def.walls[wall].open_speed = speed;
+}
+
+bool dem_wall_rests(const dem_sim *sim, size_t k)
+{
+    const dem_wall *w = &sim->def.walls[k];
+    return isinf(w->extent[0]) && isinf(w->extent[1]) && sim->walls.swing[1] == 0.0 &&
+           !(w->open_at_step >= 0 && sim->step >= w->open_at_step);
+}
+
+/* The walls' positions follow from the definition's and the angle, so that they keep their shape. */
 void dem_walls_turn(dem_sim *sim)
 {
-    sim->box_swing = (dem_vec){0.0, 0.0};
-    if (sim->def.box_turn_per_step == 0.0 || sim->step < sim->box_from_step) return;
-    const double c = sim->box_step[0], s = sim->box_step[1];
-    dem_vec box = {c * sim->box[0] - s * sim->box[1], c * sim->box[1] + s * sim->box[0]};
-    sim->box = box * (1.0 / sqrt(dem_dot(box, box)));
-    sim->box_angle += sim->def.box_turn_per_step;
-    if (sim->step == sim->box_from_step) sim->box_swept = INFINITY; /* the list has not reckoned with it */
-    sim->box_swept += fabs(sim->def.box_turn_per_step);
+    sim->walls.swing = (dem_vec){0.0, 0.0};
+    if (sim->def.box_turn_per_step == 0.0 || sim->step < sim->walls.turn_from_step) return;
+    const double c = sim->walls.turn_of_step[0], s = sim->walls.turn_of_step[1];
+    dem_vec box = {c * sim->walls.turn[0] - s * sim->walls.turn[1],
+                   c * sim->walls.turn[1] + s * sim->walls.turn[0]};
+    sim->walls.turn = box * (1.0 / sqrt(dem_dot(box, box)));
+    sim->walls.angle += sim->def.box_turn_per_step;
+    if (sim->step == sim->walls.turn_from_step)
+        sim->walls.swept = INFINITY; /* the list has not reckoned with it */
+    sim->walls.swept += fabs(sim->def.box_turn_per_step);
     /* of p, where the step has brought it: (1 - cos) p + sin (p turned clockwise) */
-    sim->box_swing = (dem_vec){s * s / (1.0 + c), s} / sim->def.dt;
+    sim->walls.swing = (dem_vec){s * s / (1.0 + c), s} / sim->def.dt;
     for (size_t w = 0; w < sim->def.n_walls; w++) {
-        sim->wall[w].point = turned(sim, sim->def.walls[w].point);
-        sim->wall[w].direction = turned(sim, sim->def.walls[w].direction);
+        sim->walls.line[w].point = turned(sim, sim->def.walls[w].point);
+        sim->walls.line[w].direction = turned(sim, sim->def.walls[w].direction);
     }
 }
 
@@ -35,8 +102,8 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
                     dem_vec *velocity)
 {
     const dem_wall *w = &sim->def.walls[slot->wall];
-    dem_vec direction = sim->wall[slot->wall].direction, tangent = dem_clockwise(direction);
-    dem_vec d = sim->grain[slot->grain].x - sim->wall[slot->wall].point;
+    dem_vec direction = sim->walls.line[slot->wall].direction, tangent = dem_clockwise(direction);
+    dem_vec d = sim->grains.motion[slot->grain].x - sim->walls.line[slot->wall].point;
     double distance = dem_dot(d, direction), along = dem_dot(d, tangent);
     double lo = w->extent[0], hi = w->extent[1];
     *velocity = (dem_vec){0.0, 0.0};
@@ -50,15 +117,16 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
         dem_vec corner = d - (along < lo ? lo : hi) * tangent;
         double reach = sqrt(dem_dot(corner, corner));
         slot->side = distance < 0.0 ? -1.0 : 1.0;
-        *overlap = sim->radius[slot->grain] - reach;
+        *overlap = sim->grains.radius[slot->grain] - reach;
         *normal = corner * (1.0 / reach);
     } else {
-        *overlap = sim->radius[slot->grain] - slot->side * distance;
+        *overlap = sim->grains.radius[slot->grain] - slot->side * distance;
         *normal = slot->side * direction;
     }
-    if (sim->box_swing[1] != 0.0) {
-        dem_vec p = sim->grain[slot->grain].x - (sim->radius[slot->grain] - *overlap) * *normal;
-        *velocity += dem_box_velocity(sim, p);
+    if (sim->walls.swing[1] != 0.0) {
+        dem_vec p =
+            sim->grains.motion[slot->grain].x - (sim->grains.radius[slot->grain] - *overlap) * *normal;
+        *velocity += dem_box_velocity(&sim->walls, p);
     }
     return true;
 }
@@ -74,42 +142,43 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
     }
     const size_t i = slot->grain;
     const dem_material *c = &sim->def.walls[slot->wall].material;
-    dem_vec v = sim->grain[i].v - wall_velocity;
-    sim->alarm |= !(overlap <= sim->radius[i]);
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->mass[i], overlap,
-                                dem_dot(v, n));
+    dem_vec v = sim->grains.motion[i].v - wall_velocity;
+    sim->too_deep |= !(overlap <= sim->grains.radius[i]);
+    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->grains.mass[i],
+                                overlap, dem_dot(v, n));
     dem_vec f = f_n * n;
-    if (sim->def.tangential != DEM_NONE) {
+    if (dem_has_friction(sim->def.tangential)) {
         dem_vec s = dem_clockwise(n);
-        if (sim->gear && sim->def.tangential == DEM_SPRING) slot->spring += dem_dot(sim->gear[i].slide, s);
-        double v_s = dem_dot(v, s), arm = sim->radius[i] - overlap;
-        if (sim->omega) v_s += arm * sim->omega[i];
-        double f_s = dem_law_tangential(sim->def.tangential, sim->def.slip, sim->def.damping, c,
-                                        sim->wall_mu[slot->wall], sim->mass[i], v_s, f_n, h, &slot->spring);
+        if (sim->grains.excess && dem_has_spring(sim->def.tangential))
+            slot->spring += dem_dot(sim->grains.excess[i], s);
+        double v_s = dem_dot(v, s), arm = sim->grains.radius[i] - overlap;
+        if (sim->grains.omega) v_s += arm * sim->grains.omega[i];
+        const dem_slider shear = dem_shear_of(&sim->def, c, sim->walls.mu[slot->wall]);
+        double f_s =
+            dem_law_tangential(sim->def.tangential, shear, sim->grains.mass[i], v_s, f_n, h, &slot->spring);
         f += s * f_s;
-        if (sim->omega) sim->push[i].torque += arm * f_s;
-        if (sim->rolling)
-            sim->push[i].torque +=
-                sim->radius[i] * dem_law_rolling(c, sim->mass[i],
-                                                 sim->radius[i] * (sim->omega[i] + sim->box_swing[1]), f_n, h,
-                                                 &slot->roll);
+        if (sim->grains.omega) sim->grains.force_torque[i].torque += arm * f_s;
+        if (sim->pairs.rolling)
+            sim->grains.force_torque[i].torque +=
+                dem_law_rolling(dem_rolls_of(c), sim->grains.radius[i], sim->grains.mass[i],
+                                sim->grains.omega[i] + sim->walls.swing[1], f_n, h, &slot->roll);
     }
     if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
     *dem_force(sim, i) += f;
-    sim->wall_force[slot->wall] -= f;
+    sim->walls.force[slot->wall] -= f;
 }
 
 void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
 {
-    dem_wall_slot *const slot = sim->wall_slot;
+    dem_wall_slot *const slot = sim->walls.slot;
     for (size_t w = 0; w < sim->def.n_walls; w++) {
-        size_t k = from == 0 ? sim->wall_start[w] : sim->wall_next[w], end = sim->wall_start[w + 1];
-        if (from == 0) sim->wall_force[w] = (dem_vec){0.0, 0.0};
-        if (to < sim->n)
-            for (end = k; end < sim->wall_start[w + 1] && slot[end].grain < to;) end++;
-        sim->wall_next[w] = end;
-        if (k < end && sim->line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
-            sim->line(sim, k, end, h);
+        size_t k = from == 0 ? sim->walls.start[w] : sim->walls.next[w], end = sim->walls.start[w + 1];
+        if (from == 0) sim->walls.force[w] = (dem_vec){0.0, 0.0};
+        if (to < sim->grains.n)
+            for (end = k; end < sim->walls.start[w + 1] && slot[end].grain < to;) end++;
+        sim->walls.next[w] = end;
+        if (k < end && sim->kernels.line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
+            sim->kernels.line(sim, k, end, h);
         else
             for (; k < end; k++) apply_slot(sim, &slot[k], h);
     }

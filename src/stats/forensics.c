@@ -105,7 +105,8 @@ rp_status stats_claims_judge(size_t n_combinations, size_t n, const stats_claim 
 {
     if (n == 0) return rp_fail(RP_NO_RESULT, "no claims");
     for (size_t k = 0; k < n; k++)
-        if (!(claims[k].error > 0.0) || !isfinite(claims[k].error + claims[k].value))
+        if (!(claims[k].error > 0.0 || (claims[k].kind == STATS_CLAIM_SIGN && claims[k].error == 0.0)) ||
+            !isfinite(claims[k].error + claims[k].value))
             return rp_fail(RP_BAD_INPUT, "claim %zu: %g +- %g: a finite value with a positive error expected",
                            k + 1, claims[k].value, claims[k].error);
     if (!(level > 0.0 && level < 1.0))

@@ -12,7 +12,7 @@
 typedef struct {
     enum { STATS_CLAIM_VALUE, STATS_CLAIM_SIGN } kind;
     double value; /* VALUE: the number published; SIGN: -1 where y is said to be negative, +1 positive */
-    double error; /* the published +-, known up to a scale common to all claims */
+    double error; /* the published +-, known up to a scale common to all claims; 0 for a sign without one */
 } stats_claim;
 
 /* Logarithm of the likelihood of the claims if the model gives y[k] +- se[k], averaged over the scale of the

@@ -5,10 +5,12 @@
  * give friction the wrong sign for one sense of sliding, and let it grow without limit. Here magnitudes are
  * compared: P_t is the impulse that ends slip (16), cut to |P_t| <= mu |P_n|. The second form of (14) takes a
  * plus. */
-#ifndef DEM_IMPACT_H
-#define DEM_IMPACT_H
+#ifndef DEM_HARD_H
+#define DEM_HARD_H
 
 #include <stdbool.h>
+
+#include "dem/dem.h"
 
 /* A body at the moment of contact. A wall, or what is held, has inverse mass and inertia 0. */
 typedef struct {
@@ -33,5 +35,10 @@ typedef struct {
  * before; without slip its second part is M_t v_t^2/2. 0 <= restitution <= 1, mu >= 0. */
 bool dem_impact(dem_body *one, dem_body *two, const double n[2], double restitution, double mu,
                 dem_impulse *impulse);
+
+/* Hard collisions of the coming step, before it; then that step. *left as of dem_step_lists. Errors:
+ * RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_hard_apply(dem_sim *sim);
+unsigned dem_hard_move(dem_sim *sim);
 
 #endif

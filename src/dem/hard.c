@@ -1,11 +1,14 @@
-/* Hard collisions; see impact.h. In a run, what would come to touch in the coming step collides at the moment
+/* Hard collisions; see hard.h. In a run, what would come to touch in the coming step collides at the moment
  * of touching, if it comes fast; else a soft contact forms. */
-#include "dem/impact.h"
+#include "dem/hard.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "dem/ledger.h"
+#include "dem/neighbours.h"
 #include "dem/sim.h"
+#include "dem/step.h"
 
 /* (6), (13) and (14): the impulse (p_x, p_y), and the turn that its tangential part gives either body alike.
  */
@@ -48,18 +51,20 @@ typedef struct {
 
 static motion motion_of(const dem_sim *sim, size_t i)
 {
-    const bool moves = sim->inverse_mass[i] > 0.0;
-    const dem_vec a = moves ? *dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
-    return (motion){sim->grain[i].x, sim->grain[i].v + 0.5 * sim->def.dt * a, a};
+    const bool moves = sim->grains.inverse_mass[i] > 0.0;
+    const dem_vec a =
+        moves ? *dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
+    return (motion){sim->grains.motion[i].x, sim->grains.motion[i].v + 0.5 * sim->def.dt * a, a};
 }
 
 static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
 {
     const dem_vec v = m->v + t * m->a;
-    dem_body body = {{v[0], v[1]}, .arm = sim->radius[i], .inverse_mass = sim->inverse_mass[i]};
-    if (sim->omega) {
-        body.inverse_inertia = sim->inverse_inertia[i];
-        body.omega = sim->omega[i] + (0.5 * sim->def.dt + t) * sim->inverse_inertia[i] * sim->push[i].torque;
+    dem_body body = {{v[0], v[1]}, .arm = sim->grains.radius[i], .inverse_mass = sim->grains.inverse_mass[i]};
+    if (sim->grains.omega) {
+        body.inverse_inertia = sim->grains.inverse_inertia[i];
+        body.omega = sim->grains.omega[i] + (0.5 * sim->def.dt + t) * sim->grains.inverse_inertia[i] *
+                                                sim->grains.force_torque[i].torque;
     }
     return body;
 }
@@ -68,29 +73,30 @@ static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
 static void foresee(dem_sim *sim, size_t i)
 {
     const double dt = sim->def.dt;
-    dem_record next = sim->grain[i];
-    if (sim->inverse_mass[i] > 0.0) {
-        next.v += dt * (*dem_force(sim, i) * sim->inverse_mass[i] + sim->gravity);
+    dem_motion next = sim->grains.motion[i];
+    if (sim->grains.inverse_mass[i] > 0.0) {
+        next.v += dt * (*dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity);
         next.x += dt * next.v;
     }
-    sim->next[i] = next;
-    if (!sim->omega) return;
-    sim->next_omega[i] = sim->omega[i] + dt * sim->inverse_inertia[i] * sim->push[i].torque;
-    sim->next_angle[i] = sim->angle[i] + dt * sim->next_omega[i];
+    sim->grains.next_motion[i] = next;
+    if (!sim->grains.omega) return;
+    sim->grains.next_omega[i] =
+        sim->grains.omega[i] + dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
+    sim->grains.next_angle[i] = sim->grains.angle[i] + dt * sim->grains.next_omega[i];
 }
 
 /* Does that bring it to where the neighbour list may lack a pair of its? True for NaN. */
 static bool goes_beyond(const dem_sim *sim, size_t i)
 {
-    const dem_vec moved = sim->next[i].x - sim->ref[i];
-    return !(dem_dot(moved, moved) <= sim->margin2[i]);
+    const dem_vec moved = sim->grains.next_motion[i].x - sim->grains.listed_x[i];
+    return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
 }
 
 /* Has it collided in this step? */
 static bool deflected(const dem_sim *sim, size_t i)
 {
-    bool hit = sim->n_hit > DEM_HITS;
-    for (size_t h = 0; h < sim->n_hit && !hit; h++) hit = sim->hit[h] == i;
+    bool hit = sim->hits.n > DEM_HITS;
+    for (size_t h = 0; h < sim->hits.n && !hit; h++) hit = sim->hits.grain[h] == i;
     return hit;
 }
 
@@ -99,16 +105,16 @@ static bool deflected(const dem_sim *sim, size_t i)
 static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
 {
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
-    sim->grain[i].v += gain;
-    sim->grain[i].x -= t * gain;
-    if (sim->omega) {
-        sim->omega[i] += to->omega - from->omega;
-        sim->angle[i] -= t * (to->omega - from->omega);
+    sim->grains.motion[i].v += gain;
+    sim->grains.motion[i].x -= t * gain;
+    if (sim->grains.omega) {
+        sim->grains.omega[i] += to->omega - from->omega;
+        sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
     foresee(sim, i);
     if (deflected(sim, i)) return;
-    if (sim->n_hit < DEM_HITS) sim->hit[sim->n_hit] = (uint32_t)i;
-    sim->n_hit++;
+    if (sim->hits.n < DEM_HITS) sim->hits.grain[sim->hits.n] = (uint32_t)i;
+    sim->hits.n++;
 }
 
 /* Collide two bodies, unless, eq (22), a step of the acceleration that presses them together makes up the
@@ -121,7 +127,7 @@ static bool collide(dem_sim *sim, dem_body *one, dem_body *two, dem_vec n, doubl
     if (closing <= sim->def.dt * pressing ||
         !dem_impact(one, two, (double[]){n[0], n[1]}, hard->restitution, hard->mu, &impulse))
         return false;
-    sim->collisions++;
+    sim->count.collisions++;
     return true;
 }
 
@@ -154,7 +160,7 @@ static void collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
     const dem_body before[2] = {body_at(sim, i, &m_i, t), body_at(sim, j, &m_j, t)};
     dem_body after[2] = {before[0], before[1]};
     if (!collide(sim, &after[0], &after[1], n, dem_dot(a, n))) return;
-    if (sim->book) dem_ledger_collision(sim, (size_t[]){i, j}, before, after);
+    if (sim->ledger) dem_ledger_collision(sim, (size_t[]){i, j}, before, after);
     deflect(sim, i, &before[0], &after[0], t);
     deflect(sim, j, &before[1], &after[1], t);
 }
@@ -175,7 +181,7 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     const dem_body before[2] = {body_at(sim, i, &m, t), {{wall_velocity[0], wall_velocity[1]}}};
     dem_body after[2] = {before[0], before[1]};
     if (!collide(sim, &after[0], &after[1], -normal, pressing)) return;
-    if (sim->book) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
+    if (sim->ledger) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
     deflect(sim, i, &before[0], &after[0], t);
 }
 
@@ -184,12 +190,13 @@ static void collide_walls(dem_sim *sim, bool deflected_only)
 {
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         const bool rests = dem_wall_rests(sim, w);
-        for (size_t k = sim->wall_start[w]; k < sim->wall_start[w + 1]; k++) {
-            const dem_wall_slot *slot = &sim->wall_slot[k];
+        for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
+            const dem_wall_slot *slot = &sim->walls.slot[k];
             const size_t i = slot->grain;
             if (deflected_only && !deflected(sim, i)) continue;
-            const dem_vec d = sim->grain[i].x - sim->wall[w].point;
-            const bool touches = sim->radius[i] - slot->side * dem_dot(d, sim->wall[w].direction) > 0.0;
+            const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
+            const bool touches =
+                sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
             if (!(touches && rests)) collide_wall(sim, *slot);
         }
     }
@@ -199,10 +206,11 @@ static void collide_walls(dem_sim *sim, bool deflected_only)
  * which time_of_touch has an answer, and a few more by round-off. */
 static bool may_touch(const dem_sim *sim, size_t k)
 {
-    const dem_record *a = &sim->next[sim->pair_i[k]], *b = &sim->next[sim->pair_j[k]];
+    const dem_motion *a = &sim->grains.next_motion[sim->pairs.i[k]],
+                     *b = &sim->grains.next_motion[sim->pairs.j[k]];
     const dem_vec end = a->x - b->x, way = sim->def.dt * (a->v - b->v), start = end - way;
-    const double reach2 = sim->pair_radii[k] * sim->pair_radii[k],
-                 slop = 1e-9 * reach2 + 4.0 * sim->pair_radii[k] * sim->round_off,
+    const double reach2 = sim->pairs.radii[k] * sim->pairs.radii[k],
+                 slop = 1e-9 * reach2 + 4.0 * sim->pairs.radii[k] * sim->list.round_off,
                  gap = dem_dot(start, start) - reach2, along = dem_dot(start, way);
     if (gap < -slop || along > slop) return false; /* nearer is a soft contact */
     return dem_dot(end, end) <= reach2 + slop ||
@@ -213,7 +221,7 @@ static bool may_touch(const dem_sim *sim, size_t k)
  * passed over with `apart`. */
 static size_t next_closing(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
-    if (sim->closing) return sim->closing(sim, k, end, apart);
+    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end, apart);
     while (k < end && !may_touch(sim, k)) k++;
     return k;
 }
@@ -221,20 +229,20 @@ static size_t next_closing(const dem_sim *sim, size_t k, size_t end, bool apart)
 /* The same of grains one of which has collided in this step. */
 static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->n_hit > DEM_HITS)
+    if (sim->hits.n > DEM_HITS)
         return next_closing(sim, k, end, false); /* others do once more what they did */
-    if (sim->deflected) return sim->deflected(sim, k, end);
+    if (sim->kernels.next_collided) return sim->kernels.next_collided(sim, k, end);
     while (k < end &&
-           !((deflected(sim, sim->pair_i[k]) || deflected(sim, sim->pair_j[k])) && may_touch(sim, k)))
+           !((deflected(sim, sim->pairs.i[k]) || deflected(sim, sim->pairs.j[k])) && may_touch(sim, k)))
         k++;
     return k;
 }
 
 static void collide_listed(dem_sim *sim, size_t k)
 {
-    const size_t i = sim->pair_i[k], j = sim->pair_j[k];
-    const dem_vec d = sim->grain[i].x - sim->grain[j].x;
-    const double reach = sim->pair_radii[k];
+    const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
+    const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
+    const double reach = sim->pairs.radii[k];
     if (dem_dot(d, d) >= reach * reach) collide_pair(sim, i, j, reach);
 }
 
@@ -242,10 +250,10 @@ static void collide_listed(dem_sim *sim, size_t k)
  * collided besides. */
 static void collide_all(dem_sim *sim)
 {
-    const size_t n = sim->n_pairs;
+    const size_t n = sim->pairs.n;
     for (size_t k = 0, apart = next_closing(sim, 0, n, true);; k++) {
         if (apart < k) apart = next_closing(sim, k, n, true);
-        k = sim->n_hit ? next_deflected(sim, k, apart) : apart;
+        k = sim->hits.n ? next_deflected(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
@@ -255,7 +263,7 @@ static void collide_all(dem_sim *sim)
 /* Others than those that have collided go on as they would have. */
 static void collide_deflected(dem_sim *sim)
 {
-    const size_t n = sim->n_pairs;
+    const size_t n = sim->pairs.n;
     for (size_t k = next_deflected(sim, 0, n); k < n; k = next_deflected(sim, k + 1, n))
         collide_listed(sim, k);
     collide_walls(sim, true);
@@ -264,8 +272,8 @@ static void collide_deflected(dem_sim *sim)
 /* Of all grains; gives one that goes beyond its margin, n for none. */
 static size_t foresee_all(dem_sim *sim)
 {
-    size_t beyond = sim->n;
-    for (size_t i = sim->foresee ? sim->foresee(sim, &beyond) : 0; i < sim->n; i++) {
+    size_t beyond = sim->grains.n;
+    for (size_t i = sim->kernels.predict ? sim->kernels.predict(sim, &beyond) : 0; i < sim->grains.n; i++) {
         foresee(sim, i);
         if (goes_beyond(sim, i)) beyond = i;
     }
@@ -273,47 +281,48 @@ static size_t foresee_all(dem_sim *sim)
 }
 
 /* A collision may send a grain into the next: a few rounds, then what still closes meets softly. */
-rp_status dem_impacts_apply(dem_sim *sim)
+rp_status dem_hard_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
     size_t beyond = foresee_all(sim);
-    sim->n_hit = 0;
-    if (beyond < sim->n) {
+    sim->hits.n = 0;
+    if (beyond < sim->grains.n) {
         rp_status status = dem_neighbours_renew(sim);
         if (status) return status;
         beyond = foresee_all(sim);
-        if (beyond < sim->n)
+        if (beyond < sim->grains.n)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
-                            sqrt(sim->margin2[beyond]));
+                            sqrt(sim->grains.margin2[beyond]));
     }
-    long before = sim->collisions;
+    long before = sim->count.collisions;
     collide_all(sim);
-    for (int round = 1; round < ROUNDS && sim->collisions > before; round++) {
-        before = sim->collisions;
+    for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
+        before = sim->count.collisions;
         collide_deflected(sim);
     }
     return RP_OK;
 }
 
 /* Margins of those that have not collided have been looked at. */
-unsigned dem_impacts_integrate(dem_sim *sim)
+unsigned dem_hard_move(dem_sim *sim)
 {
-    dem_record *const grain = sim->grain;
-    double *const omega = sim->omega, *const angle = sim->angle;
+    dem_motion *const grain = sim->grains.motion;
+    double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t h = 0; h < sim->n_hit && sim->n_hit <= DEM_HITS; h++)
-        left |= goes_beyond(sim, sim->hit[h]) * DEM_LIST_OUT;
-    for (size_t i = 0; i < sim->n && sim->n_hit > DEM_HITS; i++) left |= goes_beyond(sim, i) * DEM_LIST_OUT;
-    sim->grain = sim->next, sim->next = grain;
-    sim->omega = sim->next_omega, sim->next_omega = omega;
-    sim->angle = sim->next_angle, sim->next_angle = angle;
-    for (size_t i = 0; i < sim->n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
-        left |= dem_beyond(sim, sim->grain[i].x) * DEM_GRAIN_OUT;
-    if (sim->push)
-        memset(sim->push, 0, sim->n * sizeof *sim->push);
+    for (size_t h = 0; h < sim->hits.n && sim->hits.n <= DEM_HITS; h++)
+        left |= goes_beyond(sim, sim->hits.grain[h]) * DEM_LIST_OUT;
+    for (size_t i = 0; i < sim->grains.n && sim->hits.n > DEM_HITS; i++)
+        left |= goes_beyond(sim, i) * DEM_LIST_OUT;
+    sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
+    sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
+    sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;
+    for (size_t i = 0; i < sim->grains.n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
+        left |= dem_beyond(sim, sim->grains.motion[i].x) * DEM_GRAIN_OUT;
+    if (sim->grains.force_torque)
+        memset(sim->grains.force_torque, 0, sim->grains.n * sizeof *sim->grains.force_torque);
     else
-        memset(sim->force, 0, sim->n * sizeof *sim->force);
-    sim->grain_steps += (double)sim->n;
+        memset(sim->grains.force, 0, sim->grains.n * sizeof *sim->grains.force);
+    sim->count.grain_steps += (double)sim->grains.n;
     return left;
 }

@@ -1,0 +1,158 @@
+/* Cells of tables by name; see cells.h. */
+#include "cli/cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+rp_status cli_split(const char *text, cli_words *words)
+{
+    words->n = 0;
+    if (strlen(text) >= sizeof words->text) return rp_fail(RP_BAD_INPUT, "\"%.40s...\": too long", text);
+    strcpy(words->text, text);
+    for (char *save, *word = strtok_r(words->text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
+        if (words->n == CLI_MAX_WORDS)
+            return rp_fail(RP_BAD_INPUT, "\"%.40s...\": more than %d words", text, CLI_MAX_WORDS);
+        words->words[words->n++] = word;
+    }
+    return RP_OK;
+}
+
+static bool text_equals(const char *cell, const char *wanted)
+{
+    char *end_a, *end_b;
+    const double a = strtod(cell, &end_a), b = strtod(wanted, &end_b);
+    if (strcmp(cell, wanted) == 0) return true;
+    if (*end_a || !*cell) return false;
+    if (strncmp(end_b, "..", 2) == 0) return a >= b && a <= strtod(end_b + 2, NULL);
+    return !*end_b && fabs(a - b) <= 1e-12 * fabs(b);
+}
+
+rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
+                          bool *matches)
+{
+    *matches = true;
+    for (int w = first; w < last && *matches; w++) {
+        char key[128];
+        const char *equals = strchr(words->words[w], '=');
+        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
+        snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
+        const int column = rp_table_column(table, key);
+        if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, key);
+        *matches = text_equals(table->cells[row * table->n_columns + (size_t)column], equals + 1);
+    }
+    return RP_OK;
+}
+
+bool cli_find_table(const char *folders, const char *name, char path[4096])
+{
+    for (const char *folder = folders;; folder = strchr(folder, ',') + 1) {
+        snprintf(path, 4096, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name);
+        if (access(path, F_OK) == 0) return true;
+        if (!strchr(folder, ',')) return false;
+    }
+}
+
+rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell)
+{
+    *cell = (cli_cell){0};
+    rp_status status = cli_split(reference, &cell->words);
+    if (status) return status;
+    const cli_words *w = &cell->words;
+    if (w->n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", reference);
+    cell->column = w->words[w->n - 1];
+    cell->missing = !cli_find_table(folders, w->words[0], cell->path);
+    if (cell->missing) return RP_OK;
+    status = rp_table_read(cell->path, &cell->table);
+    size_t found = 0;
+    for (size_t r = 0; r < cell->table.n_rows && !status; r++) {
+        bool matches;
+        status = cli_row_matches(&cell->table, r, w, 1, w->n - 1, &matches);
+        if (status || !matches) continue;
+        cell->row = r;
+        found++;
+    }
+    if (status) return status;
+    return found == 1 || cell->column[0] == '#'
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
+}
+
+void cli_cell_free(cli_cell *cell)
+{
+    if (cell->table.path) rp_table_free(&cell->table);
+    *cell = (cli_cell){0};
+}
+
+const char *cli_cell_text(const cli_cell *cell, const char *column)
+{
+    const int c = rp_table_column(&cell->table, column);
+    return c < 0 ? NULL : cell->table.cells[cell->row * cell->table.n_columns + (size_t)c];
+}
+
+rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value)
+{
+    const int c = rp_table_column(&cell->table, column);
+    *value = NAN;
+    return c < 0 ? RP_OK : rp_table_number(&cell->table, cell->row, c, true, value);
+}
+
+/* The number that the header line "# KEY: text" starts with. */
+static rp_status note_number(const cli_cell *cell, stats_number *number)
+{
+    char *end;
+    const char *text = rp_table_find_note(&cell->table, cell->column + 1);
+    *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
+    return text && end != text ? RP_OK
+                               : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path,
+                                         cell->column + 1);
+}
+
+rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
+{
+    const char *name = cell->column;
+    if (*name == '#') return note_number(cell, number);
+    const size_t n = strlen(name);
+    char mean[160], error[160];
+    snprintf(mean, sizeof mean, "%s_mean", name);
+    snprintf(error, sizeof error, "%s_se", name);
+    if (!cli_cell_text(cell, mean)) snprintf(mean, sizeof mean, "%s", name);
+    if (!cli_cell_text(cell, error) && n > 4 && strcmp(name + n - 4, "_deg") == 0)
+        snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
+    if (!cli_cell_text(cell, mean)) return rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, name);
+    number->se = 0.0;
+    rp_status status = cli_cell_column(cell, mean, &number->value);
+    return status || !cli_cell_text(cell, error) ? status : cli_cell_column(cell, error, &number->se);
+}
+
+void cli_print_number(FILE *out, stats_number number)
+{
+    if (isnan(number.value)) {
+        fputs("not known", out);
+    } else if (isnan(number.se)) {
+        fprintf(out, "%.3g (error not known)", number.value);
+    } else if (number.se == 0.0) {
+        fprintf(out, "%.4g", number.value);
+    } else {
+        const int decimals = 1 - (int)floor(log10(number.se));
+        fprintf(out, "%.*f ± %.*f", decimals < 0 ? 0 : decimals, number.value, decimals < 0 ? 0 : decimals,
+                number.se);
+    }
+}
+
+rp_status cli_print_text(FILE *out, const char *text, const char *format)
+{
+    /* precision and letter alone are taken from the format, so that it cannot be a harmful one */
+    int precision = 3, used = 0;
+    char letter = 'g', *end;
+    if (format && (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
+                   !strchr("fg", letter)))
+        return rp_fail(RP_BAD_INPUT, "\"%s\": a format such as %%.3g or %%.0f expected", format);
+    const double value = strtod(text, &end);
+    if (*end || (!format && !text[strspn(text, "0123456789")]))
+        fputs(text, out);
+    else
+        fprintf(out, letter == 'f' ? "%.*f" : "%.*g", precision, value);
+    return RP_OK;
+}

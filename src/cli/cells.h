@@ -1,0 +1,64 @@
+/* Cells of the tables that claims and the report name by "TABLE key=value ... COLUMN". */
+#ifndef CLI_CELLS_H
+#define CLI_CELLS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "core/status.h"
+#include "core/table.h"
+#include "stats/claims.h"
+
+enum { CLI_MAX_WORDS = 16, CLI_MAX_REFERENCE = 512 };
+
+/* A text split at blanks, in place. */
+typedef struct {
+    char text[CLI_MAX_REFERENCE];
+    char *words[CLI_MAX_WORDS];
+    int n;
+} cli_words;
+
+/* Errors: RP_BAD_INPUT for a text that is too long or has too many words. */
+rp_status cli_split(const char *text, cli_words *words);
+
+/* Whether a row matches all of the words first <= w < last, each key=value, or key=FROM..TO for numbers.
+ * Errors: RP_BAD_INPUT for a column that the table does not have. */
+rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
+                          bool *matches);
+
+/* Path of NAME.tsv in the first of `folders`, joined by commas, that has it; false if none has. */
+bool cli_find_table(const char *folders, const char *name, char path[4096]);
+
+/* One cell of a table; free with cli_cell_free, also after an error. */
+typedef struct {
+    rp_table table;
+    char path[4096];
+    size_t row;
+    cli_words words;    /* of the reference */
+    const char *column; /* its last word */
+    bool missing;       /* no folder has the table: nothing else is set */
+} cli_cell;
+
+/* Errors: RP_BAD_INPUT (no such column, rows other than one), those of rp_table_read. */
+rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell);
+void cli_cell_free(cli_cell *cell);
+
+/* The text in another column of the cell's row, NULL if there is no such column. */
+const char *cli_cell_text(const cli_cell *cell, const char *column);
+
+/* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a
+ * quantity without a column for its error is exact. Column #KEY is the number that a header line starts with.
+ * Errors: RP_BAD_INPUT. */
+rp_status cli_cell_number(const cli_cell *cell, stats_number *number);
+
+/* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
+rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value);
+
+/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN. */
+void cli_print_number(FILE *out, stats_number number);
+
+/* A cell's text under a format such as %.3g or %.0f; without one a count stands as it is, other numbers take
+ * %.3g. Errors: RP_BAD_INPUT for any other format. */
+rp_status cli_print_text(FILE *out, const char *text, const char *format);
+
+#endif

@@ -1,0 +1,324 @@
+/* Published claims and what our tables say of them; see claims.h. */
+#include "cli/claims.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- reading ---- */
+
+#define X(name, word, table, meaning) word,
+static const char *const test_words[] = {CLI_CLAIM_TESTS(X)};
+#undef X
+#define X(name, word, table, meaning) table,
+static const bool needs_table[] = {CLI_CLAIM_TESTS(X)};
+#undef X
+
+enum {
+    ID,
+    OF,
+    PAPER,
+    PLACE,
+    SECTION,
+    TEST,
+    PUBLISHED,
+    PUBLISHED_SE,
+    SAMPLES,
+    MARGIN,
+    ANSWER,
+    AGAINST,
+    FORENSICS,
+    STATEMENT,
+    NOTE,
+    N_COLUMNS
+};
+
+/* "-" stands for nothing. */
+static const char *text_of(const rp_table *t, size_t row, int column)
+{
+    const char *text = t->cells[row * t->n_columns + (size_t)column];
+    return strcmp(text, "-") == 0 ? "" : text;
+}
+
+static rp_status number_of(const rp_table *t, size_t row, int column, double otherwise, double *number)
+{
+    *number = otherwise;
+    return *text_of(t, row, column) ? rp_table_number(t, row, column, false, number) : RP_OK;
+}
+
+static rp_status read_numbers(const rp_table *t, size_t row, const int columns[], cli_claim *c)
+{
+    rp_status status = number_of(t, row, columns[PUBLISHED], NAN, &c->published.value);
+    if (!status) status = number_of(t, row, columns[PUBLISHED_SE], 0.0, &c->published.se);
+    if (!status) status = number_of(t, row, columns[SAMPLES], 0.0, &c->samples);
+    return status ? status : number_of(t, row, columns[MARGIN], INFINITY, &c->margin);
+}
+
+/* A variant takes the published number of its claim, which stands before it. */
+static rp_status find_number(const cli_claims *all, cli_claim *c)
+{
+    const cli_claim *original = NULL;
+    if (!*c->of) return RP_OK;
+    rp_status status = cli_claims_find(all, c->of, &original);
+    if (status) return status;
+    if (!isnan(c->published.value))
+        return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
+    c->published = original->published;
+    c->published_text = original->published_text;
+    c->se_text = original->se_text;
+    c->samples = original->samples;
+    return RP_OK;
+}
+
+static rp_status check(const cli_claims *all, const cli_claim *c)
+{
+    const bool number = c->test == CLAIM_AGREES || c->test == CLAIM_EQUALS || c->test == CLAIM_RATIO ||
+                        (c->test == CLAIM_ORDER && !*c->against);
+    const bool other = c->test == CLAIM_SAME || c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW ||
+                       c->test == CLAIM_LEAST || c->test == CLAIM_MOST || c->test == CLAIM_RATIO;
+    for (size_t i = 0; i < all->n; i++)
+        if (strcmp(all->claims[i].id, c->id) == 0)
+            return rp_fail(RP_BAD_INPUT, "claim %s stands twice", c->id);
+    if (number && isnan(c->published.value))
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id,
+                       test_words[c->test]);
+    if (other && !*c->against)
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, test_words[c->test]);
+    if ((c->test == CLAIM_INDEPENDENT || c->test == CLAIM_ORDER || c->test == CLAIM_EQUALS) &&
+        !isfinite(c->margin))
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, test_words[c->test]);
+    if (c->test == CLAIM_UNTESTABLE ? !*c->note : !*c->answer)
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, test_words[c->test],
+                       c->test == CLAIM_UNTESTABLE ? "a reason in `note`" : "an answer");
+    return RP_OK;
+}
+
+static rp_status read_claim(cli_claims *all, size_t row, const int columns[])
+{
+    const rp_table *t = &all->table;
+    cli_claim *c = &all->claims[all->n];
+    *c = (cli_claim){.id = text_of(t, row, columns[ID]),
+                     .of = text_of(t, row, columns[OF]),
+                     .paper = text_of(t, row, columns[PAPER]),
+                     .place = text_of(t, row, columns[PLACE]),
+                     .section = text_of(t, row, columns[SECTION]),
+                     .published_text = text_of(t, row, columns[PUBLISHED]),
+                     .se_text = text_of(t, row, columns[PUBLISHED_SE]),
+                     .answer = text_of(t, row, columns[ANSWER]),
+                     .against = text_of(t, row, columns[AGAINST]),
+                     .forensics = text_of(t, row, columns[FORENSICS]),
+                     .statement = text_of(t, row, columns[STATEMENT]),
+                     .note = text_of(t, row, columns[NOTE])};
+    const char *word = text_of(t, row, columns[TEST]);
+    for (c->test = 0; c->test < CLI_N_CLAIM_TESTS; c->test++)
+        if (strcmp(word, test_words[c->test]) == 0) break;
+    rp_status status = c->test < CLI_N_CLAIM_TESTS
+                           ? RP_OK
+                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, word);
+    if (!status) status = read_numbers(t, row, columns, c);
+    if (!status) status = find_number(all, c);
+    if (!status) status = check(all, c);
+    if (status) return rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]);
+    all->n++;
+    return RP_OK;
+}
+
+rp_status cli_claims_read(const char *path, cli_claims *claims)
+{
+    static const char *const names[N_COLUMNS] = {
+        "id",      "of",     "paper",  "place",   "section",   "test",      "published", "published_se",
+        "samples", "margin", "answer", "against", "forensics", "statement", "note"};
+    int columns[N_COLUMNS];
+    *claims = (cli_claims){0};
+    rp_status status = rp_table_read_texts(path, &claims->table);
+    for (int k = 0; k < N_COLUMNS && !status; k++)
+        if ((columns[k] = rp_table_column(&claims->table, names[k])) < 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", path, names[k]);
+    claims->claims = calloc(claims->table.n_rows + 1, sizeof *claims->claims);
+    if (!status && !claims->claims) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    for (size_t row = 0; row < claims->table.n_rows && !status; row++)
+        status = read_claim(claims, row, columns);
+    return status;
+}
+
+void cli_claims_free(cli_claims *claims)
+{
+    free(claims->claims);
+    if (claims->table.path) rp_table_free(&claims->table);
+    *claims = (cli_claims){0};
+}
+
+rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim)
+{
+    for (size_t i = 0; i < claims->n; i++)
+        if (strcmp(claims->claims[i].id, id) == 0) {
+            *claim = &claims->claims[i];
+            return RP_OK;
+        }
+    return rp_fail(RP_BAD_INPUT, "no claim \"%s\"", id);
+}
+
+const char *cli_claim_test_word(cli_claim_test test)
+{
+    return test_words[test];
+}
+
+void cli_claim_published(const cli_claim *claim, char text[128])
+{
+    snprintf(text, 128, "%s%s%s", claim->published_text, *claim->se_text ? " ± " : "", claim->se_text);
+}
+
+/* ---- judging ---- */
+
+/* How many values are behind the cell. */
+static rp_status count_values(const cli_cell *cell, double *n)
+{
+    char own[160];
+    snprintf(own, sizeof own, "%s_n", cell->column);
+    return cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", n);
+}
+
+/* A number, or a cell of a table; a table that is not there leaves *missing true. */
+static rp_status other_number(const char *text, const char *folders, stats_number *number, double *n,
+                              bool *missing)
+{
+    char *end;
+    cli_cell cell;
+    *number = (stats_number){strtod(text, &end), 0.0};
+    if (!*end) return RP_OK;
+    rp_status status = cli_cell_find(folders, text, &cell);
+    *missing |= cell.missing;
+    if (!status && !cell.missing) status = cli_cell_number(&cell, number);
+    if (!status && !cell.missing) status = count_values(&cell, n);
+    cli_cell_free(&cell);
+    return status;
+}
+
+static rp_status read_change(const cli_cell *cell, stats_change *change)
+{
+    rp_status status = cli_cell_column(cell, "change_lo90", &change->lo90);
+    if (!status) status = cli_cell_column(cell, "change_hi90", &change->hi90);
+    return status ? status
+                  : cli_cell_column(cell, cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
+                                    &change->p_value);
+}
+
+static void apply_test(const cli_claim *c, stats_number ours, stats_number against,
+                       const stats_change *change, cli_judged *j)
+{
+    switch (c->test) {
+    case CLAIM_RATIO:
+    case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
+    case CLAIM_SAME: j->match = stats_agree(ours, against, 0.0, c->margin); break;
+    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1); return;
+    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1); return;
+    case CLAIM_LEAST: j->verdict = stats_bound(ours.value, against.value, 1); return;
+    case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, -1); return;
+    case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->published.value), c->margin, -1); return;
+    case CLAIM_ORDER:
+        j->verdict = stats_order(stats_quotient(ours, *c->against ? against : c->published), c->margin);
+        return;
+    case CLAIM_INDEPENDENT: j->verdict = stats_equivalent(change, c->margin); return;
+    case CLAIM_RISES: j->verdict = stats_trends(change, 1, c->margin); return;
+    case CLAIM_FALLS: j->verdict = stats_trends(change, -1, c->margin); return;
+    case CLAIM_CONSTANT:
+    case CLAIM_FORMULA:
+    case CLAIM_PICTURE:
+    case CLAIM_UNTESTABLE:
+    case CLI_N_CLAIM_TESTS: return;
+    }
+    j->verdict = j->match.verdict;
+    j->two_readings = j->match.error != j->match.deviation;
+}
+
+static void print_ours(const cli_claim *c, const stats_change *change, cli_judged *j)
+{
+    const bool trend = c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
+    FILE *out = fmemopen(j->text, sizeof j->text, "w");
+    cli_print_number(out, j->ours);
+    if (trend) fprintf(out, " (90 %%: %.2g to %.2g)", change->lo90, change->hi90);
+    if (*c->against && c->test != CLAIM_RATIO) {
+        fputs(" against ", out);
+        cli_print_number(out, j->against);
+    }
+    fclose(out);
+}
+
+static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged *j)
+{
+    cli_cell cell;
+    stats_change change = {NAN, NAN, NAN};
+    double n_against = NAN;
+    rp_status status = cli_cell_find(folders, c->answer, &cell);
+    bool missing = cell.missing;
+    if (!status && *c->against) status = other_number(c->against, folders, &j->against, &n_against, &missing);
+    if (!status && !missing) {
+        status = cli_cell_number(&cell, &j->ours);
+        if (!status) status = count_values(&cell, &j->n);
+        if (!status) status = read_change(&cell, &change);
+        const stats_number against = stats_of_few(j->against, n_against);
+        stats_number ours = stats_of_few(j->ours, j->n);
+        if (c->test == CLAIM_RATIO) {
+            ours = stats_quotient(ours, against);
+            j->ours = stats_quotient(j->ours, j->against);
+        }
+        if (!status) apply_test(c, ours, against, &change, j);
+        if (!status) print_ours(c, &change, j);
+    }
+    cli_cell_free(&cell);
+    if (missing) j->verdict = STATS_NO_DATA;
+    return status;
+}
+
+/* The published numbers of several claims among themselves. */
+static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_judged *j)
+{
+    cli_words words;
+    stats_number numbers[CLI_MAX_WORDS];
+    const cli_claim *other = NULL;
+    rp_status status = cli_split(c->answer, &words);
+    for (int i = 0; i < words.n && !status; i++)
+        if ((status = cli_claims_find(all, words.words[i], &other)) == RP_OK) numbers[i] = other->published;
+    if (status) return status;
+    j->match = stats_constant((size_t)words.n, numbers, other ? other->samples : 0.0);
+    j->verdict = j->match.verdict;
+    j->two_readings = j->match.error != j->match.deviation;
+    snprintf(j->text, sizeof j->text, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
+    return RP_OK;
+}
+
+static void explain(const cli_claim *c, cli_judged *j)
+{
+    const char *verdict = stats_verdict_text(j->verdict);
+    if (j->two_readings)
+        snprintf(j->reason, sizeof j->reason,
+                 "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
+                 stats_verdict_text(j->match.error), stats_verdict_text(j->match.deviation));
+    else if ((c->test == CLAIM_AGREES || c->test == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
+        snprintf(j->reason, sizeof j->reason, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+    else if (c->test == CLAIM_FORMULA)
+        snprintf(j->reason, sizeof j->reason, "%s, by tests", verdict);
+    else if (c->test == CLAIM_UNTESTABLE)
+        snprintf(j->reason, sizeof j->reason, "%s: %s", verdict, c->note);
+    else
+        snprintf(j->reason, sizeof j->reason, "%s", verdict);
+}
+
+rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, const char *folders,
+                          cli_judged *j)
+{
+    *j = (cli_judged){
+        .n = NAN, .ours = {NAN, NAN}, .against = {NAN, 0.0}, .match = {.z_error = NAN, .z_deviation = NAN}};
+    rp_status status = RP_OK;
+    if (needs_table[claim->test])
+        status = judge_table(claim, folders, j);
+    else if (claim->test == CLAIM_CONSTANT)
+        status = judge_constant(claims, claim, j);
+    else
+        j->verdict = claim->test == CLAIM_FORMULA   ? STATS_REPRODUCED
+                     : claim->test == CLAIM_PICTURE ? STATS_BY_EYE
+                                                    : STATS_UNTESTABLE;
+    if (status) return rp_prefix(status, "claim %s: ", claim->id);
+    explain(claim, j);
+    return RP_OK;
+}

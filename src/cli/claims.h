@@ -1,0 +1,78 @@
+/* The published claims, figures/claims.tsv, and what our tables say of them. */
+#ifndef CLI_CLAIMS_H
+#define CLI_CLAIMS_H
+
+#include "cli/cells.h"
+
+/* How a claim is tested: name, word, whether a table answers, meaning. */
+#define CLI_CLAIM_TESTS(X)                                                                                   \
+    X(AGREES, "agrees", true, "ours is the published number, within two standard errors of the difference")  \
+    X(SAME, "same", true, "ours is `against`, within two standard errors of the difference")                 \
+    X(ABOVE, "above", true, "ours exceeds `against` by two standard errors of the difference")               \
+    X(BELOW, "below", true, "ours is below `against` by two standard errors of the difference")              \
+    X(LEAST, "least", true, "ours, whose error does not count, is at least `against`")                       \
+    X(MOST, "most", true, "ours, whose error does not count, is at most `against`")                          \
+    X(EQUALS, "equals", true, "ours, whose error does not count, is the published number within the margin") \
+    X(RATIO, "ratio", true, "ours over `against` is the published number, as in agrees")                     \
+    X(ORDER, "order", true,                                                                                  \
+      "ours over `against`, or over the published number, is 1 within a factor, the margin")                 \
+    X(INDEPENDENT, "independent", true, "equivalence: the change lies within the margin")                    \
+    X(RISES, "rises", true, "the change is a significant rise")                                              \
+    X(FALLS, "falls", true, "the change is a significant fall")                                              \
+    X(CONSTANT, "constant", false, "the published numbers of the claims in `answer` are one, by chi^2")      \
+    X(FORMULA, "formula", false, "the unit test in `answer`")                                                \
+    X(PICTURE, "picture", false, "no number is possible: the figure in `answer` is judged by eye")           \
+    X(UNTESTABLE, "untestable", false, "cannot be tested, for the reason in `note`")
+
+#define X(name, word, table, meaning) CLAIM_##name,
+typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
+#undef X
+
+/* "agrees", "same", ... */
+const char *cli_claim_test_word(cli_claim_test test);
+
+/* A row of figures/claims.tsv; the texts point into its table. */
+typedef struct {
+    const char *id, *of, *paper, *place, *section, *published_text, *se_text, *answer, *against, *statement,
+        *note;
+    cli_claim_test test;
+    stats_number published; /* NaN: none */
+    double samples, margin; /* 0: not said; INFINITY: none */
+    const char *forensics;
+} cli_claim;
+
+typedef struct {
+    rp_table table;
+    cli_claim *claims;
+    size_t n;
+} cli_claims;
+
+/* Free with cli_claims_free, also after an error.
+ * Errors: RP_BAD_INPUT with file and line (unknown test, a claim twice, a number or answer that its test
+ * needs), those of rp_table_read, RP_NO_MEMORY. */
+rp_status cli_claims_read(const char *path, cli_claims *claims);
+void cli_claims_free(cli_claims *claims);
+
+/* The claim called `id`; of a variant, the paper's number is that of the claim it varies. Errors:
+ * RP_BAD_INPUT. */
+rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim);
+
+/* A claim judged by the tables in `folders`. */
+typedef struct {
+    stats_verdict verdict;
+    bool two_readings; /* of the published +-, with different verdicts */
+    stats_match match;
+    stats_number ours, against;
+    double n;         /* values behind ours; NaN where the table does not say */
+    char text[256];   /* ours, as the report shows it */
+    char reason[512]; /* verdict with what explains it */
+} cli_judged;
+
+/* Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of rp_table_read. */
+rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, const char *folders,
+                          cli_judged *judged);
+
+/* The published number as it is printed there, with its error and samples; "" for none. */
+void cli_claim_published(const cli_claim *claim, char text[128]);
+
+#endif

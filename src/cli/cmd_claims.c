@@ -1,0 +1,150 @@
+/* repose claims: what two papers claim, and what our tables say of each claim. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/claims.h"
+#include "cli/cli.h"
+
+typedef struct {
+    const char *tables, *claims, *id;
+    int paper;
+    bool published, variants;
+} claims_options;
+
+static const rp_param options[] = {
+    {"tables", "", RP_TEXT, offsetof(claims_options, tables), "build/tables,results", "",
+     "folders of the tables, joined by commas; the first that has a table counts"},
+    {"claims", "", RP_TEXT, offsetof(claims_options, claims), "figures/claims.tsv", "", "the claims"},
+    {"paper", "", RP_CHOICE, offsetof(claims_options, paper), "all", "all | lh | li | ours",
+     "claims of one paper"},
+    {"id", "", RP_TEXT, offsetof(claims_options, id), "all", "", "one claim, with its variants"},
+    {"variants", "", RP_BOOL, offsetof(claims_options, variants), "false", "",
+     "also the claims of a paper under other choices; they do not count"},
+    {"published", "", RP_BOOL, offsetof(claims_options, published), "false", "",
+     "only the published numbers, for figures; reads no tables"},
+    {0}};
+
+static const cli_command command = {
+    "claims",
+    "[options]",
+    "Every claim of both papers with its verdict; first, as notes, how many have which verdict.\n"
+    "reproduced, not reproduced: as the claim's test says, see figures/claims.tsv; undecided: our error or "
+    "the\n"
+    "paper's is too large, or the verdict depends on the reading of the paper's +-; can't be tested: with "
+    "the\n"
+    "reason; by eye: a picture without a number; no data: the table that answers has not been made.\n"
+    "Claims of paper `ours` are this program's own, beyond the papers.",
+    "repose claims --paper lh",
+    options,
+    0,
+    0};
+
+static const char *const papers[] = {"all", "lh", "li", "ours"};
+
+static bool one_alone(const claims_options *o)
+{
+    return strcmp(o->id, "all") != 0;
+}
+
+static bool chosen(const cli_claim *c, const claims_options *o)
+{
+    if (o->paper > 0 && strcmp(papers[o->paper], c->paper) != 0) return false;
+    if (one_alone(o)) return strcmp(o->id, c->id) == 0 || strcmp(o->id, c->of) == 0;
+    return o->variants || o->published || !*c->of;
+}
+
+static void note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o,
+                        const char *paper)
+{
+    size_t counts[STATS_VERDICTS], n = 0;
+    stats_verdict *verdicts = calloc(all->n + 1, sizeof *verdicts);
+    if (!verdicts) return;
+    for (size_t i = 0; i < all->n; i++)
+        if (!*all->claims[i].of && chosen(&all->claims[i], o) && strcmp(all->claims[i].paper, paper) == 0)
+            verdicts[n++] = judged[i].verdict;
+    stats_count_verdicts(n, verdicts, counts);
+    free(verdicts);
+    if (n == 0) return;
+    char text[256] = "";
+    for (stats_verdict v = 0; v < STATS_VERDICTS; v++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
+                 stats_verdict_text(v));
+    rp_table_note(stdout, paper, "%s", text);
+}
+
+/* A cell is never empty. */
+static const char *or_dash(const char *text)
+{
+    return *text ? text : "-";
+}
+
+static void print_verdicts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+{
+    static const char *const columns[][2] = {
+        {"id", ""},        {"paper", ""},       {"place", ""},  {"statement", ""}, {"test", ""},
+        {"published", ""}, {"samples", ""},     {"answer", ""}, {"ours", ""},      {"n", ""},
+        {"z_error", ""},   {"z_deviation", ""}, {"detail", ""}, {"verdict", ""}};
+    for (size_t p = 1; p < sizeof papers / sizeof *papers; p++) note_counts(all, judged, o, papers[p]);
+    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    for (size_t i = 0; i < all->n; i++) {
+        const cli_claim *c = &all->claims[i];
+        const cli_judged *j = &judged[i];
+        char published[128];
+        if (!chosen(c, o)) continue;
+        cli_claim_published(c, published);
+        printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
+               cli_claim_test_word(c->test), or_dash(published), c->samples, or_dash(c->answer),
+               or_dash(j->text));
+        printf("%g\t%.3g\t%.3g\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
+               stats_verdict_text(j->verdict));
+    }
+}
+
+static rp_status judge_all(const cli_claims *all, const claims_options *o)
+{
+    cli_judged *judged = calloc(all->n + 1, sizeof *judged);
+    rp_status status = judged ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
+    for (size_t i = 0; i < all->n && !status; i++)
+        if (chosen(&all->claims[i], o)) status = cli_claim_judge(all, &all->claims[i], o->tables, &judged[i]);
+    if (!status) {
+        cli_table(stdout, options, o);
+        print_verdicts(all, judged, o);
+    }
+    free(judged);
+    return status;
+}
+
+static void print_published(const cli_claims *all, const claims_options *o)
+{
+    static const char *const columns[][2] = {
+        {"id", ""}, {"paper", ""}, {"published", "own"}, {"published_se", "own"}, {"samples", ""}};
+    cli_table(stdout, options, o);
+    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    for (size_t i = 0; i < all->n; i++) {
+        const cli_claim *c = &all->claims[i];
+        if (!chosen(c, o) || *c->of || isnan(c->published.value)) continue;
+        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published_text, *c->se_text ? c->se_text : "0",
+               c->samples);
+    }
+}
+
+rp_status cmd_claims(int argc, char **argv)
+{
+    claims_options o;
+    cli_claims all;
+    const cli_claim *one = NULL;
+    int n;
+    bool done;
+    rp_status status = cli_parse(&command, argc, argv, &o, NULL, &n, &done);
+    if (status || done) return status;
+    status = cli_claims_read(o.claims, &all);
+    if (!status && one_alone(&o)) status = cli_claims_find(&all, o.id, &one);
+    if (!status && o.published)
+        print_published(&all, &o);
+    else if (!status)
+        status = judge_all(&all, &o);
+    cli_claims_free(&all);
+    return status;
+}

@@ -1,0 +1,238 @@
+/* Definitions: defaults, and checks of what they ask for. */
+#include "dem/definition.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "dem/integrator.h"
+#include "dem/law.h"
+#include "dem/kernels.h"
+
+dem_definition dem_definition_default(void)
+{
+    return (dem_definition){
+        .gravity = {0.0, -981.0},
+        .dt = 5e-5,
+        .normal = DEM_HERTZ,
+        .tangential = DEM_SPRING,
+        .slip = DEM_TRUNCATED,
+        .tension = true,
+        .material = {.k_n = 1e6,
+                     .gamma_n = 500.0,
+                     .k_s = 1e4,
+                     .gamma_s = 5.0,
+                     .mu = 0.2,
+                     .k_roll = 1e4,
+                     .gamma_roll = 5.0},
+        .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
+        .x_max = INFINITY,
+        .y_min = -INFINITY,
+    };
+}
+
+void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
+{
+    def->n_walls = DEM_BOX_N;
+    for (int w = 0; w < DEM_BOX_N; w++)
+        def->walls[w] = (dem_wall){
+            .material = *wall, .extent = {-INFINITY, INFINITY}, .open_at_step = -1, .open_speed = INFINITY};
+    def->walls[DEM_BOX_FLOOR].direction[1] = 1.0;
+    def->walls[DEM_BOX_LEFT].direction[0] = 1.0;
+    def->walls[DEM_BOX_RIGHT].direction[0] = -1.0;
+    def->walls[DEM_BOX_RIGHT].point[0] = W;
+}
+
+double dem_mass(dem_shape shape, double density, double r)
+{
+    switch (shape) {
+    case DEM_SPHERE: return density * M_PI * r * r * (4.0 / 3.0 * r);
+    case DEM_DISK: return density * M_PI * r * r;
+    }
+    __builtin_unreachable();
+}
+
+double dem_inertia(dem_shape shape, double m, double r)
+{
+    switch (shape) {
+    case DEM_SPHERE: return 0.4 * m * r * r;
+    case DEM_DISK: return 0.5 * m * r * r;
+    }
+    __builtin_unreachable();
+}
+
+const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
+#define X(name, word) [name] = &dem_scheme_##word,
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+};
+
+static rp_status check_number(const char *name, double value, double lo, const char *allowed)
+{
+    return value >= lo && isfinite(value)
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s = %g: out of range, allowed: %s", name, value, allowed);
+}
+
+bool dem_has_rolling(const dem_definition *def)
+{
+    bool rolling = def->material.mu_roll > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) rolling |= def->walls[w].material.mu_roll > 0.0;
+    return rolling;
+}
+
+static rp_status check_material(const dem_definition *def, const dem_material *c, const char *of)
+{
+    rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
+    if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
+    if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
+    if (!status && dem_has_friction(def->tangential))
+        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
+    if (!status && !(c->mu >= 0.0))
+        status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
+    if (!status && !dem_has_friction(def->tangential) && c->mu > 0.0)
+        status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
+    if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
+        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
+    if (!status && c->mu_roll > 0.0 && (!def->rotation || !dem_has_friction(def->tangential)))
+        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
+                         def->rotation ? "a tangential law, but the scene declares none" : "rotation");
+    if (!status && dem_has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
+    if (!status && dem_has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
+    return status ? rp_prefix(status, "%s: ", of) : RP_OK;
+}
+
+static rp_status check_walls(const dem_definition *def)
+{
+    for (size_t k = 0; k < def->n_walls; k++) {
+        const dem_wall *w = &def->walls[k];
+        char of[32];
+        snprintf(of, sizeof of, "wall %zu", k + 1);
+        rp_status status = check_material(def, &w->material, of);
+        if (status) return status;
+        if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) ||
+            !isfinite(w->point[0] + w->point[1]))
+            return rp_fail(RP_BAD_INPUT, "%s: direction = [%g, %g]: a unit vector expected", of,
+                           w->direction[0], w->direction[1]);
+        if (!(w->extent[0] < w->extent[1]))
+            return rp_fail(RP_BAD_INPUT, "%s: extent = [%g, %g]: the first must be the smaller", of,
+                           w->extent[0], w->extent[1]);
+        if (!(w->open_speed >= 0.0) ||
+            (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
+            return rp_fail(
+                RP_BAD_INPUT,
+                "%s: open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end", of,
+                w->open_speed);
+    }
+    return RP_OK;
+}
+
+static rp_status check_ground(const dem_definition *def)
+{
+    const dem_ground *g = &def->ground;
+    if (g->wall == 0) return RP_OK;
+    if (g->wall < 0 || (size_t)g->wall > def->n_walls)
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: there are %zu walls", g->wall, def->n_walls);
+    const dem_wall *w = &def->walls[g->wall - 1];
+    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: must be a whole line that never opens", g->wall);
+    if (dem_has_spring(def->tangential))
+        return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
+    rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
+    if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
+    return status ? rp_prefix(status, "ground: ") : RP_OK;
+}
+
+static rp_status check_hard(const dem_definition *def)
+{
+    const dem_hard *hard = &def->hard;
+    if (!hard->on) return RP_OK;
+    if (!(hard->restitution >= 0.0 && hard->restitution <= 1.0))
+        return rp_fail(RP_BAD_INPUT, "hard: restitution = %g: out of range, allowed: [0, 1]",
+                       hard->restitution);
+    if (!(hard->mu >= 0.0))
+        return rp_fail(RP_BAD_INPUT, "hard: mu = %g: out of range, allowed: [0, inf) | infinite", hard->mu);
+    /* a pair that has just collided must not be held back */
+    if (def->tension)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
+    return RP_OK;
+}
+
+rp_status dem_refuse_turn(void)
+{
+    return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
+}
+
+rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
+{
+    if (!(p->r > 0.0) || !isfinite(p->r))
+        return rp_fail(RP_BAD_INPUT, "r = %g: out of range, allowed: (0, inf)", p->r);
+    if (!(p->m > 0.0) || !isfinite(p->m))
+        return rp_fail(RP_BAD_INPUT, "m = %g: out of range, allowed: (0, inf)", p->m);
+    if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
+        return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
+                       p->omega);
+    if (p->fixed && def->box_turn_per_step != 0.0) return dem_refuse_turn();
+    if (!isfinite(p->x + p->y + p->vx + p->vy))
+        return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
+    if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
+        return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
+                       def->rotation ? "must be finite" : "needs rotation");
+    if (p->x > def->x_max || p->y < def->y_min)
+        return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond x_max = %g or y_min = %g", p->x, p->y,
+                       def->x_max, def->y_min);
+    return RP_OK;
+}
+
+static rp_status check_grain_values(const dem_definition *def)
+{
+    if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
+    if (def->n_grains > 100000000)
+        return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
+    for (size_t i = 0; i < def->n_grains; i++) {
+        rp_status status = dem_grain_check(def, &def->grains[i]);
+        if (status) return rp_prefix(status, "particle %zu: ", i + 1);
+    }
+    return RP_OK;
+}
+
+rp_status dem_scheme_check(const dem_definition *def)
+{
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    if (def->rotation && !scheme->rotation)
+        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
+    if (def->hard.on && !scheme->hard)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need the integrator verlet");
+    return scheme->check ? scheme->check(def) : RP_OK;
+}
+
+rp_status dem_definition_check(const dem_definition *def)
+{
+    if (def->n_walls > DEM_MAX_WALLS)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
+    rp_status status = check_grain_values(def);
+    if (!status) status = check_material(def, &def->material, "particles");
+    if (!status) status = check_walls(def);
+    if (!status) status = check_ground(def);
+    if (!status) status = check_hard(def);
+    if (!status) status = dem_scheme_check(def);
+    if (status) return status;
+    if (!dem_kernel_runs(def->kernel))
+        return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
+                       def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
+    if (!(def->dt > 0.0) || !isfinite(def->dt))
+        return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
+    if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
+        !(fabs(def->turn_per_step) < 1.0))
+        return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
+    if (!(fabs(def->box_turn_per_step) < 1.0))
+        return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
+                       def->box_turn_per_step);
+    if (!(def->skin >= 0.0) || !isfinite(def->skin))
+        return rp_fail(RP_BAD_INPUT, "skin = %g: out of range, allowed: [0, inf)", def->skin);
+    const char *what;
+    double limit = dem_time_step_limit(def, &what);
+    if (def->dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def->dt, what, limit);
+    return RP_OK;
+}

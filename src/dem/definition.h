@@ -1,0 +1,19 @@
+/* Checks of a definition; definition.c. */
+#ifndef DEM_DEFINITION_H
+#define DEM_DEFINITION_H
+
+#include "dem/dem.h"
+
+/* All of it; one grain; the integrator alone: can it do all that the definition asks for? Errors:
+ * RP_BAD_INPUT. */
+rp_status dem_definition_check(const dem_definition *def);
+rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
+rp_status dem_scheme_check(const dem_definition *def);
+
+/* The box turns, but some grains are fixed: RP_BAD_INPUT. */
+rp_status dem_refuse_turn(void);
+
+/* Does any contact resist rolling? */
+bool dem_has_rolling(const dem_definition *def);
+
+#endif

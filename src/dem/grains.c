@@ -1,0 +1,103 @@
+/* The arrays of the grains; see grains.h. */
+#include "dem/grains.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "dem/integrator.h"
+
+enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */
+
+void *dem_array(size_t n, size_t size)
+{
+    enum { LINE = 64, PAGE = 1 << 21 };
+    const size_t bytes = (n * size + LINE - 1) / LINE * LINE;
+    char *array = aligned_alloc(LINE, bytes);
+    if (!array) return NULL;
+    const size_t skip = (PAGE - (uintptr_t)array % PAGE) % PAGE;
+    if (bytes >= skip + PAGE) madvise(array + skip, (bytes - skip) / PAGE * PAGE, MADV_HUGEPAGE);
+    return memset(array, 0, bytes);
+}
+
+bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity)
+{
+    void *old = *(void **)array, *more = dem_array(capacity, size);
+    if (!more) return false;
+    if (n > 0) memcpy(more, old, size * n);
+    free(old);
+    *(void **)array = more;
+    return true;
+}
+
+rp_status dem_grains_alloc(dem_grains *grains, const dem_definition *def, size_t capacity, bool states)
+{
+    const size_t n = capacity + PADDING;
+    bool failed = !states && !(grains->slack = dem_array(n / DEM_GROUP + 1, sizeof *grains->slack));
+    grains->capacity = capacity;
+#define X(type, name, need, role)                                                                            \
+    grains->name = NULL;                                                                                     \
+    if ((need) && (role == DEM_STATE || !states)) {                                                          \
+        grains->name = dem_array(n, sizeof(type));                                                           \
+        failed |= !grains->name;                                                                             \
+    }
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    return failed ? rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", capacity) : RP_OK;
+}
+
+void dem_grains_free(dem_grains *grains)
+{
+    free(grains->slack);
+#define X(type, name, need, role) free(grains->name);
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, size_t capacity,
+                          dem_grains *copy)
+{
+    *copy = *grains;
+    rp_status status = dem_grains_alloc(copy, def, capacity, false);
+    if (status) return status;
+#define X(type, name, need, role)                                                                            \
+    if (copy->name && role != DEM_OF_STEP) memcpy(copy->name, grains->name, grains->n * sizeof(type));
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    return RP_OK;
+}
+
+void dem_grains_sort(dem_grains *grains, const uint32_t *to, dem_grains *spare)
+{
+    size_t left = 0;
+    for (size_t i = 0; i < grains->n; i++) left += to[i] != UINT32_MAX;
+#define X(type, name, need, role)                                                                            \
+    if (role == DEM_STATE && grains->name) {                                                                 \
+        type *const from = grains->name, *const sorted = spare->name;                                        \
+        for (size_t i = 0; i < grains->n; i++)                                                               \
+            if (to[i] != UINT32_MAX) sorted[to[i]] = from[i];                                                \
+        grains->name = sorted, spare->name = from;                                                           \
+    }
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    grains->n = left;
+}
+
+void dem_grains_clear(dem_grains *grains, size_t i)
+{
+#define X(type, name, need, role)                                                                            \
+    if (grains->name && role != DEM_INDEX) memset(&grains->name[i], 0, sizeof(type));
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+void dem_grains_fill_gap(dem_grains *grains, size_t gap)
+{
+    const size_t last = --grains->n;
+    for (size_t k = 0; k < grains->n_fixed; k++)
+        if (grains->fixed[k] == last) grains->fixed[k] = (uint32_t)gap;
+#define X(type, name, need, role)                                                                            \
+    if (grains->name && (role == DEM_STATE || role == DEM_LISTED)) grains->name[gap] = grains->name[last];
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}

@@ -1,0 +1,250 @@
+/* The contact laws, each once, for one contact (law.h) or for as many as a vector holds (simd.h). Pure
+ * functions of a few numbers. `num` is a double or a vector of them, `lanes` a truth value for each;
+ * num_sqrt, num_max, num_choose, and num_limit: `a`, or `most` with the sign of `a` where |a| > most. A law
+ * that other functions than these would need has no vector form, and does not compile. */
+#include "dem/dem.h"
+
+#define LAW static inline __attribute__((always_inline))
+
+/* ---- Normal springs: force; then, of one contact: its derivative; its energy; the overlap at which it has
+ * stopped v; the overlap at which it carries a force; the quotient of energies between two overlaps above 0,
+ * and its derivative by the second, nowhere as a difference of numbers that are nearly the same. ----------
+ */
+
+/* Hertz: F = k_n x^(3/2). */
+LAW num hertz_force(double k_n, num overlap)
+{
+    return k_n * overlap * num_sqrt(overlap);
+}
+
+static inline double hertz_stiffness(double k_n, double overlap)
+{
+    return 1.5 * k_n * sqrt(overlap);
+}
+
+static inline double hertz_potential(double k_n, double overlap)
+{
+    return 0.4 * (k_n * overlap * sqrt(overlap)) * overlap;
+}
+
+static inline double hertz_impact_overlap(double k_n, double m_eff, double v)
+{
+    return pow(5.0 * m_eff * v * v / (4.0 * k_n), 0.4);
+}
+
+static inline double hertz_rest_overlap(double k_n, double force)
+{
+    return pow(force / k_n, 2.0 / 3.0);
+}
+
+/* (s^5 - t^5)/(s^2 - t^2) of the roots */
+static inline double hertz_quotient(double k_n, double before, double after, double *slope)
+{
+    const double s = sqrt(before), t = sqrt(after), sum = s + t;
+    *slope = 0.2 * k_n * (s * before * 2.0 + t * (4.0 * before + 6.0 * s * t + 3.0 * after)) / (sum * sum);
+    return 0.4 * k_n * (before * before + after * after + s * t * (before + s * t + after)) / sum;
+}
+
+/* E* = (3/4) k_n/sqrt(R) of two spheres of radius r, R = r/2. */
+static inline double hertz_modulus(double k_n, double r)
+{
+    return 0.75 * k_n / sqrt(0.5 * r);
+}
+
+/* Linear: F = k_n x. */
+LAW num linear_force(double k_n, num overlap)
+{
+    return k_n * overlap;
+}
+
+static inline double linear_stiffness(double k_n, double overlap)
+{
+    (void)overlap;
+    return k_n;
+}
+
+static inline double linear_potential(double k_n, double overlap)
+{
+    return 0.5 * k_n * overlap * overlap;
+}
+
+static inline double linear_impact_overlap(double k_n, double m_eff, double v)
+{
+    return v * sqrt(m_eff / k_n);
+}
+
+static inline double linear_rest_overlap(double k_n, double force)
+{
+    return force / k_n;
+}
+
+static inline double linear_quotient(double k_n, double before, double after, double *slope)
+{
+    *slope = 0.5 * k_n;
+    return 0.5 * k_n * (before + after);
+}
+
+/* ---- Normal dashpots: rate c(x) of the force -c(x) m_eff v_n; then, of one contact, its mean between two
+ * overlaps. ------------------------------------------------------------------------------------------------
+ */
+
+/* Lee & Herrmann 1993, eq (2a): c = gamma_n. */
+LAW num constant_rate(double k_n, double gamma_n, num m_eff, num overlap)
+{
+    (void)k_n, (void)m_eff, (void)overlap;
+    const num zero = {0};
+    return zero + gamma_n;
+}
+
+static inline double constant_mean_rate(double k_n, double gamma_n, double m_eff, double before, double after)
+{
+    (void)k_n, (void)m_eff, (void)before, (void)after;
+    return gamma_n;
+}
+
+/* gamma_n (m_eff/k_n)^(2/5) v^(-1/5) = 1.12799 with Hertz' spring */
+static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_eff)
+{
+    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12799, 5.0);
+}
+
+/* ---- Normal laws: a spring and a dashpot, by their rows in laws.h
+ * ------------------------------------------ */
+
+LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
+{
+    switch (law) {
+#define X(id, word, spring, ...)                                                                             \
+    case id: return spring##_force(k_n, overlap);
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
+LAW num dem_law_damping_rate(dem_normal_law law, double k_n, double gamma_n, num m_eff, num overlap)
+{
+    switch (law) {
+#define X(id, word, spring, dashpot, ...)                                                                    \
+    case id: return dashpot##_rate(k_n, gamma_n, m_eff, overlap);
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
+/* Of one contact. Times the difference of the overlaps, the mean is the change of a function of the overlap,
+ * whose derivative is the rate. */
+LAW double dem_law_mean_rate(dem_normal_law law, double k_n, double gamma_n, double m_eff, double before,
+                             double after)
+{
+    switch (law) {
+#define X(id, word, spring, dashpot, ...)                                                                    \
+    case id: return dashpot##_mean_rate(k_n, gamma_n, m_eff, before, after);
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
+/* v_n is the normal relative velocity, positive when the grains part. Where they part fast the damping
+ * outweighs the spring and the force pulls; `tension` false cuts it at 0. */
+LAW num dem_law_normal(dem_normal_law law, bool tension, double k_n, double gamma_n, num m_eff, num overlap,
+                       num v_n)
+{
+    const num zero = {0};
+    num f = dem_law_elastic(law, k_n, overlap) -
+            dem_law_damping_rate(law, k_n, gamma_n, m_eff, overlap) * m_eff * v_n;
+    return tension ? f : num_max(f, zero);
+}
+
+/* ---- Forces along the contact
+ * ------------------------------------------------------------------------------ */
+
+/* A spring and a dashpot under a Coulomb limit: of shear, or rolling. An infinite mu is given as a large
+ * number. */
+typedef struct {
+    num k, inverse_k, gamma, mu;
+    dem_slip slip;
+    dem_damping damping;
+} dem_slider;
+
+LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, double gamma, double mu)
+{
+    const num zero = {0};
+    return (dem_slider){zero + k, zero + 1.0 / k, zero + gamma, zero + mu, slip, damping};
+}
+
+LAW dem_slider dem_shear_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu);
+}
+
+/* Shear force: Lee & Herrmann 1993, eq (2b), with the magnitudes its "min" needs:
+ *
+ *   F_s = -gamma_s m_eff v_s - sign(ds) min(k_s |ds|, mu max(F_n, 0))
+ *
+ * ds is the shear displacement since first touch. As printed it is never shortened ("total"), so a sliding
+ * contact is a conservative spring; today's practice shortens it to the Coulomb limit ("truncated").
+ * As printed the dashpot stands outside the limit; "inside", spring and dashpot are limited together:
+ *
+ *   F_s = -sign(T) min(|T|, mu max(F_n, 0)),  T = k_s ds + gamma_s m_eff v_s,
+ *
+ * and a truncated spring is left what the dashpot does not take of the limit. v_s is the relative velocity
+ * along s, the normal turned clockwise; `h` the time since the last call; *spring is ds and is brought up to
+ * date. */
+LAW num dem_law_shear(dem_slider c, num m_eff, num v_s, num normal_force, double h, num *spring)
+{
+    const num zero = {0};
+    num ds = *spring + v_s * h, dashpot = c.gamma * m_eff * v_s;
+    num cap = c.mu * num_max(normal_force, zero), pull = c.k * ds;
+    if (c.damping == DEM_DAMPING_INSIDE) pull += dashpot;
+    lanes slides;
+    num held = num_limit(pull, cap, &slides), of_spring = held, force = -held;
+    switch (c.damping) {
+    case DEM_DAMPING_INSIDE: of_spring -= dashpot; break;
+    case DEM_DAMPING_OUTSIDE: force = -dashpot - held; break;
+    }
+    switch (c.slip) {
+    case DEM_TRUNCATED: ds = num_choose(slides, of_spring * c.inverse_k, ds); break;
+    case DEM_TOTAL: break;
+    }
+    *spring = ds;
+    return force;
+}
+
+/* Viscous slip capped by friction: Liffman, Chan & Hughes 1992, eqs (27), (29), (32), with the sign of v_s
+ * and the magnitude that their minimum needs, and k_slip = gamma_s m_eff. Their "rolling" friction is
+ * Coulomb's limit of the slip, mu here: it does not resist rolling. */
+LAW num dem_law_slip_roll(num gamma_s, num mu, num m_eff, num v_s, num normal_force)
+{
+    const num zero = {0};
+    lanes slides;
+    return -num_limit(gamma_s * m_eff * v_s, mu * num_max(normal_force, zero), &slides);
+}
+
+LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num v_s, num normal_force,
+                           double h, num *spring)
+{
+    const num zero = {0};
+    switch (law) {
+    case DEM_NONE: return zero;
+    case DEM_SPRING: return dem_law_shear(c, m_eff, v_s, normal_force, h, spring);
+    case DEM_SLIP_ROLL: return dem_law_slip_roll(c.gamma, c.mu, m_eff, v_s, normal_force);
+    }
+    __builtin_unreachable();
+}
+
+/* Rolling resistance as the same spring and slider (Ai, Chen, Rotter & Ooi 2011, model C): force at the
+ * distance R_eff = r_i r_j/(r_i + r_j) (a wall: r_i) from both centres, against R_eff (omega_i - omega_j), at
+ * most mu_roll max(F_n, 0), dashpot included; *xi is the rolling displacement. The torque of R_eff times it
+ * on i, which this gives, and its opposite on j conserve angular momentum. */
+LAW dem_slider dem_rolls_of(const dem_material *c)
+{
+    return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, c->k_roll, c->gamma_roll, c->mu_roll);
+}
+
+LAW num dem_law_rolling(dem_slider c, num r_eff, num m_eff, num omega, num normal_force, double h, num *xi)
+{
+    return r_eff * dem_law_shear(c, m_eff, r_eff * omega, normal_force, h, xi);
+}

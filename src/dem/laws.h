@@ -1,0 +1,83 @@
+/* The contact laws: one row each, of which their types, names, descriptors, kernels and tests are made. A new
+ * normal law is a row here and its functions in law.inl. */
+#ifndef DEM_LAWS_H
+#define DEM_LAWS_H
+
+#include <stdbool.h>
+
+/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring and of the
+ * dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor that not every law has. */
+#define DEM_NORMAL_LAWS(X)                                                                                   \
+    X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,        \
+      .modulus = hertz_modulus)                                                                              \
+    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true)
+
+/* Tangential laws: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a
+ * spring (Liffman, Chan & Hughes 1992, eqs (27)-(32)). id; word; has friction; has a spring. */
+#define DEM_TANGENTIAL_LAWS(X)                                                                               \
+    X(DEM_NONE, none, false, false)                                                                          \
+    X(DEM_SPRING, spring, true, true)                                                                        \
+    X(DEM_SLIP_ROLL, slip_roll, true, false)
+
+#define DEM_LAW_ID(id, ...)         id,
+#define DEM_LAW_ONE(...)            +1
+#define DEM_LAW_WORD(id, word, ...) " | " #word
+
+typedef enum { DEM_NORMAL_LAWS(DEM_LAW_ID) } dem_normal_law;
+typedef enum { DEM_TANGENTIAL_LAWS(DEM_LAW_ID) } dem_tangential_law;
+enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_LAW_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_LAW_ONE) };
+
+static inline bool dem_has_friction(dem_tangential_law law)
+{
+    switch (law) {
+#define X(id, word, friction, spring)                                                                        \
+    case id: return friction;
+        DEM_TANGENTIAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
+static inline bool dem_has_spring(dem_tangential_law law)
+{
+    switch (law) {
+#define X(id, word, friction, spring)                                                                        \
+    case id: return spring;
+        DEM_TANGENTIAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
+/* What a shear spring remembers while it slides. */
+typedef enum { DEM_TRUNCATED, DEM_TOTAL } dem_slip;
+
+/* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
+typedef enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE } dem_damping;
+
+/* Ranges of a schema, "hertz | linear", and their units, "hertz dyn/cm^1.5 linear dyn/cm". */
+#define DEM_NORMAL_WORDS     (&(DEM_NORMAL_LAWS(DEM_LAW_WORD))[3])
+#define DEM_TANGENTIAL_WORDS (&(DEM_TANGENTIAL_LAWS(DEM_LAW_WORD))[3])
+
+#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              " " #word " " k_n
+#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) " " #word " " gamma_n
+#define DEM_K_N_UNITS                                                 "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS                                             "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+
+/* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
+typedef struct {
+    const char *name, *k_n_unit, *gamma_n_unit;
+    double (*stiffness)(double k_n, double overlap);              /* dF/d(overlap) of the spring */
+    double (*potential)(double k_n, double overlap);              /* energy of the spring */
+    double (*impact_overlap)(double k_n, double m_eff, double v); /* at which the spring alone stops v */
+    double (*rest_overlap)(double k_n, double force);             /* at which it carries the force */
+    double (*damping_rate)(double k_n, double gamma_n, double m_eff, double overlap); /* 1/time */
+    bool constant_stiffness;                                                          /* at all overlaps */
+    /* NULL for a law that has none: speed below which two grains whose damping may pull never part; E* of
+     * spheres of radius r */
+    double (*sticking_speed)(double k_n, double gamma_n, double m_eff);
+    double (*modulus)(double k_n, double r);
+} dem_normal_descriptor;
+extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
+
+#endif

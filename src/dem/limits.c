@@ -1,0 +1,204 @@
+/* The largest stable time step of a definition, from the rates of its quickest contacts. */
+#include "dem/limits.h"
+
+#include <math.h>
+
+#include "dem/integrator.h"
+#include "dem/law.h"
+#include "dem/sim.h"
+
+/* Overlap that an impact at speed v reaches without damping. */
+static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
+{
+    return c->k_n > 0.0 ? dem_normal_descriptors[def->normal].impact_overlap(c->k_n, m_eff, v) : 0.0;
+}
+
+/* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
+ * what a pair's are. Of normal forces alone a triangular packing's modes have 3 k_n/m_eff at most; with shear
+ * springs 3 k_n + k_s, or the other way round, at the edges of its cell of wave numbers, and
+ * 9/4 (k_n + k_s) in the corners. Where grains rotate, J = m r^2/I, they do so the fastest when all turn
+ * alike, 6 J k_s; rolling resistance then rests, but 3 J k_roll at R_eff <= r/2 bound what it adds. */
+static double packing_sum(double normal, double shear, double roll, double turns)
+{
+    const double edge = fmax(normal, shear) + fmin(normal, shear) / 3.0, corner = 0.75 * (normal + shear);
+    return fmax(fmax(edge, corner), turns * (2.0 * shear + roll));
+}
+
+/* Of two grains, or of a grain and what does not move. */
+typedef struct {
+    double m_eff, coordination;
+} contact_pair;
+
+/* Neighbours that a grain has room for, over six: a large one among small ones has more. */
+static double coordination_of(double r, double r_min)
+{
+    return fmax(1.0, M_PI / 6.0 / asin(r_min / (r + r_min)));
+}
+
+/* Each of the two takes part in as many contacts as it has room for; m_b may be INFINITY. */
+static contact_pair pair_of(double m_a, double coordination_a, double m_b, double coordination_b)
+{
+    const double inverse = 1.0 / m_a + 1.0 / m_b;
+    return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse};
+}
+
+static void contact_rates(const dem_definition *def, const dem_material *c, contact_pair of, double overlap,
+                          double *gamma, double *omega_squared)
+{
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    const double k_n = law->stiffness(c->k_n, overlap),
+                 gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
+    const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
+    const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
+               rolls = shear && c->mu_roll > 0.0;
+    *gamma =
+        of.coordination * packing_sum(gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
+    *omega_squared =
+        of.coordination / of.m_eff * packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns);
+}
+
+/* Largest time step of a contact at this overlap. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
+                                 double overlap, dem_load load)
+{
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    dem_rates rates;
+    contact_rates(def, c, of, overlap, &rates.gamma, &rates.omega2);
+    return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
+}
+
+/* Largest time step for impacts at speed v, and for a contact at rest under a column as high as v is fallen
+ * from, of grains of radius r. */
+static double speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of, double r,
+                               double v)
+{
+    double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v), DEM_AT_IMPACT);
+    if (!(c->k_n > 0.0)) return limit;
+    double weight = of.m_eff * v * v / (4.0 * r);
+    double overlap = dem_normal_descriptors[def->normal].rest_overlap(c->k_n, weight);
+    return fmin(limit, contact_step_limit(def, c, of, overlap, DEM_AT_REST));
+}
+
+/* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
+ * makes it stiffer, but breaks it or is over before that can grow. */
+static double well_step_limit(const dem_definition *def, double m, double r, double v)
+{
+    const double stiffness = def->ground.mu_static *
+                             fmax(m * v * v / (4.0 * r), m * hypot(def->gravity[0], def->gravity[1])) /
+                             def->ground.a;
+    return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
+}
+
+/* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
+ * the lowest grain or wall. */
+double dem_impact_speed(const dem_definition *def)
+{
+    double speed = 0.0, low = INFINITY, high = -INFINITY;
+    const double *g = def->gravity;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        double height = -(g[0] * p->x + g[1] * p->y); /* times g */
+        speed = fmax(speed, hypot(p->vx, p->vy));
+        low = fmin(low, height);
+        high = fmax(high, height);
+    }
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const double *n = def->walls[w].direction, *q = def->walls[w].point;
+        /* a wall along gravity has no height of its own */
+        if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * hypot(g[0], g[1]))
+            low = fmin(low, -(g[0] * q[0] + g[1] * q[1]));
+    }
+    return 2.0 * speed + (high > low ? sqrt(2.0 * (high - low)) : 0.0);
+}
+
+/* The two grains of all that move that are quickest in a coordination; `second` is NULL where only one moves.
+ */
+static void lightest_two(const dem_definition *def, double r_min, const dem_grain **first,
+                         const dem_grain **second)
+{
+    double least = INFINITY, next = INFINITY;
+    *first = *second = NULL;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        const double m = p->m / coordination_of(p->r, r_min);
+        if (p->fixed || m >= next) continue;
+        const bool lightest = m < least;
+        next = lightest ? least : m;
+        *second = lightest ? *first : p;
+        if (lightest) least = m, *first = p;
+    }
+}
+
+double dem_time_step_limit(const dem_definition *def, const char **what)
+{
+    double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
+    const dem_grain *first, *second;
+    if (!dem_schemes[def->integrator]->step_limit) {
+        if (what) *what = "nothing: the integrator is implicit";
+        return INFINITY;
+    }
+    for (size_t i = 0; i < def->n_grains; i++) {
+        r_min = fmin(r_min, def->grains[i].r);
+        if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
+    }
+    lightest_two(def, r_min, &first, &second);
+    const double v = dem_impact_speed(def), coordination = first ? coordination_of(first->r, r_min) : 0.0;
+    const char *which = "no contact";
+    if (def->n_grains > 1 && first) {
+        /* one that can move: the others are fixed */
+        const contact_pair two =
+            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min))
+                   : pair_of(first->m, coordination, INFINITY, 0.0);
+        limit = speed_step_limit(def, &def->material, two, r_moves, v);
+        which = "two of the lightest grains";
+    }
+    for (size_t w = 0; w < def->n_walls && first; w++) {
+        const dem_material *c = &def->walls[w].material;
+        double t = speed_step_limit(def, c, pair_of(first->m, coordination, INFINITY, 0.0), r_moves, v);
+        if (t < limit) {
+            limit = t;
+            which = "the lightest grain at a wall";
+        }
+        t = (int)w + 1 == def->ground.wall ? well_step_limit(def, first->m, r_moves, v) : INFINITY;
+        if (t < limit) {
+            limit = t;
+            which = "the lightest grain in a well of the ground";
+        }
+    }
+    if (what) *what = which;
+    return limit;
+}
+
+static contact_pair pair_of_grains(const dem_sim *sim, size_t i, size_t j)
+{
+    const bool held = sim->grains.inverse_mass[i] == 0.0;
+    const size_t a = held ? j : i, b = held ? i : j;
+    return pair_of(sim->grains.mass[a], coordination_of(sim->grains.radius[a], sim->r_min),
+                   sim->grains.inverse_mass[b] > 0.0 ? sim->grains.mass[b] : INFINITY,
+                   coordination_of(sim->grains.radius[b], sim->r_min));
+}
+
+/* Contacts that the start has already may be stiffer than any impact to come. */
+rp_status dem_check_start_overlaps(const dem_sim *sim)
+{
+    double limit = INFINITY;
+    DEM_EACH_TOUCHING (&sim->pairs, k) {
+        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
+        dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
+        limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.material, pair_of_grains(sim, i, j),
+                                               sim->pairs.radii[k] - sqrt(dem_dot(d, d)), DEM_AT_START));
+    }
+    for (size_t k = 0; k < sim->walls.n_slots; k++) {
+        dem_vec normal, velocity;
+        double overlap;
+        dem_wall_slot slot = sim->walls.slot[k];
+        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
+            limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
+                                                   pair_of(sim->grains.mass[slot.grain], 1.0, INFINITY, 0.0),
+                                                   overlap, DEM_AT_START));
+    }
+    return sim->def.dt <= limit
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
+                         sim->def.dt, limit);
+}

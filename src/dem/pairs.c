@@ -1,0 +1,89 @@
+/* The arrays of the pairs; see pairs.h. */
+#include "dem/pairs.h"
+
+#include <string.h>
+
+#include "dem/grains.h"
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
+{
+    if (pairs->n + more + 8 <= pairs->capacity) return RP_OK;
+    const bool rotation = pairs->rotation, rolling = pairs->rolling;
+    const size_t n = pairs->n, capacity = pairs->capacity = 9 * (pairs->n + more) / 512 * 64 + 128;
+#define X(type, name, need, share, role)                                                                     \
+    if ((need) && !dem_array_grow(&pairs->name, sizeof(type), (n + share - 1) / share, capacity / share))    \
+        return no_memory();
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    return RP_OK;
+}
+
+void dem_pairs_free(dem_pairs *pairs)
+{
+    free(pairs->done);
+#define X(type, name, need, share, role) free(pairs->name);
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy)
+{
+    *copy = (dem_pairs){.rotation = pairs->rotation, .rolling = pairs->rolling, .chunk = pairs->chunk};
+    rp_status status = dem_pairs_reserve(copy, pairs->n + 1); /* so that the arrays exist */
+    if (status) return status;
+    copy->n = pairs->n;
+#define X(type, name, need, share, role)                                                                     \
+    if (copy->name && copy->n > 0)                                                                           \
+        memcpy(copy->name, pairs->name, (copy->n + share - 1) / share * sizeof(type));
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    dem_pairs_pad(copy);
+    return RP_OK;
+}
+
+void dem_pairs_pad(dem_pairs *pairs)
+{
+    for (size_t k = pairs->n; k < (pairs->n + 7) / 8 * 8; k++) {
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[k] = 0;
+        DEM_PAIR_ARRAYS(X)
+#undef X
+    }
+}
+
+void dem_pairs_remove(dem_pairs *pairs, size_t k)
+{
+    const size_t last = --pairs->n;
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[k] = pairs->name[last];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+/* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
+ * renamed, that may be so of few before the end. */
+rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n)
+{
+    enum { LEAST = 6 }; /* fewer fit into the cache together */
+    const size_t chunks = (pairs->n + pairs->chunk - 1) / pairs->chunk;
+    pairs->n_chunks = 0;
+    if (chunks < LEAST) return RP_OK;
+    if (chunks > pairs->chunk_capacity &&
+        !dem_grow(&pairs->done, sizeof *pairs->done, pairs->chunk_capacity = 2 * chunks))
+        return no_memory();
+    uint32_t done = (uint32_t)n;
+    for (size_t c = chunks, end = pairs->n; c-- > 0; end = c * pairs->chunk) {
+        pairs->done[c] = c + 1 == chunks ? done : done / DEM_GROUP * DEM_GROUP;
+        for (size_t k = c * pairs->chunk; k < end; k++) {
+            const uint32_t i = pairs->i[k], j = pairs->j[k], first = i < j ? i : j;
+            done = first < done ? first : done;
+        }
+    }
+    pairs->n_chunks = chunks;
+    return RP_OK;
+}

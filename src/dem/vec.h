@@ -1,0 +1,40 @@
+/* Vectors in the plane, and arrays. */
+#ifndef DEM_VEC_H
+#define DEM_VEC_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+/* Two doubles as one value: + - * act on both. */
+typedef double dem_vec __attribute__((vector_size(16)));
+
+static inline double dem_dot(dem_vec a, dem_vec b)
+{
+    dem_vec p = a * b;
+    return p[0] + p[1];
+}
+
+/* The normal turned clockwise by 90 degrees: the paper's s. */
+static inline dem_vec dem_clockwise(dem_vec n)
+{
+    return (dem_vec){n[1], -n[0]};
+}
+
+/* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache,
+ * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
+void *dem_array(size_t n, size_t size);
+
+/* Let the array that `array` points to, one of dem_array, hold `capacity` items, of which the first `n` stay;
+ * false, and as it was, if memory is short. */
+bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity);
+
+/* The same for any array, of which all items stay. */
+static inline bool dem_grow(void *array, size_t size, size_t capacity)
+{
+    void *more = realloc(*(void **)array, size * capacity);
+    if (more) *(void **)array = more;
+    return more != NULL;
+}
+
+#endif

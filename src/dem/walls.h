@@ -1,0 +1,75 @@
+/* Walls, and the grains near them. */
+#ifndef DEM_WALLS_H
+#define DEM_WALLS_H
+
+#include <math.h>
+
+#include "dem/dem.h"
+#include "dem/vec.h"
+
+/* A grain near a wall, from one rebuilding of the list to the next, which keeps all but the two indices.
+ * `side` is +1 where the grain is on the side of the wall's direction; -1 only behind a wall whose end it has
+ * passed. */
+typedef struct {
+    uint32_t wall, grain;
+    double spring, roll, side;
+    double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
+    dem_well well;
+} dem_wall_slot;
+
+typedef struct {
+    /* slots in the order of walls: the first of each, and the first that a step has still to do */
+    size_t n_slots, capacity, start[DEM_MAX_WALLS + 1], next[DEM_MAX_WALLS];
+    dem_wall_slot *slot;
+    dem_vec force[DEM_MAX_WALLS]; /* on the wall */
+    double mu[DEM_MAX_WALLS];     /* finite stand-in for an infinite one */
+    struct {
+        dem_vec point, direction;
+    } line[DEM_MAX_WALLS]; /* where the walls are now */
+
+    /* walls that turn: the turn of a step and in all (cosine, sine), that as an angle; displacement of a
+     * point at x in the last step over dt, along x and along x turned clockwise; angles turned since the last
+     * rebuilding, and until the next */
+    dem_vec turn_of_step, turn, swing;
+    double angle, swept, sweep_limit;
+    long turn_from_step;
+} dem_walls;
+
+/* A point in the frame of the walls. */
+static inline dem_vec dem_to_box(const dem_walls *walls, dem_vec x)
+{
+    return walls->turn[0] * x - walls->turn[1] * dem_clockwise(x);
+}
+
+/* Velocity of a point at x that turns with the walls. */
+static inline dem_vec dem_box_velocity(const dem_walls *walls, dem_vec x)
+{
+    return walls->swing[0] * x + walls->swing[1] * dem_clockwise(x);
+}
+
+/* A copy. Errors: RP_NO_MEMORY. */
+rp_status dem_walls_copy(const dem_walls *walls, dem_walls *copy);
+void dem_walls_free(dem_walls *walls);
+
+/* Coulomb's coefficient without infinity: 1e300 times no force is none, where infinity would give NaN. */
+static inline double dem_finite_mu(double mu)
+{
+    return fmin(mu, 1e300);
+}
+
+/* Put the walls where the definition has them; turn them on for a step if they turn now. */
+void dem_walls_place(dem_sim *sim);
+void dem_walls_turn(dem_sim *sim);
+
+/* Is the wall a whole line at rest: nothing of it is open, and it does not turn in this step? */
+bool dem_wall_rests(const dem_sim *sim, size_t k);
+
+/* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
+ * overlap, velocity of the wall there; brings slot->side up to date. False where the wall is open. */
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
+                    dem_vec *velocity);
+
+/* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on. */
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
+
+#endif

@@ -1,0 +1,127 @@
+/* Verdicts on published claims; see claims.h. */
+#include "stats/claims.h"
+
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+#include <string.h>
+
+static const double errors_that_decide = 2.0, level = 0.05;
+
+const char *stats_verdict_text(stats_verdict verdict)
+{
+    static const char *const texts[STATS_VERDICTS] = {"reproduced",      "not reproduced", "undecided",
+                                                      "can't be tested", "by eye",         "no data"};
+    return texts[verdict];
+}
+
+stats_number stats_of_few(stats_number mean, double n)
+{
+    if (n >= 2.0) mean.se *= gsl_cdf_tdist_Qinv(0.025, n - 1.0) / errors_that_decide;
+    return mean;
+}
+
+static stats_verdict agree_once(double difference, double se, double margin)
+{
+    if (isnan(difference) || isnan(se)) return STATS_UNDECIDED;
+    if (fabs(difference) > errors_that_decide * se) return STATS_NOT_REPRODUCED;
+    return errors_that_decide * se <= margin ? STATS_REPRODUCED : STATS_UNDECIDED;
+}
+
+/* Both readings must say the same. */
+static stats_verdict both(stats_verdict a, stats_verdict b)
+{
+    return a == b ? a : STATS_UNDECIDED;
+}
+
+stats_match stats_agree(stats_number ours, stats_number published, double samples, double margin)
+{
+    const double difference = ours.value - published.value;
+    const double se = hypot(ours.se, published.se);
+    const double sd = hypot(ours.se, samples > 0.0 ? published.se / sqrt(samples) : published.se);
+    stats_match m = {.error = agree_once(difference, se, margin),
+                     .deviation = agree_once(difference, sd, margin),
+                     .z_error = difference / se,
+                     .z_deviation = difference / sd};
+    m.verdict = both(m.error, m.deviation);
+    return m;
+}
+
+stats_verdict stats_exceed(stats_number a, stats_number b, int sign)
+{
+    const double difference = sign * (a.value - b.value), se = hypot(a.se, b.se);
+    if (isnan(difference) || isnan(se)) return STATS_UNDECIDED;
+    if (difference > errors_that_decide * se) return STATS_REPRODUCED;
+    return difference < -errors_that_decide * se || se == 0.0 ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+}
+
+stats_verdict stats_bound(double value, double limit, int sign)
+{
+    if (isnan(value) || isnan(limit)) return STATS_UNDECIDED;
+    return sign * value >= sign * limit ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+}
+
+static bool within(const stats_change *change, double margin)
+{
+    return change->lo90 > -margin && change->hi90 < margin;
+}
+
+stats_verdict stats_equivalent(const stats_change *change, double margin)
+{
+    if (within(change, margin)) return STATS_REPRODUCED;
+    return change->p_value < level ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+}
+
+stats_verdict stats_trends(const stats_change *change, int sign, double margin)
+{
+    const double middle = 0.5 * (change->lo90 + change->hi90);
+    if (isnan(middle)) return STATS_UNDECIDED;
+    if (change->p_value < level) return sign * middle > 0.0 ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+    return within(change, margin) ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+}
+
+/* Chance of so large a chi^2 about the weighted mean. */
+static double constant_p(size_t n, const stats_number v[], double factor)
+{
+    double weights = 0.0, sum = 0.0, chi2 = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const double w = 1.0 / (factor * v[i].se * factor * v[i].se);
+        weights += w;
+        sum += w * v[i].value;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double r = (v[i].value - sum / weights) / (factor * v[i].se);
+        chi2 += r * r;
+    }
+    return n > 1 && isfinite(chi2) ? gsl_cdf_chisq_Q(chi2, (double)n - 1.0) : NAN;
+}
+
+stats_match stats_constant(size_t n, const stats_number published[], double samples)
+{
+    stats_match m = {.z_error = constant_p(n, published, 1.0),
+                     .z_deviation = constant_p(n, published, samples > 0.0 ? 1.0 / sqrt(samples) : 1.0)};
+    m.error = stats_bound(m.z_error, level, 1);
+    m.deviation = stats_bound(m.z_deviation, level, 1);
+    m.verdict = both(m.error, m.deviation);
+    return m;
+}
+
+stats_verdict stats_order(stats_number quotient, double factor)
+{
+    const double lo = quotient.value - errors_that_decide * quotient.se,
+                 hi = quotient.value + errors_that_decide * quotient.se;
+    if (isnan(lo)) return STATS_UNDECIDED;
+    if (lo >= 1.0 / factor && hi <= factor) return STATS_REPRODUCED;
+    return lo > factor || hi < 1.0 / factor ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+}
+
+stats_number stats_quotient(stats_number a, stats_number b)
+{
+    const double q = a.value / b.value;
+    return (stats_number){q, hypot(a.se, q * b.se) / fabs(b.value)};
+}
+
+void stats_count_verdicts(size_t n, const stats_verdict verdicts[], size_t counts[STATS_VERDICTS])
+{
+    memset(counts, 0, STATS_VERDICTS * sizeof *counts);
+    for (size_t i = 0; i < n; i++) counts[verdicts[i]]++;
+}

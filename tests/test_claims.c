@@ -1,0 +1,222 @@
+/* Verdicts: every word, at its edge and just beyond it; figures/claims.tsv against the tests and figures it
+ * names. */
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/table.h"
+#include "stats/claims.h"
+#include "tests/check.h"
+
+/* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
+static const double beyond = 1.0 + 0x1p-40;
+
+#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(stats_verdict_text(call), verdict)
+
+static stats_number number(double value, double se)
+{
+    return (stats_number){value, se};
+}
+
+static void test_agreement(void)
+{
+    /* 3 and 4 make 5: two standard errors are 10 */
+    const stats_number published = number(20.0, 4.0);
+    IS(stats_agree(number(30.0, 3.0), published, 0, INFINITY).verdict, "reproduced");
+    IS(stats_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
+    IS(stats_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
+    IS(stats_agree(number(21.0, 3.0), published, 0, 10.0).verdict, "reproduced");
+    IS(stats_agree(number(21.0, 3.0), published, 0, 10.0 / beyond).verdict, "undecided");
+    IS(stats_agree(number(21.0, NAN), published, 0, INFINITY).verdict, "undecided");
+    IS(stats_agree(number(NAN, 1.0), published, 0, INFINITY).verdict, "undecided");
+    IS(stats_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0).verdict, "reproduced");
+    CHECK_NEAR(stats_agree(number(30.0, 3.0), published, 0, INFINITY).z_error, 2.0, 0.0);
+}
+
+/* A deviation of 4 over 16 samples is an error of 1. */
+static void test_readings(void)
+{
+    const stats_number published = number(20.0, 4.0);
+    stats_match m = stats_agree(number(23.0, 0.0), published, 16.0, INFINITY);
+    IS(m.error, "reproduced");
+    IS(m.deviation, "not reproduced");
+    IS(m.verdict, "undecided");
+    CHECK_NEAR(m.z_deviation, 3.0, 0.0);
+    m = stats_agree(number(22.0, 0.0), published, 16.0, INFINITY);
+    IS(m.verdict, "reproduced");
+    m = stats_agree(number(29.0, 0.0), published, 16.0, INFINITY);
+    IS(m.verdict, "not reproduced");
+    m = stats_agree(number(21.0, 0.0), published, 16.0, 5.0); /* seen by one reading alone */
+    IS(m.error, "undecided");
+    IS(m.deviation, "reproduced");
+    IS(m.verdict, "undecided");
+}
+
+static void test_inequalities(void)
+{
+    IS(stats_exceed(number(30.0, 3.0), number(20.0, 4.0), 1), "undecided");
+    IS(stats_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "reproduced");
+    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "not reproduced");
+    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1), "reproduced");
+    IS(stats_exceed(number(1.0, 0.0), number(1.0, 0.0), 1),
+       "not reproduced"); /* exact numbers that are equal */
+    IS(stats_exceed(number(beyond, 0.0), number(1.0, 0.0), 1), "reproduced");
+    IS(stats_exceed(number(5.0, NAN), number(1.0, 0.0), 1), "undecided");
+    IS(stats_bound(0.05, 0.05, 1), "reproduced");
+    IS(stats_bound(0.05 / beyond, 0.05, 1), "not reproduced");
+    IS(stats_bound(0.05, 0.05, -1), "reproduced");
+    IS(stats_bound(0.05 * beyond, 0.05, -1), "not reproduced");
+    IS(stats_bound(NAN, 0.05, -1), "undecided");
+    IS(stats_order(number(0.5, 0.125), 4.0), "reproduced"); /* 0.25 to 0.75 */
+    IS(stats_order(number(0.5, 0.125 * beyond), 4.0), "undecided");
+    IS(stats_order(number(3.5, 0.25), 4.0), "reproduced");
+    IS(stats_order(number(3.5, 0.25 * beyond), 4.0), "undecided");
+    IS(stats_order(number(0.125, 0.0625), 4.0), "undecided"); /* 0 to 0.25 */
+    IS(stats_order(number(0.125, 0.0625 / beyond), 4.0), "not reproduced");
+    IS(stats_order(number(5.0, 0.25), 4.0), "not reproduced");
+    IS(stats_order(number(NAN, 0.25), 4.0), "undecided");
+}
+
+static void test_changes(void)
+{
+    const stats_change inside = {-0.5, 0.9, 0.4}, edge = {-0.5, 1.0, 0.4}, low = {-1.0, 0.5, 0.4},
+                       rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
+                       small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN};
+    IS(stats_equivalent(&inside, 1.0), "reproduced");
+    IS(stats_equivalent(&edge, 1.0), "undecided");
+    IS(stats_equivalent(&low, 1.0), "undecided");
+    IS(stats_equivalent(&rise, 1.0), "not reproduced");
+    IS(stats_equivalent(&almost, 1.0), "undecided");
+    IS(stats_equivalent(&small, 1.0), "reproduced"); /* a change, but smaller than any that counts */
+    IS(stats_equivalent(&none, 1.0), "undecided");
+    IS(stats_trends(&rise, 1, 1.0), "reproduced");
+    IS(stats_trends(&rise, -1, 1.0), "not reproduced");
+    IS(stats_trends(&fall, -1, 1.0), "reproduced");
+    IS(stats_trends(&fall, 1, 1.0), "not reproduced");
+    IS(stats_trends(&almost, 1, 1.0), "undecided");
+    IS(stats_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
+    IS(stats_trends(&edge, 1, 1.0), "undecided");
+    IS(stats_trends(&none, 1, 1.0), "undecided");
+}
+
+/* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */
+static void test_constant(void)
+{
+    const stats_number two[] = {{10.0, 1.0}, {12.0, 1.0}};
+    stats_match m = stats_constant(2, two, 0.0);
+    CHECK_NEAR(m.z_error, gsl_cdf_chisq_Q(2.0, 1.0), 1e-15);
+    IS(m.verdict, "reproduced");
+    m = stats_constant(2, two, 4.0);
+    CHECK_NEAR(m.z_deviation, gsl_cdf_chisq_Q(8.0, 1.0), 1e-15);
+    IS(m.error, "reproduced");
+    IS(m.deviation, "not reproduced");
+    IS(m.verdict, "undecided");
+    IS(stats_constant(1, two, 0.0).verdict, "undecided");
+    /* unequal errors: the mean is weighted, (4*10 + 12)/5 = 10.4 */
+    const stats_number unequal[] = {{10.0, 0.5}, {12.0, 1.0}};
+    CHECK_NEAR(stats_constant(2, unequal, 0.0).z_error, gsl_cdf_chisq_Q(4.0 * 0.16 + 2.56, 1.0), 1e-12);
+}
+
+static void test_few(void)
+{
+    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 2).se, 12.706204736 / 2.0, 1e-8);
+    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
+    CHECK_NEAR(stats_of_few(number(3.0, 1.0), NAN).se, 1.0, 0.0);
+    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 1).se, 1.0, 0.0);
+    const stats_number q = stats_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
+    CHECK_NEAR(q.value, 3.0, 0.0);
+    CHECK_NEAR(q.se, 3.0 * hypot(0.05, 0.1), 1e-15);
+    CHECK_NEAR(stats_quotient(number(0.0, 0.3), number(2.0, 0.2)).se, 0.15, 1e-15);
+}
+
+static void test_counts(void)
+{
+    size_t counts[STATS_VERDICTS];
+    const stats_verdict v[] = {STATS_NO_DATA, STATS_REPRODUCED, STATS_NO_DATA, STATS_BY_EYE, STATS_NO_DATA};
+    stats_count_verdicts(5, v, counts);
+    CU_ASSERT(counts[STATS_NO_DATA] == 3 && counts[STATS_REPRODUCED] == 1 && counts[STATS_BY_EYE] == 1);
+    CU_ASSERT(counts[STATS_NOT_REPRODUCED] + counts[STATS_UNDECIDED] + counts[STATS_UNTESTABLE] == 0);
+}
+
+/* ---- the claims themselves ---- */
+
+static bool file_holds(const char *path, const char *text)
+{
+    char line[1024];
+    bool found = false;
+    FILE *in = fopen(path, "r");
+    while (in && !found && fgets(line, sizeof line, in)) found = strstr(line, text) != NULL;
+    if (in) fclose(in);
+    return found;
+}
+
+/* "SUITE: TEST" names a test of that suite. */
+static bool test_exists(const char *answer)
+{
+    char path[256], test[256];
+    const char *colon = strchr(answer, ':');
+    if (!colon) return false;
+    snprintf(path, sizeof path, "tests/test_%.*s.c", (int)(colon - answer), answer);
+    snprintf(test, sizeof test, "{\"%s\",", colon + 2);
+    return file_holds(path, test);
+}
+
+static bool figure_exists(const char *answer)
+{
+    char path[256];
+    if (strncmp(answer, "fig-", 4) != 0) return false;
+    snprintf(path, sizeof path, "figures/%.2s/%s.gp", answer + 4, answer + 4);
+    FILE *in = fopen(path, "r");
+    if (in) fclose(in);
+    return in != NULL;
+}
+
+static const char *cell(const rp_table *t, size_t row, const char *column)
+{
+    return t->cells[row * t->n_columns + (size_t)rp_table_column(t, column)];
+}
+
+/* The program reads every claim. Those answered by tests and pictures name ones that exist. Without tables
+ * nothing is reproduced, but by tests. */
+static void test_claims_file(void)
+{
+    char path[] = "/tmp/repose_claims_XXXXXX", line[512];
+    const char *program = getenv("REPOSE");
+    const int file = mkstemp(path);
+    CU_ASSERT_FATAL(file >= 0);
+    close(file);
+    snprintf(line, sizeof line, "%s claims --variants --tables /nowhere >%s",
+             program ? program : "build/repose", path);
+    CU_ASSERT_FATAL(system(line) == 0);
+    rp_table t;
+    CHECK_OK(rp_table_read_texts(path, &t));
+    CU_ASSERT(t.n_rows > 100);
+    for (size_t row = 0; row < t.n_rows; row++) {
+        const char *test = cell(&t, row, "test"), *answer = cell(&t, row, "answer"),
+                   *verdict = cell(&t, row, "verdict");
+        const bool formula = strcmp(test, "formula") == 0, picture = strcmp(test, "picture") == 0;
+        const bool right = (!formula || test_exists(answer)) && (!picture || figure_exists(answer)) &&
+                           formula == (strcmp(verdict, "reproduced") == 0);
+        if (!right) fprintf(stderr, "claim %s: %s\n", cell(&t, row, "id"), answer);
+        CU_ASSERT(right);
+    }
+    rp_table_free(&t);
+    remove(path);
+}
+
+void suite_claims(void)
+{
+    static const check_case cases[] = {{"agreement", test_agreement},
+                                       {"both readings of the published +-", test_readings},
+                                       {"inequalities and bounds", test_inequalities},
+                                       {"equivalence and trends", test_changes},
+                                       {"one number behind several", test_constant},
+                                       {"few values, quotients", test_few},
+                                       {"counts", test_counts},
+                                       {"the claims and what answers them", test_claims_file},
+                                       {0}};
+    check_register("claims", cases);
+}
