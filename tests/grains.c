@@ -1,4 +1,4 @@
-/* Small scenes that several test files start from; see grains.h. */
+/* Small scenes shared by several test files; see grains.h. */
 #include "tests/grains.h"
 
 #include <stddef.h>
@@ -37,6 +37,15 @@ dem_definition grains_disks(size_t n, const dem_grain *grains, double k)
     def.grains = grains;
     def.n_grains = n;
     return def;
+}
+
+void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate)
+{
+    const dem_normal_descriptor *d = &dem_normal_descriptors[law];
+    const double overlap = 0.01, m_eff = 0.002;
+    def->normal = law;
+    def->material.k_n = stiffness / d->stiffness(1.0, overlap);
+    def->material.gamma_n = rate / d->damping_rate(def->material.k_n, 1.0, m_eff, overlap);
 }
 
 void grains_gas(size_t n, dem_grain *grains)

@@ -1,5 +1,5 @@
-/* The program as a user meets it: exit statuses, one message that names what is wrong, values on standard
- * output, and a sweep from its file to its digest. The environment variable REPOSE names the program. */
+/* The program from the shell: exit statuses, one message that names the fault, values on standard output, and
+ * a sweep from its file to its digest. The environment variable REPOSE names the program. */
 #include <ftw.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -19,12 +19,12 @@ static const double deg = M_PI / 180.0;
 
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
-/* 1000 steps, each rounding a velocity and a place up to 64: 1000 * 64 * 2^-53. */
+/* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
 #define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
 
 /* ---- running it ---- */
 
-/* The folder of one test; what the last run wrote, also there as files `out` and `err`. */
+/* The folder of one test; output of the last run, also in its files `out` and `err`. */
 static char folder[64], program[PATH_MAX];
 static char out[1 << 20], err[1 << 14];
 
@@ -55,7 +55,7 @@ static void path_of(const char *name, char path[256])
     snprintf(path, 256, "%s/%s", folder, name);
 }
 
-/* A name without meaning to the shell. */
+/* A name without special characters of the shell. */
 static void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void write_text(const char *name, const char *format, ...)
 {
@@ -104,7 +104,7 @@ static int run(const char *format, ...)
     return shell(line);
 }
 
-/* A good run says nothing on standard error: no message, and no progress, for it is not a terminal. */
+/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
 static bool good(int line, int status)
 {
     bool right = status == 0 && err[0] == '\0';
@@ -157,7 +157,7 @@ static rp_table read_table(const char *name)
     return table;
 }
 
-/* "" where there is no such cell. */
+/* "" if there is no such cell. */
 static const char *word(const rp_table *t, size_t row, const char *column)
 {
     int c = rp_table_column(t, column);
@@ -186,7 +186,7 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* ---- help ---- */
 
-/* Options that are off unless given: help states neither a default nor that they are required. */
+/* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
     "--help ",      "--where ",   "--bare ",      "--set ",        "--box ",
     "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
@@ -203,7 +203,7 @@ static bool option_line_is_whole(const char *line)
     return false;
 }
 
-/* `text` is the help of one command. Its example must be right, but for files that are not there. */
+/* `text` is the help of one command. Its example must be valid, except for missing files. */
 static void check_command_help(const char *command, char *text)
 {
     char usage[64];
@@ -381,7 +381,7 @@ static void test_bad_values(void)
     leave();
 }
 
-/* A bench counts what a run of the same scene has. */
+/* A bench counts the same contacts as a run of the scene. */
 static void test_bench(void)
 {
     enter();
@@ -393,7 +393,7 @@ static void test_bench(void)
                    cell(&t, 0, "share_walls"),
                1.0, 1e-14);
     write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
-    /* the upper one presses the other two apart, against the walls */
+    /* the upper grain presses the other two against the walls */
     CHECK_NEAR(cell(&t, 0, "contacts"), 2.0 / 3.0, 1e-15);
     CU_ASSERT(cell(&t, 0, "bound") > cell(&t, 0, "median"));
     rp_table_free(&t);
@@ -438,7 +438,7 @@ static void test_bad_scenes(void)
     FAILS(65, "steps", "run s.cfg --set steps=many");
     char path[256];
     path_of("made", path);
-    CU_ASSERT(access(path, F_OK) != 0); /* nothing is made before the scene is good */
+    CU_ASSERT(access(path, F_OK) != 0); /* no output before the scene is valid */
     leave();
 }
 
@@ -519,7 +519,7 @@ static void test_broken_output(void)
     slurp("garbage/store.sqlite", out, sizeof out);
     CU_ASSERT(strlen(out) == 4000);
     for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
-        /* of an output longer than its buffer the reason is lost */
+        /* the reason is lost for an output longer than its buffer */
         FAILS(74, "cannot write: ", "%s >/dev/full", writers[i]);
     leave();
 }
@@ -564,7 +564,7 @@ static void test_static_models(void)
     rp_table_free(&t);
     rp_table_free(&tent);
 
-    /* the dip of Fig. 19 in the map of all tents; a steeper foot has none */
+    /* the dip of Fig. 19 in the map of all tents; a steeper outer slope has none */
     GOOD("tent --map --x1 0.38");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 59 * 59);
@@ -617,7 +617,7 @@ static void test_angles(void)
     rp_table_free(&t);
     char *first = strstr(out, "nan");
     CU_ASSERT(first && !strstr(first + 1, "nan"));
-    /* no theory is no result; the row says so too */
+    /* no theory means no result, in the row too */
     FAILS(1, "theta-r-deg = 65", "angle tilt --mu 2 --theta-r-deg 65");
     CU_ASSERT(strstr(out, "rays_miss") != NULL);
     leave();
@@ -652,7 +652,7 @@ static void test_angle_tables(void)
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "maximum"), (2.5 + 4.5 + 4.5) / 3.0, 1e-15); /* of the three pairs */
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    /* over the 27 resamples of 1.5, 2.5, 4.5 the spread is 8/9; over 2000 of them known to 1.6 % */
+    /* the standard deviation over the 27 resamples of 1.5, 2.5, 4.5 is 8/9; 2000 of them give it to 1.6 % */
     CHECK_NEAR(cell(&t, 0, "maximum_se"), 8.0 / 9.0, 5.0 * 0.016);
     rp_table_free(&t);
     FAILS(1, "too few for a maximum of 4", "stats maximum line.tsv --column theta --draws 4");
@@ -691,7 +691,7 @@ static void test_angle_tables(void)
     leave();
 }
 
-/* Two grains of weight 981 and 1962 on a floor and one on both, held by a wall; and its runs. */
+/* Two grains of weight 981 and 1962 on a floor and one on both, supported by a wall; and its runs. */
 static void test_stress_tables(void)
 {
     enter();
@@ -717,7 +717,8 @@ static void test_stress_tables(void)
     rp_table_free(&t);
     GOOD("stress field p p --width 1.2 --cell 1.2");
     t = read_table("out");
-    /* sum of force times branch over 1.44: two contacts of 490.5 x 0.2 a side; floor and wall at 0.1 */
+    /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
+     */
     CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
@@ -748,8 +749,8 @@ static void test_stress_tables(void)
 /* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
  */
 /* A flat profile, against the continuum under 30 degrees: N rises to x = B/3 and is constant to the middle.
- * Of the base that holds 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly;
- * within what the 2000 strips of the sum resolve. */
+ * On the base with 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly, within
+ * the resolution of 2000 strips. */
 static void test_stress_dip(void)
 {
     enter();
@@ -774,12 +775,12 @@ static void test_stress_dip(void)
     GOOD("stress dip piles.tsv --against zero");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "D_reference"), 0.0, 1e-15);
-    CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope is asked for */
+    CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope requested */
     rp_table_free(&t);
     leave();
 }
 
-/* Piles with a drop that was cut short, and layers, are failed runs, left out of the mean dip. */
+/* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
 static void test_cut_drops(void)
 {
     enter();
@@ -836,7 +837,7 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 0, "slope"), -1.5 - 0.5, 1e-12); /* 3/W falls by 1 as well */
     CHECK_NEAR(cell(&t, 0, "change"), -4.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "n_left"), 0.0, 0.0);
-    CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile that has one x only */
+    CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile with a single x */
     CHECK_NEAR(cell(&t, 0, "p_holm"), 0.0, 1e-9);
     CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "falls");
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
@@ -1043,7 +1044,7 @@ static void test_forensics(void)
     CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
     rp_table_free(&t);
     FAILS(65, "no column \"frob\"", "forensics runs.tsv --claims claims.tsv --factors frob");
-    /* a number that nobody gave an error for is no data */
+    /* a number without an error is not used */
     write_text("bad.tsv", CLAIMS CLAIM("a", "1\t-", "theta_r3"));
     FAILS(65, "bad.tsv: claim a: a published number with its error",
           "forensics runs.tsv --claims bad.tsv --factors law");
@@ -1108,7 +1109,8 @@ static void test_calibrate(void)
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     CHECK_NEAR(cell(&t, 0, "value"), 0.3, 1e-6);
     double se = cell(&t, 0, "se");
-    CU_ASSERT(se > 0.5 / 50.0 && se < 0.7 / 50.0); /* the measurement's, and a little of the response */
+    CU_ASSERT(se > 0.5 / 50.0 &&
+              se < 0.7 / 50.0); /* error of the measurement, plus a little of the response */
     CHECK_NEAR(cell(&t, 0, "upper") - cell(&t, 0, "lower"), 3.92 * se, 0.02 * se);
     CHECK_NEAR(cell(&t, 0, "boot_se"), se, 0.2 * se);
     rp_table_free(&t);
@@ -1146,7 +1148,7 @@ static void test_calibrate_sweep(void)
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n");
     static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
     int status = run("%s", line);
-    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may say nothing */
+    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may not identify mu */
     char *first = strdup(out);
     CU_ASSERT(strstr(first, "12 piles used") && strstr(first, "\n# W: 2 cm\n") && strstr(first, "\nmu\t"));
     GOOD("sweep export d -o before.tsv"); /* with the seconds of each run in its header */
@@ -1237,7 +1239,7 @@ static void test_output_folder(void)
     leave();
 }
 
-/* A floor too soft to carry the grain: the run stops, and what it had computed stays. */
+/* A floor too soft to carry the grain: the run stops, and keeps its output so far. */
 static void test_broken_run(void)
 {
     enter();
@@ -1254,12 +1256,12 @@ static void test_broken_run(void)
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/states.tsv"));
-    /* an overlap that no grain could have is a broken invariant */
+    /* an overlap beyond the radius is a broken invariant */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
     FAILS(70, "overlap at step ", "run crush.cfg");
-    /* a step that the implicit integrator can't solve in one go is no result */
+    /* a step that the implicit integrator can't solve in one iteration fails */
     static const char *const solvers[] = {"direct", "sor"};
     for (int k = 0; k < 2; k++) {
         write_text("hard.cfg",
@@ -1328,7 +1330,7 @@ static void test_sweep(void)
     leave();
 }
 
-/* On shared piles, what comes after the opening alone differs. */
+/* Shared piles differ only after the opening. */
 static void test_shared_piles(void)
 {
     enter();
@@ -1358,7 +1360,7 @@ static void test_shared_piles(void)
     leave();
 }
 
-/* One row of a sweep again: the numbers that the sweep stores, and a scene that runs to the same bits. */
+/* One row of a sweep again: the stored numbers, and a scene that gives the same bits. */
 static void test_row_again(void)
 {
     enter();
@@ -1386,7 +1388,7 @@ static void test_row_again(void)
     leave();
 }
 
-/* Stopped while its second run, which has no end, is on: what is stored stays, and 75 says to resume. */
+/* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
     enter();
@@ -1405,7 +1407,7 @@ static void test_stopped(void)
     leave();
 }
 
-/* A scene that is stopped keeps what it wrote, and leaves no half file. */
+/* A stopped scene keeps its output, without incomplete files. */
 static void test_scene_stopped(void)
 {
     enter();
@@ -1437,7 +1439,7 @@ void suite_cli(void)
                                        {"stress field, base, critical", test_stress_tables},
                                        {"report", test_report},
                                        {"stress dip", test_stress_dip},
-                                       {"drops cut short", test_cut_drops},
+                                       {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
                                        {"stats select, threshold, cost, --where", test_stats_settings},
                                        {"forensics", test_forensics},

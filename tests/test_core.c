@@ -52,7 +52,7 @@ static void defaults_and_text(void)
     CHECK_OK(set(&v, "set", "two,three"));
     CU_ASSERT(isinf(v.b) && v.set == 6u);
     rp_params_defaults(schema, &back);
-    for (const rp_param *p = schema; p->name; p++) /* what is written reads back exactly */
+    for (const rp_param *p = schema; p->name; p++) /* written values read back exactly */
         if (p->type != RP_TEXTS) CHECK_OK(set(&back, p->name, rp_params_text(p, &v, text, sizeof text)));
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
               back.set == 6u);
@@ -180,7 +180,8 @@ static void random_streams(void)
     }
 }
 
-/* Kolmogorov's distance of 40 000 deviates from the cut normal stays below the 1e-4 quantile, 2.23/sqrt(n).
+/* Kolmogorov's distance of 40 000 deviates from the truncated normal stays below the 1e-4
+ * quantile, 2.23/sqrt(n).
  */
 static int ascending(const void *a, const void *b)
 {
@@ -236,7 +237,7 @@ static void tables(void)
     CU_ASSERT(isnan(v));
     CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
     rp_table_free(&t);
-    /* a failed table leaves the old one in place */
+    /* a failed table leaves the old file unchanged */
     CHECK_OK(rp_file_open(path, &out));
     fputs("half", out);
     CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
@@ -299,8 +300,8 @@ void suite_core(void)
                                        {"keys", keys},
                                        {"parameter files", files},
                                        {"random numbers: known answer", random_known_answer},
-                                       {"random streams are apart", random_streams},
-                                       {"cut normal deviates", cut_normal},
+                                       {"random streams are distinct", random_streams},
+                                       {"truncated normal deviates", cut_normal},
                                        {"tables", tables},
                                        {NULL, NULL}};
     check_register("core", cases);

@@ -119,20 +119,7 @@ static void free_work(dem_sim *sim)
 
 /* ---- Forces of a step ---------------------------------------------------------------------------------- */
 
-/* Elastic force as the quotient of potentials between two overlaps, and its derivative by the second, both
- * above 0. */
-static double quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
-{
-    switch (law) {
-#define X(id, word, spring, ...)                                                                             \
-    case id: return spring##_quotient(k_n, before, after, slope);
-        DEM_NORMAL_LAWS(X)
-#undef X
-    }
-    __builtin_unreachable();
-}
-
-/* The same from or to a gap, where the potential is 0. */
+/* dem_law_quotient from or to a gap, where the potential is 0. */
 static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
 {
     const double in = fmax(before, after), way = fabs(after - before),
@@ -155,7 +142,7 @@ static inline double normal_force(const dem_sim *sim, const coefficients *l, dou
     const dem_normal_law law = sim->def.normal;
     const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
                  dt = sim->def.dt;
-    double force = before > 0.0 && after > 0.0 ? quotient(law, k_n, before, after, slope)
+    double force = before > 0.0 && after > 0.0 ? dem_law_quotient(law, k_n, before, after, slope)
                                                : end_quotient(law, k_n, before, after, slope);
     if (p) p->elastic = force;
     force += dem_law_mean_rate(law, k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);

@@ -1,0 +1,214 @@
+/* Every contact law of the lists in laws.h, with every feature and kernel: a law is tested because it is
+ * listed. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/law.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+/* ---- Kernels
+ * ------------------------------------------------------------------------------------------------ */
+
+enum { GRAINS = 60 };
+
+/* The scene ran with the instructions and the law it asked for. */
+static void check_name(const dem_definition *def, const char *name)
+{
+    const char *law = dem_normal_descriptors[def->normal].name;
+    CU_ASSERT(strncmp(name, law, strlen(law)) == 0 && name[strlen(law)] == '_');
+    CU_ASSERT((strstr(name, "_avx2") != NULL) == (def->kernel == DEM_AVX2));
+    CU_ASSERT((strstr(name, "_avx512") != NULL) == (def->kernel == DEM_AVX512));
+}
+
+/* An avalanche in a box, whose walls open or turn, and which grains leave. */
+static dem_sim *avalanche(dem_definition *def, long steps)
+{
+    dem_sim *sim = grains_start(def);
+    CHECK_OK(dem_run(sim, steps));
+    return sim;
+}
+
+static void each_kernel(dem_definition *def, long steps)
+{
+    def->kernel = DEM_REFERENCE;
+    dem_sim *reference = avalanche(def, steps);
+    CU_ASSERT_STRING_EQUAL(dem_kernel_name(reference), "reference");
+    CU_ASSERT(dem_count(reference) > 0 && dem_count(reference) < GRAINS); /* some were taken out */
+    for (def->kernel = DEM_BASELINE; def->kernel < DEM_KERNELS; def->kernel++) {
+        if (!dem_kernel_runs(def->kernel)) continue;
+        dem_sim *sim = avalanche(def, steps);
+        const bool same = grains_same_bits(sim, reference);
+        if (!same) fprintf(stderr, "other bits than the reference: %s\n", dem_kernel_name(sim));
+        CU_ASSERT(same);
+        check_name(def, dem_kernel_name(sim));
+        dem_free(sim);
+    }
+    dem_free(reference);
+}
+
+typedef struct {
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    dem_slip slip;
+    dem_damping damping;
+    bool tension, rotation, rolling;
+} features;
+
+static void kernels_of(const features *f, long number)
+{
+    const long steps = check_fast() ? 2000 : 4000;
+    dem_grain *grains;
+    dem_definition def = grains_box(GRAINS, 2.0, number, &grains);
+    grains_law(&def, f->normal, 1.5e5, 500.0);
+    def.tangential = f->tangential, def.slip = f->slip, def.damping = f->damping;
+    def.tension = f->tension, def.rotation = f->rotation;
+    if (f->rolling) def.material.mu_roll = 0.1;
+    if (!dem_has_friction(f->tangential)) def.material.mu = 0.0;
+    for (int i = 0; def.rotation && i < GRAINS; i++) grains[i].omega = i % 7 - 3.0;
+    for (int w = 0; w < DEM_BOX_N; w++) {
+        def.walls[w].material = def.material;
+        def.walls[w].material.k_n *= 2.0;
+    }
+    def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
+    def.walls[DEM_BOX_FLOOR].open_at_step = steps - 900;
+    def.box_turn_per_step = number % 3 == 1 ? 1e-4 : 0.0;
+    def.x_max = 2.5;
+    def.y_min = -0.5;
+    each_kernel(&def, steps);
+    free(grains);
+}
+
+/* Bits of the features, in the order of their changes. */
+static void kernels_match_reference(void)
+{
+    enum { TENSION = 1, ROTATION = 2, ROLLING = 4, TOTAL = 8, INSIDE = 16, ALL = 32 };
+    long number = 0;
+    for (int normal = 0; normal < DEM_NORMAL_N; normal++)
+        for (int tangential = 0; tangential < DEM_TANGENTIAL_N; tangential++)
+            for (int bits = 0; bits < ALL; bits++) {
+                const features f = {normal,
+                                    tangential,
+                                    bits & TOTAL ? DEM_TOTAL : DEM_TRUNCATED,
+                                    bits & INSIDE ? DEM_DAMPING_INSIDE : DEM_DAMPING_OUTSIDE,
+                                    bits & TENSION,
+                                    bits & ROTATION,
+                                    bits & ROLLING};
+                if (!dem_has_spring(tangential) && bits & (TOTAL | INSIDE)) continue;
+                if (f.rolling && !(f.rotation && dem_has_friction(tangential))) continue;
+                kernels_of(&f, number++);
+            }
+}
+
+/* ---- Descriptors
+ * -------------------------------------------------------------------------------------------- */
+
+/* Integral of a smooth function by Gauss and Legendre's rule of five points on each of many pieces. */
+typedef struct {
+    dem_normal_law law;
+    double k_n, gamma_n, m_eff;
+    bool damping;
+} integrand;
+
+static double value(const integrand *p, double x)
+{
+    return p->damping ? dem_law_damping_rate(p->law, p->k_n, p->gamma_n, p->m_eff, x)
+                      : dem_law_elastic(p->law, p->k_n, x);
+}
+
+static double integral(const integrand *p, double from, double to)
+{
+    static const double at[] = {0.0, 0.53846931010568309, 0.90617984593866399},
+                        weight[] = {0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
+    enum { PIECES = 64 };
+    double sum = 0.0;
+    for (int k = 0; k < PIECES; k++) {
+        const double half = 0.5 * (to - from) / PIECES, middle = from + half * (2 * k + 1);
+        sum += half * weight[0] * value(p, middle);
+        for (int i = 1; i < 3; i++)
+            sum += half * weight[i] * (value(p, middle - at[i] * half) + value(p, middle + at[i] * half));
+    }
+    return sum;
+}
+
+/* The spring of a law: energy, derivative and inverses belong to its force. */
+static void springs_agree(void)
+{
+    for (int law = 0; law < DEM_NORMAL_N; law++) {
+        const dem_normal_descriptor *d = &dem_normal_descriptors[law];
+        const double k = 2.385e5, m = 0.00317, a = 3.1e-4, b = 2.17e-3, step = 1e-4;
+        const integrand p = {law, k, 0.0, m, false};
+        const double energy = d->potential(k, b), force = dem_law_elastic(law, k, b);
+        CU_ASSERT(dem_law_elastic(law, k, 0.0) == 0.0 && d->potential(k, 0.0) == 0.0);
+        /* five-point rule: error of the order (a/64)^10 */
+        CHECK_NEAR((d->potential(k, b) - d->potential(k, a)) / integral(&p, a, b), 1.0, 1e-13);
+        const double slope =
+            (dem_law_elastic(law, k, b * (1.0 + step)) - dem_law_elastic(law, k, b * (1.0 - step))) /
+            (2.0 * step * b);
+        CHECK_NEAR(slope / d->stiffness(k, b), 1.0, step * step);
+        CHECK_NEAR(d->impact_overlap(k, m, sqrt(2.0 * energy / m)) / b, 1.0, 1e-14);
+        CHECK_NEAR(d->rest_overlap(k, force) / b, 1.0, 1e-14);
+        CU_ASSERT(!d->constant_stiffness || d->stiffness(k, a) == d->stiffness(k, b));
+        double derivative;
+        const double mean = dem_law_quotient(law, k, a, b, &derivative);
+        CHECK_NEAR(mean * (b - a) / integral(&p, a, b), 1.0, 1e-13);
+        /* of (V(b) - V(a))/(b - a) by b */
+        CHECK_NEAR(derivative / ((force - mean) / (b - a)), 1.0, 1e-12);
+    }
+}
+
+static void dashpots_agree(void)
+{
+    for (int law = 0; law < DEM_NORMAL_N; law++) {
+        const dem_normal_descriptor *d = &dem_normal_descriptors[law];
+        const double k = 2.385e5, gamma = 1.7, m = 0.00317, a = 3.1e-4, b = 2.17e-3, v = -13.0;
+        const integrand p = {law, k, gamma, m, true};
+        CHECK_NEAR(dem_law_mean_rate(law, k, gamma, m, a, b) * (b - a) / integral(&p, a, b), 1.0, 1e-13);
+        CHECK_NEAR(d->damping_rate(k, gamma, m, b) / value(&p, b), 1.0, 0.0);
+        CHECK_NEAR(d->damping_rate(k, 3.0 * gamma, m, b) / value(&p, b), 3.0, 1e-15); /* linear in gamma_n */
+        CHECK_NEAR(dem_law_normal(law, true, k, gamma, m, b, v),
+                   dem_law_elastic(law, k, b) - value(&p, b) * m * v, 0.0);
+        /* what pulls is cut */
+        const double parting = 2.0 * dem_law_elastic(law, k, b) / (value(&p, b) * m);
+        CU_ASSERT(dem_law_normal(law, true, k, gamma, m, b, parting) < 0.0);
+        CU_ASSERT(dem_law_normal(law, false, k, gamma, m, b, parting) == 0.0);
+    }
+}
+
+/* The force that an observer reads is the law's, and that which moves the grains. */
+static void observed_force(void)
+{
+    for (int law = 0; law < DEM_NORMAL_N; law++) {
+        const dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004, .vx = 3.0},
+                                     {.x = 0.199, .r = 0.1, .m = 0.004, .vx = -2.0}};
+        dem_definition def = dem_definition_default();
+        grains_law(&def, law, 1.5e5, 500.0);
+        def.gravity[1] = 0.0;
+        def.grains = grains;
+        def.n_grains = 2;
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1));
+        const dem_contact c = grains_only_contact(sim);
+        dem_state s[2];
+        CHECK_OK(dem_states(sim, s));
+        /* Verlet damps by the velocity of half a step before */
+        const double m_eff = 0.002, v_n = s[1].vx - s[0].vx - 0.5 * def.dt * s[1].fx / m_eff,
+                     law_force = dem_law_normal(law, true, def.material.k_n, def.material.gamma_n, m_eff,
+                                                c.overlap, v_n);
+        CU_ASSERT(c.normal_force > 0.0 && c.overlap > 0.0);
+        CHECK_NEAR(c.normal_force, law_force, 1e-12 * law_force);
+        CHECK_NEAR(s[1].fx, c.normal_force, 1e-12 * law_force);
+        CHECK_NEAR(s[0].fx, -c.normal_force, 1e-12 * law_force);
+        dem_free(sim);
+    }
+}
+
+void suite_laws(void)
+{
+    static const check_case cases[] = {{"each kernel matches the reference loop", kernels_match_reference},
+                                       {"springs agree with their descriptors", springs_agree},
+                                       {"dashpots agree with their descriptors", dashpots_agree},
+                                       {"force that an observer reads", observed_force},
+                                       {NULL, NULL}};
+    check_register("laws", cases);
+}
