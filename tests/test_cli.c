@@ -188,11 +188,10 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",      "--where ",   "--bare ",      "--set ",        "--box ",
-    "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
-    "--runs ",      "--missing ", "--outline ",   "--disks ",      "--linear ",
-    "--set-again ", "--summary ", "--threshold ", "--map ",        "--ledger ",
-    "--profile ",   "--start ",   "--variants ",  "--published ",  NULL};
+    "--help ",   "--where ",      "--bare ",      "--set ",       "--box ",     "--reduce ",  "--base ",
+    "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ", "--outline ", "--disks ",
+    "--linear ", "--set-again ",  "--summary ",   "--threshold ", "--map ",     "--ledger ",  "--profile ",
+    "--start ",  "--variants ",   "--published ", "--needs ",     NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -934,51 +933,154 @@ static void test_stats_settings(void)
     leave();
 }
 
-/* A report's verdicts on words. */
+/* ---- claims and report ---- */
+
+#define CLAIMS                                                                                               \
+    "# at: W=4\n# "                                                                                          \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"       \
+    "forensics\tstatement\tnote\n"
+#define CLAIM(id, number, forensics)                                                                         \
+    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\tt v\t-\t" forensics "\t" id "\t-\n"
+/* A claim without a published number. */
+#define PLAIN(id, test, margin, answer, against)                                                             \
+    id "\t-\tli\t-\tplain\t" test "\t-\t-\t-\t" margin "\t" answer "\t" against "\t-\t" id "\tnote\n"
+
+/* The text of a column in the row of a claim. */
+static void check_verdict(const char *id, const char *column, const char *expected)
+{
+    char path[256];
+    rp_table t;
+    path_of("out", path);
+    CHECK_OK(rp_table_read_texts(path, &t));
+    const char *found = "no such claim";
+    for (size_t row = 0; row < t.n_rows; row++)
+        if (strcmp(t.cells[row * t.n_columns], id) == 0)
+            found = t.cells[row * t.n_columns + (size_t)rp_table_column(&t, column)];
+    if (strcmp(found, expected) != 0) fprintf(stderr, "claim %s: %s, expected %s\n", id, found, expected);
+    CU_ASSERT_STRING_EQUAL(found, expected);
+    rp_table_free(&t);
+}
+
+/* Verdicts follow from the tables: the same claims, and tables that say other things. 101 values make two
+ * standard errors the 95 % interval to 1 %. */
+static void test_claims(void)
+{
+    enter();
+    write_text(
+        "claims.tsv",
+        CLAIMS CLAIM(
+            "angle", "20\t1",
+            "-") "twin\tangle\tlh\t-\tall\tagrees\t-\t-\t-\t2\tu v\t-\t-\ttwin\t-\n" PLAIN("level",
+                                                                                           "independent", "1",
+                                                                                           "trend k=1 change",
+                                                                                           "-")
+            PLAIN("up", "rises", "1", "trend k=2 change", "-") PLAIN("high", "above", "-", "u v", "t v")
+                PLAIN("count", "most", "-", "t #count", "7") PLAIN("elsewhere", "above", "-", "none v", "0")
+                    PLAIN("sketch", "untestable", "-", "-", "-")
+                        PLAIN("form", "formula", "-", "angle: theta_MS", "-"));
+    write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
+    write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
+    write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                            "1\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n2\t3\t1\t1.4\t4.6\t0.003\t0.04\n");
+    GOOD("claims --claims claims.tsv --tables nowhere,. --variants");
+    CU_ASSERT(
+        strstr(
+            out,
+            "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+            "# li: 5 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+        NULL);
+    check_verdict(
+        "angle", "detail",
+        "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
+    check_verdict("twin", "verdict", "not reproduced");
+    check_verdict("twin", "published", "20 ± 1");
+    check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.2 to 0.4)");
+    check_verdict("level", "verdict", "reproduced");
+    check_verdict("up", "verdict", "reproduced");
+    check_verdict("high", "ours", "30.00 ± 0.50 against 20.50 ± 0.10");
+    check_verdict("count", "verdict", "reproduced");
+    check_verdict("elsewhere", "verdict", "no data");
+    check_verdict("sketch", "detail", "can't be tested: note");
+    check_verdict("form", "detail", "reproduced, by tests");
+    write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
+    write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                            "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
+    GOOD("claims --claims claims.tsv --tables . --paper li");
+    check_verdict("angle", "verdict", "no such claim");
+    check_verdict("level", "verdict", "not reproduced");
+    check_verdict("up", "verdict", "not reproduced");
+    check_verdict("high", "verdict", "undecided");
+    check_verdict("count", "verdict", "not reproduced");
+    GOOD("claims --claims claims.tsv --tables . --id angle");
+    check_verdict("angle", "verdict", "not reproduced");
+    check_verdict("twin", "verdict", "not reproduced");
+    check_verdict("level", "verdict", "no such claim");
+    GOOD("claims --claims claims.tsv --published");
+    CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
+    leave();
+}
+
+static void test_bad_claims(void)
+{
+    enter();
+    write_text("t.tsv", "# k\tv\n1\t2\n1\t3\n");
+#define BAD(text, message)                                                                                   \
+    write_text("bad.tsv", CLAIMS text);                                                                      \
+    FAILS(65, message, "claims --claims bad.tsv --tables .")
+    BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:3: claim a: unknown test \"guess\"");
+    BAD(PLAIN("a", "above", "-", "t v", "-"), "claim a: test above needs `against`");
+    BAD(PLAIN("a", "agrees", "-", "t v", "-"), "claim a: test agrees needs a published number");
+    BAD(PLAIN("a", "independent", "-", "t v", "-"), "claim a: test independent needs a margin");
+    BAD(PLAIN("a", "above", "-", "-", "0"), "claim a: test above needs an answer");
+    BAD(CLAIM("a", "1\t1", "-") CLAIM("a", "1\t1", "-"), "bad.tsv:4: claim a stands twice");
+    BAD(CLAIM("a", "1\t1", "-") "b\ta\tlh\t-\tall\tagrees\t1\t1\t-\t2\tt v\t-\t-\tb\t-\n",
+        "a number is published once");
+    BAD("b\ta\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\t-\tb\t-\n", "no claim \"a\"");
+    BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
+    BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");
+    BAD(PLAIN("a", "above", "-", "t j=2 v", "0"), "no column j");
+    BAD(PLAIN("a", "above", "-", "t #j", "0"), "no header line \"j\"");
+    leave();
+}
+
 static void test_report(void)
 {
     enter();
-    write_text("t.tsv", "# mu\tp\tverdict\n0.1\t0.2\tno_dependence_within_margin\n0.2\t0.01\tundecided\n"
-                        "0.3\t0.05\tfalls\n0.4\tnan\tno_result\n");
-    write_text("in.md", "{{holds t mu=0.1 verdict within_margin}}, {{holds t mu=0.2 verdict within_margin}}, "
-                        "{{holds t mu=0.3 verdict within_margin}}, {{holds t mu=0.4 verdict falls}}; "
-                        "{{holds t mu=0.3 verdict rises|falls}}, {{least t mu=0.1 p 0.05}}.\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "reproduced, undecided, not reproduced, can't be tested: no result; "
-                                "reproduced, reproduced.\n");
-    write_text("u.tsv", "# k\tv\tv_se\n7\t0.1\t0.2\n8\t0.1\t0.01\n");
-    write_text("in.md",
-               "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
-               "{{above none mu=1 p 0}}.\n");
-    GOOD("report in.md --tables . --missing later");
-    CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
-    FAILS(65, "none.tsv", "report in.md --tables .");
-    write_text("w.tsv", "# k\tv\tv_se\n5\t-0.3\t0.03\n6\t0.4\t0.04\n");
-    write_text("in.md", "{{difference w k=6 v @w k=5 v}}, {{difference w k=5 v @w k=6 v}}\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "0.700 ± 0.050, -0.700 ± 0.050\n");
-    write_text("few.tsv", "# k\tv\tv_se\tp\n1\t2.5\tnan\tnan\n2\tnan\tnan\t0.5\n");
-    write_text("in.md",
-               "{{value few k=1 v}}, {{value few k=2 v}}; {{above few k=1 v 1}}, {{agree few k=1 v 2 0}}, "
-               "{{least few k=1 p 0.05}}, {{below few k=2 v 1}}.\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out,
-                           "2.5 (error not known), not known; undecided, undecided, undecided, undecided.\n");
-    write_text("c.tsv", "# n\tv\n1400\t12.345678\n");
-    write_text("in.md", "{{cell c n}} {{cell c n %%.0f}} {{cell c n %%.2g}} {{cell c v}} {{cell c v %%.1f}} "
-                        "{{cell c v %%.0f}}\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "1400 1400 1.4e+03 12.3 12.3 12\n");
-    write_text("in.md", "{{cell c v %%.17g}}");
-    FAILS(65, "a format such as", "report in.md --tables .");
-    write_text("in.md", "{{cell c v %%.3d}}");
-    FAILS(65, "a format such as", "report in.md --tables .");
-    write_text("in.md", "{{above t mu=0.1 p @u k=7}}");
-    FAILS(65, "no column", "report in.md --tables .");
-    write_text("in.md", "{{holds t mu=0.1 frob within}}");
-    FAILS(65, "in.md:1: ./t.tsv: no column frob", "report in.md --tables .");
-    write_text("in.md", "{{holds t mu=0.1 verdict}}");
-    FAILS(65, "a text is missing", "report in.md --tables .");
+    write_text("claims.tsv",
+               CLAIMS CLAIM("angle", "20.10\t1", "-") PLAIN("high", "above", "-", "many k=8 v", "0"));
+    write_text("many.tsv",
+               "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
+    write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");
+    write_text("part-2.txt", "second\n");
+    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}, {{value none v}}; {{cell many k=7 n}} "
+                        "{{cell many k=8 v %%.2g}}; "
+                        "{{note many note}}; {{published angle}}; {{verdict high}}; {{counts li}}\n"
+                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n{{include part-*.txt}}");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(
+        out, "20.10 ± 0.20, not known, no data; 12 0.1; so it is; 20.10 ± 1; reproduced; "
+             "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\nfirst 20.1\n\nsecond\n");
+    write_text("in.md", "{{claims plain}}\n{{scores lh}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
+    CU_ASSERT(strstr(out, "| angle |  | angle | 20.10 ± 1 |  |  | no data |\n") != NULL);
+    GOOD("report in.md --claims claims.tsv --needs");
+    CU_ASSERT_STRING_EQUAL(out, "t\nmany\n");
+#define BAD_PLACE(text, message)                                                                             \
+    write_text("in.md", text);                                                                               \
+    FAILS(65, message, "report in.md --tables . --claims claims.tsv")
+    BAD_PLACE("{{cell many k=7 v %%.17g}}", "in.md:1: \"%.17g\": a format such as");
+    BAD_PLACE("{{cell many k=7 v %%.3d}}", "a format such as");
+    BAD_PLACE("{{cell many k=7 w}}", "no column w");
+    BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
+    BAD_PLACE("{{rows many k=11 | v}}", "no row");
+    BAD_PLACE("{{claims nowhere}}", "no claim has this section");
+    BAD_PLACE("{{verdict nobody}}", "no claim \"nobody\"");
+    BAD_PLACE("{{frob t v}}", "unknown word");
+    BAD_PLACE("{{include frob*}}", "no file frob*");
+    BAD_PLACE("{{include in.md}}", "in an included text");
+    BAD_PLACE("{{value many", "without }}");
     leave();
 }
 
@@ -1006,13 +1108,6 @@ static void write_forensics(void)
     }
     fclose(file);
 }
-
-#define CLAIMS                                                                                               \
-    "# at: W=4\n# "                                                                                          \
-    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"       \
-    "forensics\tstatement\tnote\n"
-#define CLAIM(id, number, forensics)                                                                         \
-    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\tt v\t-\t" forensics "\t" id "\t-\n"
 
 static void test_forensics(void)
 {
@@ -1437,6 +1532,8 @@ void suite_cli(void)
                                        {"angle marginal, tilt", test_angles},
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
                                        {"stress field, base, critical", test_stress_tables},
+                                       {"claims", test_claims},
+                                       {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},

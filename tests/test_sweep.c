@@ -16,6 +16,7 @@
 
 #include "core/random.h"
 #include "core/table.h"
+#include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
@@ -691,6 +692,36 @@ static void test_full_disk(void)
     clean();
 }
 
+/* Every parameter of the list of dem/physics.h is known to the protocols of the box and, by its key, to
+ * scenes; a default or a range differs where the protocol says so, and nowhere else. */
+static void test_physics(void)
+{
+    static const struct {
+        const char *name, *key, *fallback, *range;
+    } list[] = {
+#define ROW(kind, name, key, unit, type, fallback, range, further, ...)                                      \
+    {#name, key, fallback, DEM_RANGE_##kind(range, further)},
+        DEM_PHYSICS(ROW)};
+    static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
+                                                  &sweep_protocol_flux};
+    const char *const own[] = {"mu", "tangential", "k_n", "integrator", "slip"};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        bool in_scene = false, overridden = false;
+        for (const dem_scene_group *g = dem_scene_schemas; g->name && !in_scene; g++)
+            in_scene = rp_params_find(g->schema, list[i].key) != NULL;
+        CU_ASSERT(in_scene);
+        for (size_t k = 0; k < sizeof own / sizeof *own; k++) overridden |= strcmp(own[k], list[i].name) == 0;
+        for (size_t k = 0; k < sizeof boxes / sizeof *boxes; k++) {
+            const rp_param *p = rp_params_find(boxes[k]->schema, list[i].name);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(p);
+            CU_ASSERT(overridden ||
+                      (strcmp(p->fallback, list[i].fallback) == 0 && strcmp(p->range, list[i].range) == 0));
+        }
+    }
+    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_repose.schema, "mu")->fallback, "0.2");
+    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
+}
+
 /* Names become columns of one table, in which SQLite ignores case. */
 static void test_columns(void)
 {
@@ -725,6 +756,7 @@ void suite_sweep(void)
                                        {"bad folders and stores", test_bad_folders},
                                        {"lock", test_lock},
                                        {"full disk", test_full_disk},
+                                       {"physical parameters of protocols", test_physics},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
     check_register("sweep", cases);

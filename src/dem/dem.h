@@ -14,6 +14,7 @@
 
 #include "core/status.h"
 #include "dem/laws.h"
+#include "dem/physics.h"
 
 /* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
@@ -28,26 +29,14 @@ typedef enum {
 #define X(name, word) +1
 enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
 #undef X
+#define DEM_INTEGRATOR_WORD(name, word) " | " #word
+#define DEM_INTEGRATOR_WORDS            (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
 typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
 enum { DEM_MAX_WALLS = 8 };
-
-/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
- * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
- * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. */
-typedef struct {
-    double k_n;        /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
-    double gamma_n;    /* normal damping, 1/time, times m_eff */
-    double k_s;        /* shear stiffness, force/length */
-    double gamma_s;    /* shear damping, 1/time, times m_eff */
-    double mu;         /* Coulomb's coefficient */
-    double mu_roll;    /* rolling resistance: limit of its force over the normal force */
-    double k_roll;     /* its stiffness, force/length */
-    double gamma_roll; /* its damping, 1/time, times m_eff */
-} dem_material;
 
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
  * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
@@ -137,6 +126,22 @@ typedef struct {
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
+
+/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved; taken
+ * from one that makes grains of this density. */
+dem_physics dem_physics_default(void);
+void dem_physics_apply(const dem_physics *p, dem_definition *def);
+dem_physics dem_physics_of(const dem_definition *def, double density);
+
+/* The coefficients of a wall: those given, and for negative ones the grains' times the factor of the list. */
+dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
+extern const dem_material dem_material_auto; /* all negative */
+
+/* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
+ * and the integrator; radii to draw from. Errors: RP_BAD_INPUT. */
+rp_status dem_material_check(const dem_definition *def, const dem_material *m);
+rp_status dem_physics_check(const dem_definition *def);
+rp_status dem_radius_check(double mean, double least, double most);
 
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
