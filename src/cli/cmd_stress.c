@@ -180,8 +180,7 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const options *
     for (size_t i = 0; i < n && !status; i++) {
         ang_surface surface;
         ang_slope slopes[ANG_N_METHODS];
-        status =
-            ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
+        status = ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
         if (!status)
             status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
         ang_surface_free(&surface);
