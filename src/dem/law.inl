@@ -102,6 +102,12 @@ static inline double constant_mean_rate(double k_n, double gamma_n, double m_eff
     return gamma_n;
 }
 
+/* with the linear spring */
+static inline double linear_damping_ratio(double k_n, double gamma_n, double m_eff)
+{
+    return 0.5 * gamma_n * sqrt(m_eff / k_n);
+}
+
 /* gamma_n (m_eff/k_n)^(2/5) v^(-1/5) = 1.12799 with Hertz' spring */
 static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_eff)
 {
