@@ -11,7 +11,9 @@
     X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,        \
       .modulus = hertz_modulus)                                                                              \
     X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true,                     \
-      .damping_ratio = linear_damping_ratio)
+      .damping_ratio = linear_damping_ratio)                                                                 \
+    X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio,               \
+      .modulus = hertz_modulus)
 
 /* Tangential laws: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a
  * spring (Liffman, Chan & Hughes 1992, eqs (27)-(32)). id; word; has friction; has a spring. */
