@@ -1,4 +1,4 @@
-/* What the test files share. A suite is one function here and one line in the list. */
+/* Shared by the test files. A suite is one function and one line in the list. */
 #ifndef CHECK_H
 #define CHECK_H
 

@@ -1,4 +1,4 @@
-/* Small scenes that several test files start from; see grains.h. */
+/* Small scenes shared by several test files; see grains.h. */
 #include "tests/grains.h"
 
 #include <stddef.h>

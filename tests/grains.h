@@ -1,4 +1,4 @@
-/* Small scenes that several test files start from, and how their simulations compare. */
+/* Small scenes shared by several test files, and comparison of their simulations. */
 #ifndef GRAINS_H
 #define GRAINS_H
 
@@ -10,7 +10,7 @@ dem_wall grains_line(double x, double y, double nx, double ny, const dem_materia
 /* The grains, and as the only wall a floor of the definition's material through the origin. */
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains);
 
-/* Disks on springs k without loss, for the implicit integrator; lengths in diameters, unit gravity. */
+/* Disks on springs k without dissipation, for the implicit integrator; lengths in diameters, unit gravity. */
 dem_definition grains_disks(size_t n, const dem_grain *grains, double k);
 
 /* Unequal disks, three a row, that move in a box of width 3.6. */
@@ -20,19 +20,19 @@ void grains_gas(size_t n, dem_grain *grains);
  * *grains. */
 dem_definition grains_box(long N, double W, long run, dem_grain **grains);
 
-/* Let the normal law be this, with a stiffness (dyn/cm) and a rate of damping (1/s) of these sizes, whatever
- * the law: at an overlap of 0.01 cm of two grains of 0.004 g. */
+/* Set the normal law, with the same stiffness (dyn/cm) and damping rate (1/s) for every law at an overlap of
+ * 0.01 cm of two grains of 0.004 g. */
 void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate);
 
-/* The simulation of a definition that must be good; and the state of its only grain. */
+/* The simulation of a valid definition; the state of its only grain. */
 dem_sim *grains_start(const dem_definition *def);
 dem_state grains_state_of_one(const dem_sim *sim);
 
-/* The contact, where there is one; and all energy. */
+/* The contact, if any; the total energy. */
 dem_contact grains_only_contact(const dem_sim *sim);
 double grains_energy(const dem_sim *sim);
 
-/* Are all states the same, to the bit? */
+/* True if all states are equal to the bit. */
 bool grains_same_bits(const dem_sim *a, const dem_sim *b);
 
 #endif

@@ -1,4 +1,4 @@
-/* Random inputs of a property, and how one that fails is made simpler; see property.h. */
+/* Random inputs of a property, and simplification of a failing one; see property.h. */
 #include "tests/property.h"
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ static size_t digits(double value)
     return strlen(text);
 }
 
-/* Fewer digits, or as many and nearer to the simplest by a tenth: this can't go on for ever. */
+/* Fewer digits, or as many and nearer to the simplest by a tenth, so that simplification ends. */
 static bool is_simpler(const property_input *in, double a, double b)
 {
     if (!(a >= in->lo && a <= in->hi)) return false;
@@ -41,7 +41,7 @@ static double rounded(double value, int figures)
     return strtod(text, NULL);
 }
 
-/* Replace input i of x, which fails, by something simpler that fails. */
+/* Replace input i of the failing x by a simpler failing value. */
 static bool simplify(const property *p, double x[], int i)
 {
     const property_input *in = &p->input[i];
@@ -83,8 +83,7 @@ void property_check(const property *p, unsigned long seed, int n)
     const bool good = property_holds(p, seed, n, x);
     CU_ASSERT(good);
     if (good) return;
-    fprintf(stderr, "property \"%s\", seed %lu, broken by %g of what is allowed at", p->name, seed,
-            p->excess(x));
+    fprintf(stderr, "property \"%s\", seed %lu: %g tolerances at", p->name, seed, p->excess(x));
     for (int i = 0; i < PROPERTY_INPUTS && p->input[i].name; i++)
         fprintf(stderr, "%s %s = %.17g", i ? "," : "", p->input[i].name, x[i]);
     fputc('\n', stderr);

@@ -1,5 +1,5 @@
-/* Properties that hold for every input of a range, tried on seeded random ones. What fails is made simpler as
- * long as it still fails, and then printed. */
+/* Properties that hold for every input of a range, tested on seeded random inputs. A failing input is
+ * simplified as long as it still fails, and then printed. */
 #ifndef PROPERTY_H
 #define PROPERTY_H
 
@@ -14,20 +14,21 @@ typedef struct {
     bool whole;
 } property_input;
 
-/* By how much the inputs x break the property, in units of what is allowed: it holds up to 1; NaN fails. */
+/* Deviation of the inputs x from the property, in units of the tolerance: the property holds up to 1; NaN
+ * fails. */
 typedef double property_excess(const double x[]);
 
 typedef struct {
     const char *name;
     property_excess *excess;
-    property_input input[PROPERTY_INPUTS]; /* as many as have a name */
+    property_input input[PROPERTY_INPUTS]; /* inputs with a name */
 } property;
 
-/* Try the first n inputs of the stream of `seed`; false: one fails, and x is it, made as simple as it gets:
- * each input at the whole number of its range nearest to 0, or with few digits near to it. */
+/* Test the first n inputs of the stream of `seed`. False: x is a failing input, simplified: each value is the
+ * whole number of its range nearest to 0, or has few digits. */
 bool property_holds(const property *p, unsigned long seed, int n, double x[PROPERTY_INPUTS]);
 
-/* The same as a test, which prints what fails. */
+/* The same as a test that prints the failing input. */
 void property_check(const property *p, unsigned long seed, int n);
 
 #endif

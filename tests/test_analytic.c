@@ -1,5 +1,4 @@
-/* Force models on paper: lattice, continuum, polygonal profiles, each against a second way to the same
- * number. */
+/* Analytic force models: lattice, continuum, polygonal profiles, each against a second method. */
 #include <float.h>
 #include <gsl/gsl_integration.h>
 #include <stdlib.h>
@@ -12,7 +11,7 @@
 
 /* One formula of a dozen operations on numbers of order 1. */
 static const double ROUND = 16 * DBL_EPSILON;
-/* The tolerances for forces in chi g B and for integrals of them. */
+/* Tolerances for forces in chi g B and for integrals of them. */
 static const double FORCE_TOL = 1e-14, INTEGRAL_TOL = 1e-12;
 
 static const double ANGLES_DEG[] = {1e-6, 1.3, 12.7, 30, 32.6, 45, 50, 55, 59.9, 60 - 1e-9};
@@ -32,7 +31,7 @@ static void triangle_printed_values(void)
     an_force f;
     CHECK_OK(an_lattice_triangle(45, M_PI / 6, 1, &f));
     CHECK_NEAR(f.N, 23, 0);
-    CHECK_NEAR(f.H, -44 / (2 * sqrt(3)), 44 * ROUND); /* (44): the left toe is pushed to the left */
+    CHECK_NEAR(f.H, -44 / (2 * sqrt(3)), 44 * ROUND); /* (44): H < 0 at the left toe */
     CHECK_OK(an_lattice_triangle(45, M_PI / 6, 23, &f));
     CHECK_NEAR(f.H, 0, 0);
     CHECK_OK(an_lattice_triangle(238, 0.8135, 200, &f)); /* (43) */
@@ -94,8 +93,8 @@ static void cut_counts(void)
     }
 }
 
-/* Under 30 degrees the largest H is base/(12 sqrt 3) m g, for bases of 6 m disks; others are off by steps: 45
- * has 7 units, 1/(2 sqrt 3), for 7.5, and 1225 has 204 for 204.17. */
+/* Under 30 degrees the largest H is base/(12 sqrt 3) m g, for bases of 6 m disks; other bases deviate by
+ * their steps: 45 has 7 units of 1/(2 sqrt 3) instead of 7.5, and 1225 has 204 instead of 204.17. */
 static void cut_largest_H(void)
 {
     static const struct {
@@ -146,11 +145,12 @@ static void cut_forces(void)
             CHECK_NEAR(a[i].H, -a[K - 1 - i].H, 0);
         }
         CHECK_NEAR(weight, disks, 0);
-        CU_ASSERT(a[0].H <= 0 && a[K / 4].H < 0); /* pushed to the left on the left */
+        CU_ASSERT(a[0].H <= 0 && a[K / 4].H < 0); /* H < 0 on the left */
     }
 }
 
-/* Random supported outlines, with several peaks; the mirrored pile has N mirrored and H turned round. */
+/* Random supported outlines, with several peaks; the mirrored pile has N mirrored and H mirrored with
+ * opposite sign. */
 static void any_outline(void)
 {
     enum { K = 211 };
@@ -178,8 +178,9 @@ static void any_outline(void)
     }
 }
 
-/* The cut pile comes to the continuum as 1/k. Each count is off by less than 1 from its chord, B by less than
- * 2 sigma, hence N/(chi g B) by less than 1/k + 2 slope/k, where the flank's slope is the largest. */
+/* The cut pile converges to the continuum as 1/k. Each count deviates by less than 1 from its chord, B by
+ * less than 2 sigma, hence N/(chi g B) by less than 1/k + 2 slope/k, where the flank's slope is the largest.
+ */
 static void cut_pile_to_continuum(void)
 {
     const double slopes_deg[] = {30, 32.6, 45, 50, 55};
@@ -380,7 +381,7 @@ static void continuum_limits(void)
     }
 }
 
-/* The trapezoid rule is exact on straight pieces: it errs only in the two cells with a kink. */
+/* The trapezoid rule is exact on straight pieces; only the two cells with a kink have an error. */
 static void continuum_million_points(void)
 {
     const int n = check_fast() ? 10000 : 1000000;
@@ -471,8 +472,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* N carries the weight, 2/sqrt 3 of the area in these units, and H has no resultant. Both are straight
- * between the places from which a ray meets a vertex. */
+/* N sums to the weight, 2/sqrt 3 of the area in these units, and H to 0. Both are linear between the
+ * positions whose rays end on a vertex. */
 static void profile_weight(void)
 {
     an_profile p;
@@ -511,8 +512,8 @@ static void profile_mirror_and_scale(void)
     }
 }
 
-/* A parabola c x (1 - x) in many straight pieces: a ray of slope sqrt 3 leaves it at a root of a quadratic.
- * The pieces lie c h^2/4 below it at most; the ray meets them under an angle of more than 1/4. */
+/* A parabola c x (1 - x) in many straight pieces: a ray of slope sqrt 3 intersects it at a root of a
+ * quadratic. The pieces lie c h^2/4 below it at most; the ray meets them under an angle of more than 1/4. */
 static void profile_of_many_vertices(void)
 {
     enum { PIECES = 100000 };
@@ -559,7 +560,8 @@ static void tent_dip(void)
     CHECK_NEAR(tent_at(45, 30, 0.5), flattened, ROUND);
 }
 
-/* The largest N is where a scan finds it, or above: for tents of all kinds, and for outlines in any unit. */
+/* The largest N is at least that of a scan, at the same position: for tents of all kinds, and for outlines in
+ * any unit. */
 static void largest_force(void)
 {
     static const double tents[][3] = {
@@ -585,8 +587,8 @@ static void largest_force(void)
     }
 }
 
-/* Before (49): a weight W on two rays of pi/6 to the vertical puts W/(2 cos(pi/6)) = W/sqrt 3 on each, as the
- * lattice does to the disks below a single one; the printed pi/3 would put all of W on each. */
+/* Before (49): a weight W on two rays at pi/6 to the vertical gives W/(2 cos(pi/6)) = W/sqrt 3 along each, as
+ * in the lattice below a single disk; the printed pi/3 would give W along each. */
 static void misprint_theta(void)
 {
     an_force f;
@@ -652,7 +654,7 @@ void suite_analytic(void)
         {"cut piles: the rule, disk by disk", cut_rule},
         {"cut piles: forces, mirror, weight", cut_forces},
         {"any stepped outline", any_outline},
-        {"cut piles come to the continuum", cut_pile_to_continuum},
+        {"cut piles converge to the continuum", cut_pile_to_continuum},
         {"lattice errors", lattice_errors},
         {"continuum: printed values", continuum_printed_values},
         {"continuum: (54)-(59) against the chords", continuum_by_chords},

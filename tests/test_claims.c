@@ -1,5 +1,6 @@
 /* Verdicts: every word, at its edge and just beyond it; figures/claims.tsv against the tests and figures it
  * names. */
+#include <glob.h>
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdio.h>
@@ -207,6 +208,45 @@ static void test_claims_file(void)
     remove(path);
 }
 
+/* How many of the files that match the pattern hold the text; the first of them is named on failure. */
+static size_t files_with(const char *pattern, const char *text, bool wanted)
+{
+    glob_t found;
+    size_t n = 0;
+    CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        const bool holds = file_holds(found.gl_pathv[i], text);
+        if (holds && !wanted) fprintf(stderr, "%s: \"%s\"\n", found.gl_pathv[i], text);
+        n += holds;
+    }
+    globfree(&found);
+    return n;
+}
+
+/* The report's texts give no verdict of their own, show each section of the claims, and type no published
+ * number; nor do figures and sweeps. */
+static void test_report_texts(void)
+{
+    static const char *const words[] = {"reproduced", "undecided", "by eye", "agrees", "confirmed"};
+    static const char *const without_numbers[] = {"figures/report/*.md", "figures/paper-repro.md.in",
+                                                  "figures/*/*.gp", "sweeps/*/*.cfg", "src/*/*.c"};
+    rp_table t;
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+        CU_ASSERT(files_with("figures/report/*.md", words[k], false) == 0);
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        char place[128];
+        snprintf(place, sizeof place, "{{claims %s}}", cell(&t, row, "section"));
+        const bool shown = files_with("figures/report/*.md", place, true) == 1;
+        if (!shown) fprintf(stderr, "%s: not shown once\n", place);
+        CU_ASSERT(shown);
+        if (strcmp(cell(&t, row, "published_se"), "-") == 0) continue; /* round numbers stand elsewhere too */
+        for (size_t k = 0; k < sizeof without_numbers / sizeof *without_numbers; k++)
+            CU_ASSERT(files_with(without_numbers[k], cell(&t, row, "published"), false) == 0);
+    }
+    rp_table_free(&t);
+}
+
 void suite_claims(void)
 {
     static const check_case cases[] = {{"agreement", test_agreement},
@@ -217,6 +257,7 @@ void suite_claims(void)
                                        {"few values, quotients", test_few},
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},
+                                       {"texts of the report", test_report_texts},
                                        {0}};
     check_register("claims", cases);
 }

@@ -1,5 +1,5 @@
-/* The program as a user meets it: exit statuses, one message that names what is wrong, values on standard
- * output, and a sweep from its file to its digest. The environment variable REPOSE names the program. */
+/* The program from the shell: exit statuses, one message that names the fault, values on standard output, and
+ * a sweep from its file to its digest. The environment variable REPOSE names the program. */
 #include <ftw.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -19,12 +19,12 @@ static const double deg = M_PI / 180.0;
 
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
-/* 1000 steps, each rounding a velocity and a place up to 64: 1000 * 64 * 2^-53. */
+/* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
 #define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
 
 /* ---- running it ---- */
 
-/* The folder of one test; what the last run wrote, also there as files `out` and `err`. */
+/* The folder of one test; output of the last run, also in its files `out` and `err`. */
 static char folder[64], program[PATH_MAX];
 static char out[1 << 20], err[1 << 14];
 
@@ -55,7 +55,7 @@ static void path_of(const char *name, char path[256])
     snprintf(path, 256, "%s/%s", folder, name);
 }
 
-/* A name without meaning to the shell. */
+/* A name without special characters of the shell. */
 static void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void write_text(const char *name, const char *format, ...)
 {
@@ -104,7 +104,7 @@ static int run(const char *format, ...)
     return shell(line);
 }
 
-/* A good run says nothing on standard error: no message, and no progress, for it is not a terminal. */
+/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
 static bool good(int line, int status)
 {
     bool right = status == 0 && err[0] == '\0';
@@ -157,7 +157,7 @@ static rp_table read_table(const char *name)
     return table;
 }
 
-/* "" where there is no such cell. */
+/* "" if there is no such cell. */
 static const char *word(const rp_table *t, size_t row, const char *column)
 {
     int c = rp_table_column(t, column);
@@ -186,12 +186,12 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* ---- help ---- */
 
-/* Options that are off unless given: help states neither a default nor that they are required. */
+/* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
     "--help ",       "--set ",       "--box ",      "--reduce ",    "--base ",    "--pair ",
     "--successive ", "-o ",          "--runs ",     "--missing ",   "--outline ", "--disks ",
     "--linear ",     "--set-again ", "--summary ",  "--threshold ", "--map ",     "--ledger ",
-    "--profile ",    "--start ",     "--variants ", "--published ", NULL};
+    "--profile ",    "--start ",     "--variants ", "--published ", "--needs ",   NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -202,7 +202,7 @@ static bool option_line_is_whole(const char *line)
     return false;
 }
 
-/* `text` is the help of one command. Its example must be right, but for files that are not there. */
+/* `text` is the help of one command. Its example must be valid, except for missing files. */
 static void check_command_help(const char *command, char *text)
 {
     char usage[64];
@@ -380,7 +380,7 @@ static void test_bad_values(void)
     leave();
 }
 
-/* A bench counts what a run of the same scene has. */
+/* A bench counts the same contacts as a run of the scene. */
 static void test_bench(void)
 {
     enter();
@@ -392,7 +392,7 @@ static void test_bench(void)
                    cell(&t, 0, "share_walls"),
                1.0, 1e-14);
     write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
-    /* the upper one presses the other two apart, against the walls */
+    /* the upper grain presses the other two against the walls */
     CHECK_NEAR(cell(&t, 0, "contacts"), 2.0 / 3.0, 1e-15);
     CU_ASSERT(cell(&t, 0, "bound") > cell(&t, 0, "median"));
     rp_table_free(&t);
@@ -437,7 +437,7 @@ static void test_bad_scenes(void)
     FAILS(65, "steps", "run s.cfg --set steps=many");
     char path[256];
     path_of("made", path);
-    CU_ASSERT(access(path, F_OK) != 0); /* nothing is made before the scene is good */
+    CU_ASSERT(access(path, F_OK) != 0); /* no output before the scene is valid */
     leave();
 }
 
@@ -518,7 +518,7 @@ static void test_broken_output(void)
     slurp("garbage/store.sqlite", out, sizeof out);
     CU_ASSERT(strlen(out) == 4000);
     for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
-        /* of an output longer than its buffer the reason is lost */
+        /* the reason is lost for an output longer than its buffer */
         FAILS(74, "cannot write: ", "%s >/dev/full", writers[i]);
     leave();
 }
@@ -563,7 +563,7 @@ static void test_static_models(void)
     rp_table_free(&t);
     rp_table_free(&tent);
 
-    /* the dip of Fig. 19 in the map of all tents; a steeper foot has none */
+    /* the dip of Fig. 19 in the map of all tents; a steeper outer slope has none */
     GOOD("tent --map --x1 0.38");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 59 * 59);
@@ -616,7 +616,7 @@ static void test_angles(void)
     rp_table_free(&t);
     char *first = strstr(out, "nan");
     CU_ASSERT(first && !strstr(first + 1, "nan"));
-    /* no theory is no result; the row says so too */
+    /* no theory means no result, in the row too */
     FAILS(1, "theta-r-deg = 65", "angle tilt --mu 2 --theta-r-deg 65");
     CU_ASSERT(strstr(out, "rays_miss") != NULL);
     leave();
@@ -651,7 +651,7 @@ static void test_angle_tables(void)
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "maximum"), (2.5 + 4.5 + 4.5) / 3.0, 1e-15); /* of the three pairs */
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    /* over the 27 resamples of 1.5, 2.5, 4.5 the spread is 8/9; over 2000 of them known to 1.6 % */
+    /* the standard deviation over the 27 resamples of 1.5, 2.5, 4.5 is 8/9; 2000 of them give it to 1.6 % */
     CHECK_NEAR(cell(&t, 0, "maximum_se"), 8.0 / 9.0, 5.0 * 0.016);
     rp_table_free(&t);
     FAILS(1, "too few for a maximum of 4", "angle maximum line.tsv --column theta --draws 4");
@@ -690,7 +690,7 @@ static void test_angle_tables(void)
     leave();
 }
 
-/* Two grains of weight 981 and 1962 on a floor and one on both, held by a wall; and its runs. */
+/* Two grains of weight 981 and 1962 on a floor and one on both, supported by a wall; and its runs. */
 static void test_stress_tables(void)
 {
     enter();
@@ -716,7 +716,8 @@ static void test_stress_tables(void)
     rp_table_free(&t);
     GOOD("angle stress p p --width 1.2 --cell 1.2");
     t = read_table("out");
-    /* sum of force times branch over 1.44: two contacts of 490.5 x 0.2 a side; floor and wall at 0.1 */
+    /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
+     */
     CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
@@ -747,8 +748,8 @@ static void test_stress_tables(void)
 /* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
  */
 /* A flat profile, against the continuum under 30 degrees: N rises to x = B/3 and is constant to the middle.
- * Of the base that holds 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly;
- * within what the 2000 strips of the sum resolve. */
+ * On the base with 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly, within
+ * the resolution of 2000 strips. */
 static void test_angle_dip(void)
 {
     enter();
@@ -773,12 +774,12 @@ static void test_angle_dip(void)
     GOOD("angle dip piles.tsv --against zero");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "D_reference"), 0.0, 1e-15);
-    CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope is asked for */
+    CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope requested */
     rp_table_free(&t);
     leave();
 }
 
-/* Piles with a drop that was cut short, and layers, are failed runs, left out of the mean dip. */
+/* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
 static void test_cut_drops(void)
 {
     enter();
@@ -835,7 +836,7 @@ static void test_angle_trends(void)
     CHECK_NEAR(cell(&t, 0, "slope"), -1.5 - 0.5, 1e-12); /* 3/W falls by 1 as well */
     CHECK_NEAR(cell(&t, 0, "change"), -4.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "n_left"), 0.0, 0.0);
-    CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile that has one x only */
+    CHECK_NEAR(cell(&t, 1, "n_left"), 1.0, 0.0); /* the pile with a single x */
     CHECK_NEAR(cell(&t, 0, "p_holm"), 0.0, 1e-9);
     CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "falls");
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
@@ -879,51 +880,154 @@ static void test_angle_trends(void)
     leave();
 }
 
-/* A report's verdicts on words. */
+/* ---- claims and report ---- */
+
+#define CLAIMS                                                                                               \
+    "# at: W=4\n# "                                                                                          \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"       \
+    "forensics\tstatement\tnote\n"
+#define CLAIM(id, number, forensics)                                                                         \
+    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\tt v\t-\t" forensics "\t" id "\t-\n"
+/* A claim without a published number. */
+#define PLAIN(id, test, margin, answer, against)                                                             \
+    id "\t-\tli\t-\tplain\t" test "\t-\t-\t-\t" margin "\t" answer "\t" against "\t-\t" id "\tnote\n"
+
+/* The text of a column in the row of a claim. */
+static void check_verdict(const char *id, const char *column, const char *expected)
+{
+    char path[256];
+    rp_table t;
+    path_of("out", path);
+    CHECK_OK(rp_table_read_texts(path, &t));
+    const char *found = "no such claim";
+    for (size_t row = 0; row < t.n_rows; row++)
+        if (strcmp(t.cells[row * t.n_columns], id) == 0)
+            found = t.cells[row * t.n_columns + (size_t)rp_table_column(&t, column)];
+    if (strcmp(found, expected) != 0) fprintf(stderr, "claim %s: %s, expected %s\n", id, found, expected);
+    CU_ASSERT_STRING_EQUAL(found, expected);
+    rp_table_free(&t);
+}
+
+/* Verdicts follow from the tables: the same claims, and tables that say other things. 101 values make two
+ * standard errors the 95 % interval to 1 %. */
+static void test_claims(void)
+{
+    enter();
+    write_text(
+        "claims.tsv",
+        CLAIMS CLAIM(
+            "angle", "20\t1",
+            "-") "twin\tangle\tlh\t-\tall\tagrees\t-\t-\t-\t2\tu v\t-\t-\ttwin\t-\n" PLAIN("level",
+                                                                                           "independent", "1",
+                                                                                           "trend k=1 change",
+                                                                                           "-")
+            PLAIN("up", "rises", "1", "trend k=2 change", "-") PLAIN("high", "above", "-", "u v", "t v")
+                PLAIN("count", "most", "-", "t #count", "7") PLAIN("elsewhere", "above", "-", "none v", "0")
+                    PLAIN("sketch", "untestable", "-", "-", "-")
+                        PLAIN("form", "formula", "-", "angle: theta_MS", "-"));
+    write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
+    write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
+    write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                            "1\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n2\t3\t1\t1.4\t4.6\t0.003\t0.04\n");
+    GOOD("claims --claims claims.tsv --tables nowhere,. --variants");
+    CU_ASSERT(
+        strstr(
+            out,
+            "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+            "# li: 5 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+        NULL);
+    check_verdict(
+        "angle", "detail",
+        "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
+    check_verdict("twin", "verdict", "not reproduced");
+    check_verdict("twin", "published", "20 ± 1");
+    check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.2 to 0.4)");
+    check_verdict("level", "verdict", "reproduced");
+    check_verdict("up", "verdict", "reproduced");
+    check_verdict("high", "ours", "30.00 ± 0.50 against 20.50 ± 0.10");
+    check_verdict("count", "verdict", "reproduced");
+    check_verdict("elsewhere", "verdict", "no data");
+    check_verdict("sketch", "detail", "can't be tested: note");
+    check_verdict("form", "detail", "reproduced, by tests");
+    write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
+    write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                            "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
+    GOOD("claims --claims claims.tsv --tables . --paper li");
+    check_verdict("angle", "verdict", "no such claim");
+    check_verdict("level", "verdict", "not reproduced");
+    check_verdict("up", "verdict", "not reproduced");
+    check_verdict("high", "verdict", "undecided");
+    check_verdict("count", "verdict", "not reproduced");
+    GOOD("claims --claims claims.tsv --tables . --id angle");
+    check_verdict("angle", "verdict", "not reproduced");
+    check_verdict("twin", "verdict", "not reproduced");
+    check_verdict("level", "verdict", "no such claim");
+    GOOD("claims --claims claims.tsv --published");
+    CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
+    leave();
+}
+
+static void test_bad_claims(void)
+{
+    enter();
+    write_text("t.tsv", "# k\tv\n1\t2\n1\t3\n");
+#define BAD(text, message)                                                                                   \
+    write_text("bad.tsv", CLAIMS text);                                                                      \
+    FAILS(65, message, "claims --claims bad.tsv --tables .")
+    BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:3: claim a: unknown test \"guess\"");
+    BAD(PLAIN("a", "above", "-", "t v", "-"), "claim a: test above needs `against`");
+    BAD(PLAIN("a", "agrees", "-", "t v", "-"), "claim a: test agrees needs a published number");
+    BAD(PLAIN("a", "independent", "-", "t v", "-"), "claim a: test independent needs a margin");
+    BAD(PLAIN("a", "above", "-", "-", "0"), "claim a: test above needs an answer");
+    BAD(CLAIM("a", "1\t1", "-") CLAIM("a", "1\t1", "-"), "bad.tsv:4: claim a stands twice");
+    BAD(CLAIM("a", "1\t1", "-") "b\ta\tlh\t-\tall\tagrees\t1\t1\t-\t2\tt v\t-\t-\tb\t-\n",
+        "a number is published once");
+    BAD("b\ta\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\t-\tb\t-\n", "no claim \"a\"");
+    BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
+    BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");
+    BAD(PLAIN("a", "above", "-", "t j=2 v", "0"), "no column j");
+    BAD(PLAIN("a", "above", "-", "t #j", "0"), "no header line \"j\"");
+    leave();
+}
+
 static void test_report(void)
 {
     enter();
-    write_text("t.tsv", "# mu\tp\tverdict\n0.1\t0.2\tno_dependence_within_margin\n0.2\t0.01\tundecided\n"
-                        "0.3\t0.05\tfalls\n0.4\tnan\tno_result\n");
-    write_text("in.md", "{{holds t mu=0.1 verdict within_margin}}, {{holds t mu=0.2 verdict within_margin}}, "
-                        "{{holds t mu=0.3 verdict within_margin}}, {{holds t mu=0.4 verdict falls}}; "
-                        "{{holds t mu=0.3 verdict rises|falls}}, {{least t mu=0.1 p 0.05}}.\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "reproduced, undecided, not reproduced, can't be tested: no result; "
-                                "reproduced, reproduced.\n");
-    write_text("u.tsv", "# k\tv\tv_se\n7\t0.1\t0.2\n8\t0.1\t0.01\n");
-    write_text("in.md",
-               "{{above t mu=0.1 p @u k=7 v}}, {{above t mu=0.1 p @u k=8 v}}, {{below t mu=0.1 p @u k=8 v}}, "
-               "{{above none mu=1 p 0}}.\n");
-    GOOD("report in.md --tables . --missing later");
-    CU_ASSERT_STRING_EQUAL(out, "undecided, reproduced, not reproduced, later.\n");
-    FAILS(65, "none.tsv", "report in.md --tables .");
-    write_text("w.tsv", "# k\tv\tv_se\n5\t-0.3\t0.03\n6\t0.4\t0.04\n");
-    write_text("in.md", "{{difference w k=6 v @w k=5 v}}, {{difference w k=5 v @w k=6 v}}\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "0.700 ± 0.050, -0.700 ± 0.050\n");
-    write_text("few.tsv", "# k\tv\tv_se\tp\n1\t2.5\tnan\tnan\n2\tnan\tnan\t0.5\n");
-    write_text("in.md",
-               "{{value few k=1 v}}, {{value few k=2 v}}; {{above few k=1 v 1}}, {{agree few k=1 v 2 0}}, "
-               "{{least few k=1 p 0.05}}, {{below few k=2 v 1}}.\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out,
-                           "2.5 (error not known), not known; undecided, undecided, undecided, undecided.\n");
-    write_text("c.tsv", "# n\tv\n1400\t12.345678\n");
-    write_text("in.md", "{{cell c n}} {{cell c n %%.0f}} {{cell c n %%.2g}} {{cell c v}} {{cell c v %%.1f}} "
-                        "{{cell c v %%.0f}}\n");
-    GOOD("report in.md --tables .");
-    CU_ASSERT_STRING_EQUAL(out, "1400 1400 1.4e+03 12.3 12.3 12\n");
-    write_text("in.md", "{{cell c v %%.17g}}");
-    FAILS(65, "a format such as", "report in.md --tables .");
-    write_text("in.md", "{{cell c v %%.3d}}");
-    FAILS(65, "a format such as", "report in.md --tables .");
-    write_text("in.md", "{{above t mu=0.1 p @u k=7}}");
-    FAILS(65, "no column", "report in.md --tables .");
-    write_text("in.md", "{{holds t mu=0.1 frob within}}");
-    FAILS(65, "in.md:1: ./t.tsv: no column frob", "report in.md --tables .");
-    write_text("in.md", "{{holds t mu=0.1 verdict}}");
-    FAILS(65, "a text is missing", "report in.md --tables .");
+    write_text("claims.tsv",
+               CLAIMS CLAIM("angle", "20.10\t1", "-") PLAIN("high", "above", "-", "many k=8 v", "0"));
+    write_text("many.tsv",
+               "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
+    write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");
+    write_text("part-2.txt", "second\n");
+    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}, {{value none v}}; {{cell many k=7 n}} "
+                        "{{cell many k=8 v %%.2g}}; "
+                        "{{note many note}}; {{published angle}}; {{verdict high}}; {{counts li}}\n"
+                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n{{include part-*.txt}}");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(
+        out, "20.10 ± 0.20, not known, no data; 12 0.1; so it is; 20.10 ± 1; reproduced; "
+             "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\nfirst 20.1\n\nsecond\n");
+    write_text("in.md", "{{claims plain}}\n{{scores lh}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
+    CU_ASSERT(strstr(out, "| angle |  | angle | 20.10 ± 1 |  |  | no data |\n") != NULL);
+    GOOD("report in.md --claims claims.tsv --needs");
+    CU_ASSERT_STRING_EQUAL(out, "t\nmany\n");
+#define BAD_PLACE(text, message)                                                                             \
+    write_text("in.md", text);                                                                               \
+    FAILS(65, message, "report in.md --tables . --claims claims.tsv")
+    BAD_PLACE("{{cell many k=7 v %%.17g}}", "in.md:1: \"%.17g\": a format such as");
+    BAD_PLACE("{{cell many k=7 v %%.3d}}", "a format such as");
+    BAD_PLACE("{{cell many k=7 w}}", "no column w");
+    BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
+    BAD_PLACE("{{rows many k=11 | v}}", "no row");
+    BAD_PLACE("{{claims nowhere}}", "no claim has this section");
+    BAD_PLACE("{{verdict nobody}}", "no claim \"nobody\"");
+    BAD_PLACE("{{frob t v}}", "unknown word");
+    BAD_PLACE("{{include frob*}}", "no file frob*");
+    BAD_PLACE("{{include in.md}}", "in an included text");
+    BAD_PLACE("{{value many", "without }}");
     leave();
 }
 
@@ -951,13 +1055,6 @@ static void write_forensics(void)
     }
     fclose(file);
 }
-
-#define CLAIMS                                                                                               \
-    "# at: W=4\n# "                                                                                          \
-    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"       \
-    "forensics\tstatement\tnote\n"
-#define CLAIM(id, number, forensics)                                                                         \
-    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\tt v\t-\t" forensics "\t" id "\t-\n"
 
 static void test_forensics(void)
 {
@@ -989,7 +1086,7 @@ static void test_forensics(void)
     CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
     rp_table_free(&t);
     FAILS(65, "no column \"frob\"", "forensics runs.tsv --claims claims.tsv --factors frob");
-    /* a number that nobody gave an error for is no data */
+    /* a number without an error is not used */
     write_text("bad.tsv", CLAIMS CLAIM("a", "1\t-", "theta_r3"));
     FAILS(65, "bad.tsv: claim a: a published number with its error",
           "forensics runs.tsv --claims bad.tsv --factors law");
@@ -1054,7 +1151,8 @@ static void test_calibrate(void)
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     CHECK_NEAR(cell(&t, 0, "value"), 0.3, 1e-6);
     double se = cell(&t, 0, "se");
-    CU_ASSERT(se > 0.5 / 50.0 && se < 0.7 / 50.0); /* the measurement's, and a little of the response */
+    CU_ASSERT(se > 0.5 / 50.0 &&
+              se < 0.7 / 50.0); /* error of the measurement, plus a little of the response */
     CHECK_NEAR(cell(&t, 0, "upper") - cell(&t, 0, "lower"), 3.92 * se, 0.02 * se);
     CHECK_NEAR(cell(&t, 0, "boot_se"), se, 0.2 * se);
     rp_table_free(&t);
@@ -1092,7 +1190,7 @@ static void test_calibrate_sweep(void)
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n");
     static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
     int status = run("%s", line);
-    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may say nothing */
+    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may not identify mu */
     char *first = strdup(out);
     CU_ASSERT(strstr(first, "12 piles used") && strstr(first, "\n# W: 2 cm\n") && strstr(first, "\nmu\t"));
     GOOD("sweep export d -o before.tsv"); /* with the seconds of each run in its header */
@@ -1183,7 +1281,7 @@ static void test_output_folder(void)
     leave();
 }
 
-/* A floor too soft to carry the grain: the run stops, and what it had computed stays. */
+/* A floor too soft to carry the grain: the run stops, and keeps its output so far. */
 static void test_broken_run(void)
 {
     enter();
@@ -1200,12 +1298,12 @@ static void test_broken_run(void)
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/states.tsv"));
-    /* an overlap that no grain could have is a broken invariant */
+    /* an overlap beyond the radius is a broken invariant */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
     FAILS(70, "overlap at step ", "run crush.cfg");
-    /* a step that the implicit integrator can't solve in one go is no result */
+    /* a step that the implicit integrator can't solve in one iteration fails */
     static const char *const solvers[] = {"direct", "sor"};
     for (int k = 0; k < 2; k++) {
         write_text("hard.cfg",
@@ -1274,7 +1372,7 @@ static void test_sweep(void)
     leave();
 }
 
-/* On shared piles, what comes after the opening alone differs. */
+/* Shared piles differ only after the opening. */
 static void test_shared_piles(void)
 {
     enter();
@@ -1304,7 +1402,7 @@ static void test_shared_piles(void)
     leave();
 }
 
-/* One row of a sweep again: the numbers that the sweep stores, and a scene that runs to the same bits. */
+/* One row of a sweep again: the stored numbers, and a scene that gives the same bits. */
 static void test_row_again(void)
 {
     enter();
@@ -1332,7 +1430,7 @@ static void test_row_again(void)
     leave();
 }
 
-/* Stopped while its second run, which has no end, is on: what is stored stays, and 75 says to resume. */
+/* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
     enter();
@@ -1351,7 +1449,7 @@ static void test_stopped(void)
     leave();
 }
 
-/* A scene that is stopped keeps what it wrote, and leaves no half file. */
+/* A stopped scene keeps its output, without incomplete files. */
 static void test_scene_stopped(void)
 {
     enter();
@@ -1381,9 +1479,11 @@ void suite_cli(void)
                                        {"angle marginal, tilt", test_angles},
                                        {"angle slope, fit, phi", test_angle_tables},
                                        {"angle stress, critical", test_stress_tables},
+                                       {"claims", test_claims},
+                                       {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
                                        {"angle dip", test_angle_dip},
-                                       {"drops cut short", test_cut_drops},
+                                       {"unfinished drops", test_cut_drops},
                                        {"angle trend, size, fit --successive", test_angle_trends},
                                        {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},

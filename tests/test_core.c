@@ -52,7 +52,7 @@ static void defaults_and_text(void)
     CHECK_OK(set(&v, "set", "two,three"));
     CU_ASSERT(isinf(v.b) && v.set == 6u);
     rp_params_defaults(schema, &back);
-    for (const rp_param *p = schema; p->name; p++) /* what is written reads back exactly */
+    for (const rp_param *p = schema; p->name; p++) /* written values read back exactly */
         if (p->type != RP_TEXTS) CHECK_OK(set(&back, p->name, rp_params_text(p, &v, text, sizeof text)));
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
               back.set == 6u);
@@ -99,6 +99,26 @@ static void keys(void)
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
     v.a = nextafter(v.a, 1.0);
     rp_params_hash(schema, &v, 1993, 0, "1", two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+}
+
+/* A parameter that a list of many schemas gains keeps the keys of the runs that do not set it. */
+static void inherited(void)
+{
+    struct {
+        double a, b;
+    } v;
+    static const rp_param before[] = {{"a", "", RP_REAL, 0, "1.5", "[0, 2]", "", false}, {0}};
+    static const rp_param after[] = {{"a", "", RP_REAL, 0, "1.5", "[0, 2]", "", false},
+                                     {"b", "", RP_REAL, sizeof(double), "auto", "[0, 2] | auto", "", true},
+                                     {0}};
+    char one[33], two[33];
+    rp_params_defaults(after, &v);
+    rp_params_hash(before, &v, 1993, 0, "1", one);
+    rp_params_hash(after, &v, 1993, 0, "1", two);
+    CU_ASSERT_STRING_EQUAL(one, two);
+    v.b = 0.0;
+    rp_params_hash(after, &v, 1993, 0, "1", two);
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
 }
 
@@ -180,7 +200,8 @@ static void random_streams(void)
     }
 }
 
-/* Kolmogorov's distance of 40 000 deviates from the cut normal stays below the 1e-4 quantile, 2.23/sqrt(n).
+/* Kolmogorov's distance of 40 000 deviates from the truncated normal stays below the 1e-4
+ * quantile, 2.23/sqrt(n).
  */
 static int ascending(const void *a, const void *b)
 {
@@ -236,7 +257,7 @@ static void tables(void)
     CU_ASSERT(isnan(v));
     CHECK_FAILS(rp_table_number(&t, 1, 1, 0, &v), RP_BAD_INPUT, "column 2 y: \"nan\" is not a finite number");
     rp_table_free(&t);
-    /* a failed table leaves the old one in place */
+    /* a failed table leaves the old file unchanged */
     CHECK_OK(rp_file_open(path, &out));
     fputs("half", out);
     CU_ASSERT_EQUAL(rp_file_close(path, out, RP_NO_RESULT), RP_NO_RESULT);
@@ -297,10 +318,11 @@ void suite_core(void)
                                        {"defaults, text and back", defaults_and_text},
                                        {"refused values", refused_values},
                                        {"keys", keys},
+                                       {"keys with inherited parameters", inherited},
                                        {"parameter files", files},
                                        {"random numbers: known answer", random_known_answer},
-                                       {"random streams are apart", random_streams},
-                                       {"cut normal deviates", cut_normal},
+                                       {"random streams are distinct", random_streams},
+                                       {"truncated normal deviates", cut_normal},
                                        {"tables", tables},
                                        {NULL, NULL}};
     check_register("core", cases);

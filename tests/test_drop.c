@@ -1,4 +1,4 @@
-/* Dropped piles: contacts that a simulation starts with, protocol `drop`, and the dip. */
+/* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,12 +43,12 @@ static dem_grain disk(double x, double y, double vx)
     return (dem_grain){.x = x, .y = y, .r = 0.5, .m = 1.0, .vx = vx};
 }
 
-/* ---- Contacts of the start ---- */
+/* ---- Initial contacts ---- */
 
 enum { HEAP = 6 };
 
-/* A heap that slides and rolls. */
-static dem_sim *moving_heap(bool spring)
+/* A pile that slides and rolls. */
+static dem_sim *moving_pile(bool spring)
 {
     const dem_grain grains[HEAP] = {disk(0.0, 0.5, 0.1),  disk(1.01, 0.5, 0.0), disk(2.02, 0.5, -0.2),
                                     disk(0.52, 1.4, 0.0), disk(1.53, 1.4, 0.3), disk(1.0, 2.4, 0.0)};
@@ -60,7 +60,8 @@ static dem_sim *moving_heap(bool spring)
     return sim;
 }
 
-/* The same state made anew, with its contacts or without, in the order of the ids or against it. */
+/* A new simulation of the same state, with or without its contacts, in ascending or descending order of ids.
+ */
 static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
 {
     dem_state states[HEAP];
@@ -90,7 +91,7 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
     return copy;
 }
 
-/* Largest difference of net force or torque of two simulations of the heap. */
+/* Largest difference of net force or torque between two simulations of the pile. */
 static double differ(const dem_sim *a, const dem_sim *b, bool turned)
 {
     dem_state s[HEAP], t[HEAP];
@@ -104,13 +105,13 @@ static double differ(const dem_sim *a, const dem_sim *b, bool turned)
     return most;
 }
 
-/* Springs, rolling springs and wells go on: forces are those of before, but for the damping, which takes
- * velocities of half a step later: gamma m_eff a dt/2 = 0.027 a a contact, a below g. Without them they are
- * far off. */
+/* Springs, rolling springs and wells continue: forces are unchanged, except for damping, which uses
+ * velocities half a step later: gamma m_eff a dt/2 = 0.027 a per contact, a below g. Without initial contacts
+ * the forces differ far more. */
 static void contacts_go_on(void)
 {
     for (int spring = 0; spring < 2; spring++) {
-        dem_sim *sim = moving_heap(spring);
+        dem_sim *sim = moving_pile(spring);
         const double before = differ(sim, sim, false);
         CHECK_NEAR(before, 0.0, 0.0);
         dem_contact *contacts;
@@ -248,7 +249,7 @@ static sweep_result run(const char *const changes[])
     return result;
 }
 
-/* The pile stands on what it weighs, to the accuracy of rest; a second run has the same bits. */
+/* The base carries the weight of the pile, to the accuracy of rest; a second run has the same bits. */
 static void piles_stand(void)
 {
     const char *const laws[] = {"slip_roll", "spring"}, *const widths[] = {"0", "0.05"};
@@ -280,7 +281,7 @@ static void drops_do_not_pass_their_steps(void)
     CHECK_NEAR(output(&r, "steps"), 10.0 * 100.0, 0.0);
 }
 
-/* One drop that was cut short spoils a pile, and the message says how many were; its outputs are kept. */
+/* One unfinished drop invalidates a pile, and the message has their number; outputs are kept. */
 static void cut_drops_are_no_result(void)
 {
     static const struct {
@@ -297,8 +298,8 @@ static void cut_drops_are_no_result(void)
     }
 }
 
-/* Disks that lie side by side are no pile, at rest or not, nor is one row more on them, though it has slopes;
- * nor a tower, that has none, nor what is left when all disks rolled away. */
+/* Not a pile: a single row of disks, at rest or not; two rows, although they have slopes; a tower, which has
+ * none; no disks, after all rolled away. */
 static void layers_are_no_piles(void)
 {
     static const struct {
@@ -320,7 +321,7 @@ static void layers_are_no_piles(void)
     }
 }
 
-/* The stricter the rest, the more steps a drop takes. */
+/* A stricter criterion of rest takes more steps per drop. */
 static void rest_takes_its_steps(void)
 {
     static const char *const limits[] = {"0.1", "0.001"};
@@ -334,7 +335,7 @@ static void rest_takes_its_steps(void)
     }
 }
 
-/* With little rolling resistance disks roll away: they count as such, carry nothing and are no part of the
+/* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the
  * pile.
  */
 static void away_is_no_part(void)
@@ -345,7 +346,7 @@ static void away_is_no_part(void)
     CU_ASSERT(output(&r, "width") < 20.0);
 }
 
-/* Disks that fall in a row onto a heap, several to a step that collide, and are put in one by one. */
+/* Disks that fall in a row onto a pile, added one by one, with several collisions per step. */
 enum { DROPPED = 60 };
 
 static dem_sim *drop_first(int kernel)
@@ -384,7 +385,7 @@ static void dropped(int kernel, dem_state last[DROPPED])
     dem_free(sim);
 }
 
-/* The general loop looks at all pairs for what may collide, the fast ones at those that are apart. */
+/* The reference loop searches all pairs for collisions, the fast kernels only pairs without contact. */
 static void kernels_collide_alike(void)
 {
     dem_state expected[DROPPED], got[DROPPED];
@@ -396,8 +397,8 @@ static void kernels_collide_alike(void)
     }
 }
 
-/* What a disk alone on the ground loses for ever ends above the numbers that a processor is slow with, and
- * the caller's arithmetic has them still. */
+/* The decay of a single disk on the ground ends above subnormal numbers; the caller's arithmetic still has
+ * subnormal numbers. */
 static void tiny_numbers_are_zero(void)
 {
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {
@@ -423,7 +424,7 @@ static void tiny_numbers_are_zero(void)
     }
 }
 
-/* Each disk has the contacts that its distances from all the others and the ground say. */
+/* Each disk has exactly the contacts given by its distances from all others and the ground. */
 static void check_contacts(const dem_sim *sim)
 {
     dem_state s[DROPPED];
@@ -439,14 +440,14 @@ static void check_contacts(const dem_sim *sim)
     }
 }
 
-/* Listed once are all pairs and disks near the ground, and no others, that may come to touch while each disk
- * is within its margin. */
+/* The list has, once each, exactly the pairs and disks near the ground that can touch while each disk stays
+ * within its margin. */
 static void check_list(const dem_sim *sim)
 {
     bool listed[DROPPED][DROPPED] = {{false}}, right = true;
     for (size_t k = 0; k < sim->pairs.n; k++) {
         const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-        if (i == j) continue; /* of a disk that left */
+        if (i == j) continue; /* of a removed disk */
         right &= !listed[i][j];
         listed[i][j] = listed[j][i] = true;
     }
@@ -466,7 +467,7 @@ static void check_list(const dem_sim *sim)
     CU_ASSERT(right);
 }
 
-/* In steps that few disks end the list with, it misses no contact and doubles none. */
+/* Partial renewals of the list miss no contact and duplicate none. */
 static void lists_are_complete(void)
 {
     dem_sim *sim = drop_first(DEM_FAST);
@@ -484,7 +485,7 @@ static void lists_are_complete(void)
     dem_free(sim);
 }
 
-/* Are the contacts, springs included, the same in whatever order? */
+/* True if the contacts and springs are equal, in any order. */
 static void check_same_contacts(const dem_sim *one, const dem_sim *two)
 {
     dem_contact *a, *b;
@@ -503,8 +504,7 @@ static void check_same_contacts(const dem_sim *one, const dem_sim *two)
     free(b);
 }
 
-/* The list renewed for some disks, and after that the whole list anew, have the contacts and springs of
- * before. */
+/* A partial renewal, and a full rebuild after it, keep contacts and springs. */
 static void renewed_lists_hold_springs(void)
 {
     enum { EVERY = 15 };
@@ -515,7 +515,7 @@ static void renewed_lists_hold_springs(void)
         CHECK_OK(dem_clone(sim, &renewed));
         const long rebuilds = renewed->count.rebuilds;
         for (size_t i = 0; i < renewed->grains.n;
-             i++) { /* as if some were to go far, the others not at all */
+             i++) { /* as if some were to move far, the others not at all */
             renewed->grains.next_motion[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
             renewed->grains.margin2[i] = 1e300;
         }
@@ -539,20 +539,20 @@ static void renewed_lists_hold_springs(void)
 
 void suite_drop(void)
 {
-    static const check_case cases[] = {{"contacts of the start go on", contacts_go_on},
+    static const check_case cases[] = {{"initial contacts continue", contacts_go_on},
                                        {"base of known loads", base_of_known_loads},
                                        {"planted dips", planted_dips},
                                        {"dip of an ensemble", dip_of_an_ensemble},
                                        {"piles stand", piles_stand},
-                                       {"drops do not pass their steps", drops_do_not_pass_their_steps},
-                                       {"cut drops are no result", cut_drops_are_no_result},
-                                       {"layers are no piles", layers_are_no_piles},
-                                       {"rest takes its steps", rest_takes_its_steps},
-                                       {"away is no part", away_is_no_part},
-                                       {"kernels collide alike", kernels_collide_alike},
-                                       {"tiny numbers are zero", tiny_numbers_are_zero},
+                                       {"drops stay within their steps", drops_do_not_pass_their_steps},
+                                       {"unfinished drops are no result", cut_drops_are_no_result},
+                                       {"layers are not piles", layers_are_no_piles},
+                                       {"stricter rest takes more steps", rest_takes_its_steps},
+                                       {"disks that rolled away", away_is_no_part},
+                                       {"kernels find the same collisions", kernels_collide_alike},
+                                       {"subnormal numbers are zero", tiny_numbers_are_zero},
                                        {"lists are complete", lists_are_complete},
-                                       {"renewed lists hold springs", renewed_lists_hold_springs},
+                                       {"renewed lists keep springs", renewed_lists_hold_springs},
                                        {NULL, NULL}};
     check_register("drop", cases);
 }

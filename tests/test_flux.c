@@ -1,4 +1,4 @@
-/* Protocol `flux`: where a grain is put, when, and what is made of the series. */
+/* Protocol `flux`: position and time of each new grain, and outputs of the series. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ static void height_closed_forms(void)
     const double gap = 1e-3;
     dem_state s[3] = {{.x = 1.0, .y = 0.7, .r = 0.15}};
     CHECK_NEAR(sweep_flux_height(0, s, 0.1, 0.1, gap), 0.101, 1e-15);
-    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* out of reach */
+    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* beyond contact */
     CHECK_NEAR(sweep_flux_height(1, s, 1.0, 0.1, gap), 0.7 + 0.25 + gap, 1e-15);
     s[0] = (dem_state){.x = 0.4, .y = 0.7, .r = 0.399}; /* with 0.1 + gap a triangle of 3, 4, 5 tenths */
     CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 1.1, 1e-15);
@@ -30,12 +30,12 @@ static void height_closed_forms(void)
 }
 
 /* Free at that height and everywhere above, not free just below it. */
-static void height_of_random_heaps(void)
+static void height_of_random_piles(void)
 {
     enum { N = 12 };
     const double gap = 2e-7, below = 1e-9;
     gsl_rng *rng = rp_random_alloc(21, 0, RP_PURPOSE_TEST);
-    for (int heap = 0; heap < 500; heap++) {
+    for (int pile = 0; pile < 500; pile++) {
         dem_state s[N];
         for (int i = 0; i < N; i++)
             s[i] = (dem_state){.x = gsl_rng_uniform(rng),
@@ -125,8 +125,8 @@ static double cell(const rp_table *table, size_t row, const char *name)
     return value;
 }
 
-/* A grain that falls two diameters is in the air for sqrt(2 h/g)/dt steps; the pile is quiet, by so high a
- * v_cut, all that time. Set down at rest, it waits for the 200 steps alone. */
+/* A grain falls two diameters in sqrt(2 h/g)/dt steps; with so high a v_cut the pile counts as quiet
+ * throughout. A grain placed at rest waits for the 200 steps only. */
 static void waits_for_contact(void)
 {
     static const char *const high[] = {"W=1", "insertions=4", "v_cut=1e6", "drop_height=2", NULL};
@@ -145,7 +145,7 @@ static void waits_for_contact(void)
 static const char *const small[] = {"W=1.3",   "insertions=150", "entry_width=1",
                                     "draws=3", "avalanche=2",    NULL};
 
-/* Every grain is in the box, or went over the edge; and at the end the box is quiet. */
+/* Every grain is in the box or fell over the edge; at the end the box is quiet. */
 static void grains_are_counted(void)
 {
     traced t;
@@ -166,10 +166,10 @@ static void grains_are_counted(void)
         CU_ASSERT(hypot(cell(&t.grains, i, "vx"), cell(&t.grains, i, "vy")) < 0.1);
     }
     const double layer = cell(&t.series, 0, "grains");
-    CU_ASSERT(layer >= 6.0 && layer <= 9.0); /* 1.3 over mean diameters of 0.2, less what touching saves */
+    CU_ASSERT(layer >= 6.0 && layer <= 9.0); /* 1.3 over mean diameters of 0.2, reduced by overlaps */
     CHECK_NEAR(cell(&t.series, 0, "theta_r3_deg"), 0.0, 3.0);
     CU_ASSERT(inside == cell(&t.series, n - 1, "grains"));
-    /* names are given in order, and the newest grain is still there: the series ends before the next */
+    /* ids are given in order, and the newest grain is still in the box: the series ends before the next */
     CU_ASSERT(last == layer + (double)n - 1.0 && inside == last - left);
     CU_ASSERT(left > 10.0 && output(&t.result, "steps") == cell(&t.series, n - 1, "step"));
     trace_free(&t);
@@ -251,7 +251,7 @@ static void ends_without_result(void)
     CU_ASSERT(output(&result, "steps") == 30000.0);
     CU_ASSERT(output(&result, "insertions_made") > 4.0 && output(&result, "insertions_made") < 100.0);
     free(p);
-    /* a tower beyond the height that dt was chosen for: grains fall too fast from there */
+    /* a tower above the height assumed for dt: grains fall too fast from there */
     static const char *const tower[] = {"W=1", "mu=1", "mu_wall=1", "insertions=60", NULL};
     p = params(tower);
     const rp_param *dt = rp_params_find(protocol->schema, "dt");
@@ -276,14 +276,14 @@ static void ends_without_result(void)
     free(p);
 }
 
-/* Leave ones on the stack where the next call has its variables. */
+/* Fill the stack of the next call with ones. */
 static void __attribute__((noinline)) soil_stack(void)
 {
     volatile unsigned char soil[1 << 16];
     for (size_t i = 0; i < sizeof soil; i++) soil[i] = 1;
 }
 
-/* Stored runs are known by it: it has all its digits, and is the same at every call. */
+/* The key of stored runs has all its digits, and is the same at every call. */
 static void fingerprint_repeats(void)
 {
     char first[33] = "", again[33] = "";
@@ -297,11 +297,11 @@ static void fingerprint_repeats(void)
 void suite_flux(void)
 {
     static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
-                                       {"height of a new grain: random heaps", height_of_random_heaps},
+                                       {"height of a new grain: random piles", height_of_random_piles},
                                        {"the next waits for contact", waits_for_contact},
                                        {"grains are counted", grains_are_counted},
                                        {"outputs from the series", outputs_from_series},
-                                       {"ends without a result", ends_without_result},
+                                       {"runs without a result", ends_without_result},
                                        {"fingerprint", fingerprint_repeats},
                                        {NULL, NULL}};
     check_register("constant flux", cases);

@@ -6,7 +6,7 @@
 #include "dem/hard.h"
 #include "tests/check.h"
 
-/* Sums of some 20 rounded terms of the size that errors are compared with: 1e-13 is 450 units. */
+/* Sums of some 20 rounded terms, relative to their size: 1e-13 is 450 units. */
 static const double ROUND = 1e-13;
 
 typedef struct {
@@ -29,7 +29,7 @@ static dem_body random_body(gsl_rng *r)
     return b;
 }
 
-/* Every fourth with a wall, which may move; some smooth, some that do not turn. */
+/* Every fourth with a wall, which may move; some without friction, some without rotation. */
 static pair random_pair(gsl_rng *r, int k)
 {
     pair p = {random_body(r), random_body(r)};
@@ -88,7 +88,7 @@ static void check_conserved(const pair *p, const dem_body *a, const dem_body *b)
                             fabs(b->v[k]) / b->inverse_mass;
         CHECK_NEAR(after - before, 0.0, ROUND * size);
     }
-    if (p->one.inverse_inertia == 0.0) return; /* what keeps them from turning takes the moment */
+    if (p->one.inverse_inertia == 0.0) return; /* the constraint on rotation takes the moment */
     double size = 0.0;
     const double before = moment(&p->one, p->n, -1.0, &size) + moment(&p->two, p->n, 1.0, &size);
     const double after = moment(a, p->n, -1.0, &size) + moment(b, p->n, 1.0, &size);
@@ -171,8 +171,8 @@ static void million_pairs(void)
     gsl_rng_free(r);
 }
 
-/* Two disks of equal mass that meet head on swap velocities; a disk that slides onto a wall at 45 degrees
- * comes off rolling with 2/3 of its speed along it (I = m r^2/2), or keeps mu (1 + e) of v_n at least. */
+/* Two disks of equal mass swap velocities in a head-on collision. A disk that hits a wall at 45 degrees rolls
+ * afterwards with 2/3 of its tangential speed (I = m r^2/2), or loses mu (1 + e) v_n at most. */
 static void closed_forms(void)
 {
     const double n[2] = {0.6, 0.8}, down[2] = {0.0, -1.0};
@@ -219,13 +219,13 @@ static double collide_as_printed(dem_body *a, dem_body *b, const pair *p, bool s
     return p_t;
 }
 
-/* (7) and (19): where P_n < 0, about half of the collisions gain energy and friction passes its bound. */
+/* (7) and (19): with P_n < 0 about half of the collisions gain energy, and friction exceeds its bound. */
 static void misprint_signs(void)
 {
     gsl_rng *r = rp_random_alloc(1992, 2, RP_PURPOSE_TEST);
     int hits = 0, gained = 0, broken = 0;
     for (int k = 0; k < 20000; k++) {
-        pair p = random_pair(r, 2); /* two bodies that turn */
+        pair p = random_pair(r, 2); /* two rotating bodies */
         dem_body a = p.one, b = p.two, c = a, d = b;
         dem_impulse right;
         if (!dem_impact(&c, &d, p.n, p.e, p.mu, &right)) continue;
@@ -238,7 +238,7 @@ static void misprint_signs(void)
     gsl_rng_free(r);
 }
 
-/* (14): no collision without slip leaves the surfaces at rest on one another, and angular momentum is lost.
+/* (14): after no sticking collision are the surfaces at relative rest, and angular momentum is lost.
  */
 static void misprint_spin(void)
 {
@@ -257,15 +257,16 @@ static void misprint_spin(void)
         slide += fabs(v_t) > 1e-9;
         turns += fabs(moment(&a, p.n, -1.0, &size) + moment(&b, p.n, 1.0, &size) - before) > 1e-9 * size;
         a = p.one, b = p.two;
-        collide_as_printed(&a, &b, &p, false, false); /* with the plus it is what dem_impact does */
+        collide_as_printed(&a, &b, &p, false, false); /* with the plus sign it equals dem_impact */
         same += fabs(a.v[0] - c.v[0]) + fabs(b.omega - d.omega) < 1e-9;
     }
     CU_ASSERT(sticks > 1000 && slide == sticks && turns == sticks && same == sticks);
     gsl_rng_free(r);
 }
 
-/* (2), (3) and (9) do not say what r_i is. From the contact point Q to the centre, each body keeps its moment
- * about Q, and (9) is the velocity of the surfaces; from the centre to Q neither. */
+/* (2), (3) and (9) do not define r_i. As the vector from the contact point Q to the centre, each body
+ * conserves its moment about Q, and (9) is the velocity of the surfaces; as the reverse vector, neither
+ * holds. */
 static void vector_to_contact(void)
 {
     gsl_rng *r = rp_random_alloc(1992, 4, RP_PURPOSE_TEST);

@@ -1,4 +1,4 @@
-/* The energy ledger: it closes, sees what closed forms say, and touches nothing. */
+/* The energy ledger: it closes, agrees with closed forms, and changes no trajectory. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "tests/check.h"
 #include "tests/grains.h"
 
-/* Sums of some 1e6 numbers, each rounded to 1e-16 of what it is made of. */
+/* Sums of some 1e6 numbers, each rounded to 1e-16 of its terms. */
 static const double CLOSES = 1e-10;
 
 static dem_ledger ledger_of(const dem_sim *sim)
@@ -22,13 +22,13 @@ static double losses(const dem_ledger *l)
     return l->normal_damping + l->shear_damping + l->sliding + l->rolling + l->wells + l->hard;
 }
 
-/* Would a channel of the wrong sign go unnoticed? */
+/* True if a channel of the wrong sign would go unnoticed. */
 static bool seen(double channel, const dem_ledger *l)
 {
     return fabs(2.0 * channel) > 100.0 * CLOSES * l->turnover;
 }
 
-/* It closes at `looks` times over the run, with a simulation that has the same bits without a ledger. */
+/* The ledger closes at `looks` times over the run; a simulation without ledger has the same bits. */
 static dem_ledger run_closed(const char *name, dem_definition *def, long steps, int looks)
 {
     def->ledger = false;
@@ -50,7 +50,7 @@ static dem_ledger run_closed(const char *name, dem_definition *def, long steps, 
     return l;
 }
 
-/* Two grains that meet, as in the validation of impacts. */
+/* Two colliding grains, as in the validation of impacts. */
 static dem_definition two_grains(dem_grain grains[2], dem_normal_law law, double rate, bool tension)
 {
     grains[0] = (dem_grain){0.0, 0.0, 0.13, 0.011, 6.1, 5.2};
@@ -68,13 +68,13 @@ static dem_definition two_grains(dem_grain grains[2], dem_normal_law law, double
     return def;
 }
 
-/* Damping takes what the collision takes, 1 - e^2 of the energy of the motion along the normal. */
+/* Damping dissipates 1 - e^2 of the energy of normal motion. */
 static void impacts(void)
 {
     for (int law = 0; law < DEM_NORMAL_N; law++)
         for (int tension = 0; tension < 2; tension++)
             for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
-                const bool one_force = dem_schemes[integrator]->pair_parts; /* adds next to nothing */
+                const bool one_force = dem_schemes[integrator]->pair_parts; /* adds hardly any energy */
                 dem_grain grains[2];
                 dem_definition def = two_grains(grains, law, 900.0, tension);
                 def.integrator = integrator;
@@ -85,7 +85,7 @@ static void impacts(void)
             }
 }
 
-/* A grain on a floor, where the floor carries it, kicked along it. */
+/* A grain in equilibrium on a floor, with an initial tangential speed. */
 static dem_definition kicked(dem_grain *grain, double kick, const dem_material *floor)
 {
     const double r = 0.1, m = 0.0042;
@@ -96,8 +96,8 @@ static dem_definition kicked(dem_grain *grain, double kick, const dem_material *
     return def;
 }
 
-/* Friction takes mu m g times the way that the grain slid; here all that it loses, but for the dashpot, is
- * lost at the wall. */
+/* Friction dissipates mu m g times the sliding distance; here all loss, except for the dashpot, is at the
+ * wall. */
 static void sliding_block(void)
 {
     for (int choice = 0; choice < 8; choice++) {
@@ -112,7 +112,7 @@ static void sliding_block(void)
         const dem_ledger l = run_closed("block", &def, steps, 30);
         CHECK_NEAR(losses(&l), l.at_walls, CLOSES * l.turnover);
         const double weight = grain.m * 981.0;
-        /* slip begins somewhere within a step, over which the pull is taken at its middle */
+        /* slip begins within a step; the work of the force uses the middle of the step */
         const double one_step = 0.5 * floor.mu * weight * 15.0 * def.dt;
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, steps));
@@ -127,7 +127,7 @@ static void sliding_block(void)
     }
 }
 
-/* Viscous slip under Coulomb's limit: first it slides, then it creeps. */
+/* Viscous slip under Coulomb's limit: sliding, then creep. */
 static void slip_roll(void)
 {
     dem_grain grain;
@@ -139,7 +139,7 @@ static void slip_roll(void)
     CHECK_NEAR(l.shear_damping + l.sliding, 0.5 * grain.m * 15.0 * 15.0, 1e-3 * l.turnover);
 }
 
-/* A box that is filled and opened, some grains leave. */
+/* A box is filled and opened; some grains leave. */
 static void avalanche(void)
 {
     const long steps = check_fast() ? 6000 : 12000;
@@ -158,7 +158,7 @@ static void avalanche(void)
                 dem_material *c = w < 0 ? &def.material : &def.walls[w].material;
                 c->mu_roll = 0.1, c->k_roll = 1e4, c->gamma_roll = 5.0;
             }
-        if (choice == 7) { /* a gate, and a floor that ends in a corner */
+        if (choice == 7) { /* a moving wall, and a floor that ends in a corner */
             def.walls[DEM_BOX_RIGHT].open_speed = 20.0;
             def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
             def.walls[DEM_BOX_FLOOR].extent[1] = 1.2;
@@ -176,7 +176,7 @@ static void avalanche(void)
     }
 }
 
-/* Gravity turns, and is set; then the box turns about a point that is not in it. */
+/* Gravity rotates, and is set; then the box rotates about a point outside. */
 static void turns(void)
 {
     for (int choice = 0; choice < 4; choice++) {
@@ -212,7 +212,7 @@ static void turns(void)
     free(grains);
 }
 
-/* Grains put in one after the other; a clone goes on with books of its own. */
+/* Grains are added one by one; a clone continues with its own ledger. */
 static void grains_put_in(void)
 {
     dem_grain grain;
@@ -241,7 +241,7 @@ static void grains_put_in(void)
     dem_free(sim);
 }
 
-/* Hard collisions, some at once with soft contacts, in a box that turns; wells on a ground. */
+/* Hard collisions, some together with soft contacts, in a rotating box; wells on a ground. */
 static void hard_and_wells(void)
 {
     for (int choice = 0; choice < 6; choice++) {
@@ -266,7 +266,7 @@ static void hard_and_wells(void)
     }
 }
 
-/* The implicit integrator in a box that opens, by both solvers: damping, slip and wells; gravity turns. */
+/* The implicit integrator with both solvers in an opened box: damping, slip and wells; rotating gravity. */
 static void implicit_box(void)
 {
     const long steps = check_fast() ? 600 : 2400;
@@ -296,17 +296,17 @@ static void implicit_box(void)
         if (choice >= 2) CU_ASSERT(seen(l.wells, &l));
         if (choice == 4) CU_ASSERT(seen(l.gravity_turn, &l));
         if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l));
-        if (!check_fast() && choice != 2) CU_ASSERT(seen(l.wall_work, &l)); /* there nothing leans on it */
-        /* what the solver leaves of a grain's own equation, times the force */
+        if (!check_fast() && choice != 2) CU_ASSERT(seen(l.wall_work, &l)); /* no grain touches it */
+        /* residual of the solver in a grain's equation, times the force */
         CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
         CHECK_NEAR(l.residual, 0.0, 1e-12 * l.turnover);
         free(grains);
     }
 }
 
-/* Impacts of the implicit scheme without damping lose nothing, to what its solver leaves: two grains, and a
- * grain that bounces on a floor, with steps of any part of a contact. With damping, all that is lost is in
- * its channel. */
+/* Undamped impacts of the implicit scheme conserve energy up to the solver's residual: two grains, and a
+ * grain that bounces on a floor, with steps of any fraction of a contact time. With damping, its channel has
+ * the whole loss. */
 static void implicit_conserves(void)
 {
     for (int law = 0; law < DEM_NORMAL_N; law++)
@@ -339,8 +339,8 @@ static void implicit_conserves(void)
     CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
 }
 
-/* Nothing slides where friction has no limit, whatever the scheme makes of the sway: of a grain on a floor,
- * and of two in the midst of an impact. */
+/* Infinite friction has no slip loss, whatever the error of the oscillation: a grain on a floor, and two
+ * grains during an impact. */
 static void sticking(void)
 {
     for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
@@ -365,9 +365,9 @@ static void sticking(void)
     }
 }
 
-/* Of many contacts that last, each is found again after a step, also where others begin or end: in a heap at
- * rest, whose springs a turn of gravity moves, nothing slides while two meet above it. */
-static void heap_sticks(void)
+/* The ledger identifies each lasting contact after a step, also while others begin or end: in a pile at rest
+ * under slightly rotated gravity, no contact slides while two grains collide above. */
+static void pile_sticks(void)
 {
     dem_grain *grains;
     dem_definition def = grains_box(20, 0.8, 5, &grains);
@@ -388,8 +388,8 @@ static void heap_sticks(void)
     free(grains);
 }
 
-/* Work of a floor that turns under a grain: its force, as it is read, over the way of the contact's point,
- * and the rolling torque over the angle. */
+/* Work of a floor that rotates under a grain: measured force times the displacement of the contact point, and
+ * rolling torque times the angle. */
 static void work_of_a_wall(void)
 {
     const double turn = 0.01, dt = 1e-4;
@@ -417,7 +417,7 @@ static void work_of_a_wall(void)
             CHECK_OK(dem_contacts(sim, &c, &n));
             dem_wall_forces(sim, f);
             CU_ASSERT_FATAL(n == 1);
-            /* clockwise, from the step's start on or back from its end */
+            /* clockwise, from the start of the step or back from its end */
             const double angle = end ? -turn : turn, x = c->x_b, y = c->y_b;
             const double dx = x * cos(angle) + y * sin(angle) - x, dy = y * cos(angle) - x * sin(angle) - y;
             work -= (end ? -0.5 : 0.5) * (f[0] * dx + f[1] * dy) + 0.5 * c->rolling_torque * sin(turn);
@@ -431,7 +431,7 @@ static void work_of_a_wall(void)
     dem_free(sim);
 }
 
-/* A grain that is hit at rest and leaves within the same step takes the energy along that it was given. */
+/* A grain at rest that is hit and leaves within the same step carries the transferred energy away. */
 static void hit_and_gone(void)
 {
     dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.004, 50.0, 0.0}, {0.2001, 0.0, 0.1, 0.004}};
@@ -451,8 +451,8 @@ static void hit_and_gone(void)
     CHECK_NEAR(l.hard, 0.25 * 0.004 * 0.75 * v * v, CLOSES * l.turnover);
 }
 
-/* A hard collision with a sloping belt, whose speed is along it: its work is that of the impulse mu P_n of
- * sliding, with P_n = m (1 + e) v_n, and the rest of what the grain lacks is lost. */
+/* A hard collision with a sloping belt that moves along itself: its work is that of the sliding impulse mu
+ * P_n, P_n = m (1 + e) v_n; the remaining energy change is loss. */
 static void hit_by_a_belt(void)
 {
     const double m = 0.004, r = 0.1, e = 0.5, mu = 0.3, belt = 70.0, v_n = 30.0, v_t = -11.0;
@@ -486,16 +486,16 @@ static void hit_by_a_belt(void)
 void suite_ledger(void)
 {
     static const check_case cases[] = {{"impacts", impacts},
-                                       {"block that slides", sliding_block},
+                                       {"sliding block", sliding_block},
                                        {"what sticks", sticking},
                                        {"viscous slip", slip_roll},
-                                       {"a heap that sticks", heap_sticks},
+                                       {"a sticking pile", pile_sticks},
                                        {"work of a wall", work_of_a_wall},
-                                       {"hit and gone", hit_and_gone},
+                                       {"hit and leaving in one step", hit_and_gone},
                                        {"hit by a belt", hit_by_a_belt},
                                        {"avalanches", avalanche},
-                                       {"gravity or the box turns", turns},
-                                       {"grains put in, clone", grains_put_in},
+                                       {"gravity or the box rotates", turns},
+                                       {"added grains, clone", grains_put_in},
                                        {"hard collisions, wells", hard_and_wells},
                                        {"implicit: boxes", implicit_box},
                                        {"implicit: nothing lost to the scheme", implicit_conserves},

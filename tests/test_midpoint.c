@@ -1,5 +1,5 @@
-/* The energy-conserving implicit integrator: against closed forms of the mid-point rule, by what it
- * conserves, and direct solves against sweeps. Lengths in diameters, masses in those of a disk. */
+/* The energy-conserving implicit integrator: against closed forms of the mid-point rule, conservation laws,
+ * and direct solver against SOR sweeps. Lengths in diameters, masses in those of a disk. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,7 +35,7 @@ static dem_definition gas(dem_grain grains[GAS], double dt)
     return def;
 }
 
-/* Where a contact never ends the scheme is the mid-point rule of a harmonic oscillator: exactly cos(n theta),
+/* In permanent contact the scheme is the mid-point rule of a harmonic oscillator: exactly cos(n theta),
  * tan(theta/2) = omega dt/2, at any dt, and v = -omega A sin(n theta). */
 static void phase_of_oscillator(void)
 {
@@ -49,7 +49,7 @@ static void phase_of_oscillator(void)
         for (int n = 1; n <= 200; n++) {
             CHECK_OK(dem_run(sim, 1));
             const dem_state s = grains_state_of_one(sim);
-            /* places are good to 1e-16, which the phase adds up in n steps */
+            /* positions are rounded to 1e-16; the phase error adds up over n steps */
             CHECK_NEAR(s.y, R - 1.0 / K + A * cos(n * theta), 1e-13);
             CHECK_NEAR(s.vy, -omega * A * sin(n * theta), 1e-13 * omega);
         }
@@ -57,8 +57,8 @@ static void phase_of_oscillator(void)
     }
 }
 
-/* A disk that slides on a floor, N = m g: slowed by mu g, then creeping by (1 - h)/(1 + h) in a step, h =
- * gamma dt/2, once that asks for less. */
+/* A disk that slides on a floor, N = m g: decelerated by mu g, then creep by (1 - h)/(1 + h) per step, h =
+ * gamma dt/2, once the viscous force is below the limit. */
 static void slides_and_creeps(void)
 {
     const double mu = 0.4, gamma = 20.0, m = 0.3;
@@ -76,13 +76,14 @@ static void slides_and_creeps(void)
         slid += slides > creeps;
         v = fmax(creeps, slides);
         CHECK_OK(dem_run(sim, 1));
-        CHECK_NEAR(grains_state_of_one(sim).vx, v, 1e-12); /* N is good to 1e-11 */
+        CHECK_NEAR(grains_state_of_one(sim).vx, v, 1e-12); /* N has a relative error of 1e-11 */
     }
     CU_ASSERT(slid > 30 && slid < 60);
     dem_free(sim);
 }
 
-/* A disk pushed in its well: the depth is that of N = m g all the time, as it is at rest in the vertical. */
+/* A disk moves in its well: the depth belongs to N = m g throughout, since the disk is in vertical
+ * equilibrium. */
 static void well_conserves(void)
 {
     const double mu = 0.3, a = 0.02, omega = sqrt(mu / a), escape = sqrt(mu * a);
@@ -101,18 +102,18 @@ static void well_conserves(void)
                 const dem_state s = grains_state_of_one(sim);
                 if (leaves) continue;
                 CHECK_NEAR(s.x - grain.x, 0.8 * a * sin(n * theta), 1e-13);
-                /* the depth is as good as N: overlaps of 1e-4 to 1e-16, added up at random */
+                /* the depth has the error of N: overlaps of 1e-4 to 1e-16, random errors */
                 CHECK_NEAR(grains_energy(sim), before, 1e-11 * mu * a);
             }
-            /* what is lost is the depth of the well, mu N a/2, also where the step leads far beyond a */
+            /* the loss is the depth of the well, mu N a/2, also if a step leads far beyond a */
             if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx, sqrt(1.3 * 1.3 - 1.0) * escape, 1e-12);
             dem_free(sim);
         }
 }
 
-/* (30) where N changes: a disk that bobs in its well, never off the floor. The force has no potential then:
- * energy, with the depth of the N there is, goes up and down by the sum of mu u^2/(2 a) dN, and is kept on a
- * floor without a well. */
+/* (30) with varying N: a disk oscillates vertically in its well, in permanent contact. The force then has no
+ * potential: energy, with the depth at the present N, changes by the sum of mu u^2/(2 a) dN. A floor without
+ * a well conserves energy. */
 static void well_follows_load(void)
 {
     const double mu = 0.3, a = 0.02, depth = 0.5 * mu * a;
@@ -133,7 +134,7 @@ static void well_follows_load(void)
             const double u = 0.5 * (c.shear_spring + last.shear_spring);
             work += well ? 0.5 * mu * u * u / a * (c.normal_force - last.normal_force) : 0.0;
             most = fmax(most, fabs(work));
-            /* (omega dt)^2 of the disk on its spring, 1e-4 of the depth, over some 3 of its swings */
+            /* (omega dt)^2 of the disk on its spring, 1e-4 of the depth, over some 3 periods */
             CHECK_NEAR(grains_energy(sim) - before, work, well ? 1e-3 * depth : 1e-11);
         }
         CU_ASSERT(!well || (c.well == DEM_WELL_HOLDS && most > 0.1 * depth));
@@ -152,12 +153,14 @@ static double height_after(double time, double dt)
     const double y = grains_state_of_one(sim).y;
     dem_counts counts;
     dem_count_work(sim, &counts);
-    CU_ASSERT(counts.iterations <= 2.0 * time / dt); /* the slope is exact: digits double with each */
+    CU_ASSERT(counts.iterations <=
+              2.0 * time /
+                  dt); /* the derivative is exact: the number of digits doubles with each iteration */
     dem_free(sim);
     return y;
 }
 
-/* On a nonlinear spring, that lasts. */
+/* A lasting contact with a nonlinear spring. */
 static void second_order(void)
 {
     const double time = 0.3, dt = time / 32.0;
@@ -166,8 +169,8 @@ static void second_order(void)
     for (int k = 0; k < 2; k++) CHECK_NEAR(log2((y[k] - y[k + 1]) / (y[k + 1] - y[k + 2])), 2.0, 0.2);
 }
 
-/* Linear and Hertz, direct and by sweeps, with steps that are short and long against a contact: every contact
- * opens and closes within steps, and the neighbour list runs out in them. */
+/* Linear and Hertz, direct solver and SOR, with steps short and long relative to a contact time: contacts
+ * open and close within steps, and the neighbour list is rebuilt. */
 static void energy_of_gas(void)
 {
     static const double ratios[] = {0.01, 0.2, 1.0, 10.0};
@@ -190,15 +193,15 @@ static void energy_of_gas(void)
         dem_counts counts;
         dem_count_work(sim, &counts);
         CU_ASSERT(counts.rebuilds > 2 && counts.iterations > 100.0);
-        /* a step's error is that of places, 5e-16, times a force of some 100, and 2000 of them at random;
-         * sweeps leave the tolerance, 1e-15, with the same sign in each */
+        /* the error of a step is the rounding of positions, 5e-16, times a force of some 100, random over
+         * 2000 steps; sweeps leave the tolerance, 1e-15, with one sign */
         CHECK_NEAR(most, 0.0, def.implicit.solver == DEM_SOLVER_SOR ? 2e-10 : 1e-11);
         dem_free(sim);
     }
 }
 
-/* Steps of ten contact times, in which grains of a crowd meet several others: where Newton's method would go
- * too far. */
+/* Steps of ten contact times in a dense group, where a grain hits several others and Newton's method would
+ * overshoot. */
 static void long_steps(void)
 {
     enum { N = 16 };
@@ -222,7 +225,7 @@ static void long_steps(void)
     dem_free(sim);
 }
 
-/* Free disks: momentum, whatever the tolerance, and angular momentum. */
+/* Free disks conserve momentum at any tolerance, and angular momentum. */
 static void momentum(void)
 {
     for (int loose = 0; loose < 2; loose++) {
@@ -251,7 +254,7 @@ static void momentum(void)
     }
 }
 
-/* Every step takes energy, or none: dashpots that may pull or not, slip below and at its limit, wells. */
+/* No step adds energy: dashpots with and without attractive forces, slip below and at its limit, wells. */
 static void damping_takes_energy(void)
 {
     static const double ratios[] = {0.05, 0.5, 3.0};
@@ -282,8 +285,7 @@ static void damping_takes_energy(void)
     }
 }
 
-/* A damped impact against the solution that does not come from the simulator; a contact that may not pull
- * takes less. */
+/* A damped impact against an independent solution; a contact without attractive forces dissipates less. */
 static void restitution(void)
 {
     for (int k = 0; k < 4; k++) {
@@ -297,14 +299,14 @@ static void restitution(void)
         dem_collision_result exact;
         CHECK_OK(dem_collision(def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0, &exact));
         CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
-        /* second order: the dashpot acts over the part of a step in which they touch */
+        /* second order: the dashpot acts over the fraction of a step in contact */
         CHECK_NEAR(grains_state_of_one(sim).vy, exact.restitution, K * def.dt * def.dt);
         dem_free(sim);
     }
 }
 
-/* Viscous slip that no friction caps lasts as long as the contact, half a period of an undamped linear one:
- * what is left of it is exp(-gamma_s pi/omega), to second order, wherever in a step the touch falls. */
+/* Viscous slip without a friction limit acts during contact, half a period of an undamped linear spring: the
+ * slip decays by exp(-gamma_s pi/omega), to second order, for any phase of contact within a step. */
 static void slip_while_it_touches(void)
 {
     const double gamma_s = 30.0, omega = sqrt(K), left = exp(-gamma_s * M_PI / omega);
@@ -325,8 +327,8 @@ static void slip_while_it_touches(void)
     }
 }
 
-/* The closed form printed in (24) is that of overlaps on both sides of a step. Written out for one disk that
- * bounces: with it each opening changes the energy, where the simulator keeps it. */
+/* The closed form printed in (24) assumes overlaps at both ends of a step. Written out for one bouncing disk:
+ * with the printed form each opening changes the energy; the simulator conserves it. */
 static void printed_form_loses_energy(void)
 {
     const dem_grain grain = {.x = 0.0, .y = R + 0.01, .r = R, .m = 1.0, .vy = -0.5};
@@ -349,8 +351,8 @@ static void printed_form_loses_energy(void)
     dem_free(sim);
 }
 
-/* A heap that settles, on a sloping wall, a floor and a fixed grain. */
-static dem_definition heap(dem_grain *grains, size_t n)
+/* A pile that settles on a sloping wall, a floor and a fixed grain. */
+static dem_definition settling_pile(dem_grain *grains, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         grains[i] = (dem_grain){.x = 1.2 + 1.01 * (double)(i % 4) + 0.1 * (double)(i / 4 % 2),
@@ -370,7 +372,7 @@ static void sweeps_match_direct(void)
 {
     enum { N = 12 };
     dem_grain grains[N];
-    dem_definition def = heap(grains, N);
+    dem_definition def = settling_pile(grains, N);
     dem_sim *direct = grains_start(&def);
     def.implicit.solver = DEM_SOLVER_SOR;
     static const double factors[] = {0.5, 0.9};
@@ -394,14 +396,14 @@ static void sweeps_match_direct(void)
     dem_free(direct);
 }
 
-/* A linear contact that lasts is a linear equation, on a slope too: one factorisation a step. */
+/* A lasting linear contact is a linear equation, also on a slope: one factorisation per step. */
 static void newton_is_exact_on_a_slope(void)
 {
     const dem_grain grain = {.x = -0.6 * (R - 1e-3), .y = 0.8 * (R - 1e-3), .r = R, .m = 1.0};
     dem_definition def = on_floor(&grain, 1, 3.0);
     def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
     def.gravity[0] = 6.0;
-    def.gravity[1] = -8.0; /* 10, onto the wall: deep enough not to part */
+    def.gravity[1] = -8.0; /* 10, onto the wall: deep enough for permanent contact */
     dem_sim *sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 50));
     dem_counts counts;
@@ -414,7 +416,7 @@ static void what_is_not_solved(void)
 {
     enum { N = 12 };
     dem_grain grains[N];
-    dem_definition def = heap(grains, N);
+    dem_definition def = settling_pile(grains, N);
     def.material.gamma_n = 0.0;
     def.dt *= 10.0;
     def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, 1.9, 1e-12, 300};
@@ -434,9 +436,9 @@ static void what_is_not_solved(void)
     dem_free(sim);
 }
 
-/* The tolerance holds against the step that the residual of a grain asks of it alone, over its radius. A
- * contact at rest with overlap d begins with the residual c K d, c = dt^2/2, and has the stiffness K/2 +
- * gamma m_eff/dt; one of two grains at distance r has K d/(2 r) less, as it turns. */
+/* The tolerance limits the displacement that the residual of a grain implies for this grain alone, over its
+ * radius. A contact at rest with overlap d begins with the residual c K d, c = dt^2/2, and has the stiffness
+ * K/2 + gamma m_eff/dt; one of two grains at distance r has K d/(2 r) less, as it turns. */
 static void what_the_tolerance_asks(void)
 {
     const double d = 5e-4, soft = 1.0, gamma = 0.7, dt = 1.3, c = 0.5 * dt * dt;
@@ -466,7 +468,7 @@ static void what_the_tolerance_asks(void)
     }
 }
 
-/* A copy, another instance of the pair loop, a new list and a grain that comes later. */
+/* A clone, another kernel of the pair loop, a new list and an added grain. */
 static void same_bits(void)
 {
     for (int solver = 0; solver < 2; solver++) {
@@ -524,24 +526,25 @@ static void refusals(void)
 
 void suite_midpoint(void)
 {
-    static const check_case cases[] = {{"phase of an oscillator", phase_of_oscillator},
-                                       {"sliding and creeping", slides_and_creeps},
-                                       {"energy of a well", well_conserves},
-                                       {"(30) where N changes has no potential", well_follows_load},
-                                       {"order", second_order},
-                                       {"energy of a gas", energy_of_gas},
-                                       {"long steps", long_steps},
-                                       {"momentum", momentum},
-                                       {"damping takes energy", damping_takes_energy},
-                                       {"restitution", restitution},
-                                       {"slip while it touches", slip_while_it_touches},
-                                       {"(24) as printed does not keep energy", printed_form_loses_energy},
-                                       {"sweeps match direct solves", sweeps_match_direct},
-                                       {"a linear contact on a slope", newton_is_exact_on_a_slope},
-                                       {"what the tolerance asks", what_the_tolerance_asks},
-                                       {"what is not solved", what_is_not_solved},
-                                       {"same bits", same_bits},
-                                       {"what is refused", refusals},
-                                       {NULL, NULL}};
+    static const check_case cases[] = {
+        {"phase of an oscillator", phase_of_oscillator},
+        {"sliding and creeping", slides_and_creeps},
+        {"energy of a well", well_conserves},
+        {"(30) with varying N has no potential", well_follows_load},
+        {"order", second_order},
+        {"energy of a gas", energy_of_gas},
+        {"long steps", long_steps},
+        {"momentum", momentum},
+        {"damping dissipates energy", damping_takes_energy},
+        {"restitution", restitution},
+        {"slip during contact", slip_while_it_touches},
+        {"(24) as printed does not conserve energy", printed_form_loses_energy},
+        {"SOR matches the direct solver", sweeps_match_direct},
+        {"a linear contact on a slope", newton_is_exact_on_a_slope},
+        {"meaning of the tolerance", what_the_tolerance_asks},
+        {"unsolvable steps", what_is_not_solved},
+        {"same bits", same_bits},
+        {"refused input", refusals},
+        {NULL, NULL}};
     check_register("implicit integrator", cases);
 }

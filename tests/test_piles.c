@@ -1,5 +1,5 @@
-/* Heaps for the static solver, the dip of N, and protocol `pile`: closed forms, the exact forces of
- * diagonals, unequal disks, what comes without a result. */
+/* Piles for the static solver, the dip of N, and protocol `pile`: closed forms, the exact forces of diagonal
+ * contacts, unequal disks, runs without a result. */
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -43,7 +43,7 @@ static double heaped(size_t k, double s, double power)
     return D;
 }
 
-/* B ends at a disk, so that w is off by up to 2/K; |dD/dw| is at most 0.45 |s|. */
+/* B ends at a disk, so that w has an error of up to 2/K; |dD/dw| is at most 0.45 |s|. */
 #define TOLERANCE(s, K) (0.9 * fabs(s) / (K) + 1e-12)
 
 /* Half of the load within w/2 of the middle: w + s w^2/4 = 0.98 (1 + s/4); the means of 1 + s |u| are 1 + s
@@ -66,7 +66,7 @@ static void dip_closed_forms(void)
     CHECK_NEAR(heaped(45, 0.7, 1), heaped(K, 0.7, 1), TOLERANCE(0.7, 45));
 }
 
-/* Shifted, stretched, mirrored, all loads doubled; and a load off the middle is measured from its centroid.
+/* Shifted, stretched, mirrored, with doubled loads; the centroid is the origin of an asymmetric load.
  */
 static void dip_invariances(void)
 {
@@ -85,7 +85,7 @@ static void dip_invariances(void)
     CU_ASSERT(fabs(D) > 0.01);
 }
 
-/* ---- what the base must bear ---- */
+/* ---- friction required at the base ---- */
 
 /* By hand; diagonals alone, full triangle: tan(30 degrees) (k - 1)/(k + 1), at the ends of the base. */
 static void friction_and_centre(void)
@@ -136,7 +136,7 @@ static void sizes(void)
         sum += z;
         squares += z * z;
     }
-    /* cut at 3 the variance is 0.9733; five standard errors */
+    /* truncated at 3 the variance is 0.9733; five standard errors */
     CU_ASSERT(n > 3000 && same == 0);
     CHECK_NEAR(sum / (double)n, 0, 5 / sqrt((double)n));
     CHECK_NEAR(squares / (double)n, 0.9733, 5 * sqrt(2 / (double)n));
@@ -146,8 +146,8 @@ static void sizes(void)
     sweep_outline_free(&b);
 }
 
-/* The base carries the weight, and nothing pushes sideways, from sizes that hardly differ to gaps and
- * overlaps of a hundred times the largest force; all of these states are stable. */
+/* The base carries the weight without a net horizontal force, from nearly equal sizes to gaps and overlaps of
+ * a hundred times the largest force; all of these states are stable. */
 static void unequal_piles_stand(void)
 {
     static const double S[] = {1e-6, 1e-4, 1e-2}, eps[] = {1e-4, 1e-6};
@@ -210,7 +210,8 @@ static double output(const sweep_result *result, const char *name)
     return NAN;
 }
 
-/* With gaps no row closes: diagonals alone, under a triangle and under a tent, whose N has its dip. */
+/* With gaps no contact within a row closes: forces of diagonal contacts alone, under a triangle and under a
+ * tent, whose N has its dip. */
 static void open_rows(void)
 {
     static const char *const inner[] = {"inner_deg=auto", "inner_deg=45"};
@@ -231,8 +232,8 @@ static void open_rows(void)
     }
 }
 
-/* Deviations from the continuum of diagonals alone shrink as 1/k, as steps do; with rows that touch H keeps
- * its distance. */
+/* With diagonal contacts alone, deviations from the continuum decrease as 1/k; with contacts within rows the
+ * deviation of H remains. */
 static void against_continuum(void)
 {
     double N[2], H[2];
@@ -252,7 +253,7 @@ static void against_continuum(void)
     CU_ASSERT(isnan(output(&r, "N_continuum_rms")) && output(&r, "n_disks") == 210);
 }
 
-/* A pile of the protocol, solved here. */
+/* A pile of the protocol, solved directly. */
 typedef struct {
     const char *settings[8];
     double height, gap, eps, k_x, well, mu; /* of the top over half the base; the last two 0: springs */
@@ -369,7 +370,8 @@ static void check_continuum(const pile_case *c, const sweep_outline *h, const do
                sqrt(gsl_stats_tss_m(h_off, 1, 22, 0) / 22) / gsl_stats_max(h_own, 1, 22), BALANCE);
 }
 
-/* All outputs again, of springs and of wells, equal and unequal disks, triangles and a tent. */
+/* Independent computation of all outputs: springs and wells, equal and unequal disks, triangles and a tent.
+ */
 static void outputs_a_second_way(void)
 {
     const double TOP = 0.38 * tan(30 * DEG) + 0.12 * tan(45 * DEG);
@@ -462,12 +464,12 @@ void suite_piles(void)
 {
     static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
                                        {"the dip: invariances", dip_invariances},
-                                       {"what the base must bear", friction_and_centre},
+                                       {"friction required at the base", friction_and_centre},
                                        {"sizes of unequal disks", sizes},
-                                       {"unequal piles stand", unequal_piles_stand},
+                                       {"unequal piles are stable", unequal_piles_stand},
                                        {"open rows: diagonals alone", open_rows},
                                        {"against the continuum", against_continuum},
-                                       {"outputs a second way", outputs_a_second_way},
+                                       {"outputs by a second method", outputs_a_second_way},
                                        {"replicas", replicas},
                                        {"without a result", without_result},
                                        {NULL, NULL}};

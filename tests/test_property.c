@@ -1,4 +1,4 @@
-/* What holds for every pile, outline, surface, collision and contact, on random ones. */
+/* Properties of every pile, outline, surface, collision and contact, tested on random ones. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,10 +17,10 @@ enum { SEED = 1992 };
 
 static double larger(double a, double b)
 {
-    return a > b || isnan(a) ? a : b; /* a NaN stays */
+    return a > b || isnan(a) ? a : b; /* NaN if either is NaN */
 }
 
-/* The k-th number in [0, 1) that belongs to a seed. */
+/* Number k in [0, 1) of a seed. */
 static double pick(double seed, long k)
 {
     double whole;
@@ -52,7 +52,7 @@ static void finds_the_simplest(void)
     CU_ASSERT(x[0] == 1.0);
 }
 
-/* ---- models on paper ---- */
+/* ---- analytic models ---- */
 
 enum { K_MAX = 40 };
 
@@ -110,7 +110,7 @@ static void random_outline(double seed, double steepest, an_point v[6])
     for (long i = 0; i < 6; i++) v[i] = (an_point){v[i].x / v[5].x, v[i].y / v[5].x};
 }
 
-/* Both chords end on the outline, and the forces are their half sum and half difference, (52) and (53). */
+/* Both chords end on the outline; their half sum and half difference give the forces, (52) and (53). */
 static double chords_end_on_outline(const double x[])
 {
     an_point v[6];
@@ -129,7 +129,7 @@ static double chords_end_on_outline(const double x[])
     return larger(fabs(f.H - (l[0] - l[1]) / sqrt(12.0)), worst) / rounding;
 }
 
-/* A triangle with a vertex more on each flank, anywhere and in any unit, against (54)-(59). */
+/* A triangle with one more vertex anywhere on each flank, in any unit, against (54)-(59). */
 static double triangle_as_outline(const double x[])
 {
     const double alpha = x[0] * M_PI / 180.0, t = tan(alpha), unit = x[2], from = x[3];
@@ -145,7 +145,7 @@ static double triangle_as_outline(const double x[])
 
 /* ---- tilt and slopes ---- */
 
-/* The friction that (4) asks for at the tilt found for it is the friction it was found for. */
+/* The friction required by (4) at the tilt found for mu is mu. */
 static double root_of_tilt(const double x[])
 {
     const ang_form form = (ang_form)x[0];
@@ -157,14 +157,14 @@ static double root_of_tilt(const double x[])
     if (found == isnan(r.theta_t)) return NAN;
     if (!found || r.theta_t == 0.0) return 0.0;
     if (ang_friction(form, theta_r, r.theta_t, phi, &needed)) return NAN;
-    /* the root is good to a few roundings of an angle, which count by the slope of mu: up to 1e3 */
+    /* the error of the root is a few roundings of an angle, times the slope of mu: up to 1e3 */
     return fabs(atan(needed) - atan(mu)) / 1e-12;
 }
 
 enum { CELLS = 12 };
 
-/* Slopes do not see a height added to all (the parabola through 0 does); they see a plane added as its slope,
- * and a unit of length not at all. */
+/* A height added to all cells leaves slopes unchanged (except for the parabola through 0); an added plane
+ * adds its slope; units of length do not matter. */
 static double slopes_shift_and_scale(const double x[])
 {
     size_t column[CELLS];
@@ -244,8 +244,8 @@ static bool rotates(double seed)
     return pick(seed, 4) < 0.5;
 }
 
-/* Two grains that overlap and move, of the laws that `seed` picks; after STEPS steps. The frame is turned by
- * `angle`, the order of the grains may be changed. */
+/* Two overlapping, moving grains with laws chosen by `seed`, after STEPS steps. The frame is rotated by
+ * `angle`; the order of the grains may be swapped. */
 static bool run_pair(const double x[], double angle, bool swapped, dem_state out[2])
 {
     const double seed = x[0], c = cos(angle), s = sin(angle), way = 0.15 + 0.04 * x[1];
@@ -315,7 +315,7 @@ static double contact_has_no_direction(const double x[])
     return worst / 1e-12; /* 40 steps of a dozen roundings each */
 }
 
-/* Momentum, and angular momentum of places and spins. */
+/* Momentum, and angular momentum of positions and spins. */
 static void momenta(const dem_state s[2], double p[3])
 {
     p[0] = p[1] = p[2] = 0.0;
@@ -347,7 +347,7 @@ static double pair_keeps_momentum(const double x[])
 
 /* ---- piles of soft disks ---- */
 
-/* Strongest and weakest of those of a disk, found contact by contact. */
+/* Strongest and weakest contact of each disk, found contact by contact. */
 static bool marks_right(const statics_contact *c, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -365,7 +365,7 @@ static bool marks_right(const statics_contact *c, size_t n)
     return true;
 }
 
-/* Every disk is in balance, with contact forces from the places alone: overlap over eps. */
+/* Every disk is in force balance, with contact forces computed from positions: overlap over eps. */
 static double pile_in_balance(const double x[])
 {
     const long k = (long)x[0];
@@ -413,7 +413,7 @@ static double pile_in_balance(const double x[])
         worst = larger(larger(fabs(net[i][0]), fabs(net[i][1] - disks[i].weight)), worst);
     if (!marked) return NAN;
     return worst /
-           (16.0 * (double)k * DBL_EPSILON / eps); /* places to 2 k are rounded, and six contacts add */
+           (16.0 * (double)k * DBL_EPSILON / eps); /* positions up to 2 k are rounded, and six contacts add */
 }
 
 static void properties(const property *list, size_t n, int trials)
@@ -494,7 +494,7 @@ static void of_piles(void)
 void suite_property(void)
 {
     static const check_case cases[] = {{"the simplest input that fails", finds_the_simplest},
-                                       {"models on paper", of_models},
+                                       {"analytic models", of_models},
                                        {"tilt and slopes", of_angles},
                                        {"collisions and contacts", of_contacts},
                                        {"piles of soft disks", of_piles},

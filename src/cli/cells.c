@@ -25,7 +25,7 @@ static bool text_equals(const char *cell, const char *wanted)
     const double a = strtod(cell, &end_a), b = strtod(wanted, &end_b);
     if (strcmp(cell, wanted) == 0) return true;
     if (*end_a || !*cell) return false;
-    if (strncmp(end_b, "..", 2) == 0) return a >= b && a <= strtod(end_b + 2, NULL);
+    if (*end_b == ':' && end_b > wanted) return a >= b && a <= strtod(end_b + 1, NULL);
     return !*end_b && fabs(a - b) <= 1e-12 * fabs(b);
 }
 

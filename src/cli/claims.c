@@ -163,6 +163,11 @@ const char *cli_claim_test_word(cli_claim_test test)
     return test_words[test];
 }
 
+bool cli_claim_needs_table(cli_claim_test test)
+{
+    return needs_table[test];
+}
+
 void cli_claim_published(const cli_claim *claim, char text[128])
 {
     snprintf(text, 128, "%s%s%s", claim->published_text, *claim->se_text ? " ± " : "", claim->se_text);
@@ -320,5 +325,32 @@ rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, cons
                                                     : STATS_UNTESTABLE;
     if (status) return rp_prefix(status, "claim %s: ", claim->id);
     explain(claim, j);
+    return RP_OK;
+}
+
+rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
+{
+    *judged = calloc(claims->n + 1, sizeof **judged);
+    rp_status status = *judged ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
+    for (size_t i = 0; i < claims->n && !status; i++)
+        status = cli_claim_judge(claims, &claims->claims[i], folders, &(*judged)[i]);
+    return status;
+}
+
+rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper,
+                           char text[256])
+{
+    size_t counts[STATS_VERDICTS], n = 0;
+    stats_verdict *verdicts = calloc(claims->n + 1, sizeof *verdicts);
+    *text = '\0';
+    if (!verdicts) return rp_fail(RP_NO_MEMORY, "claims: out of memory");
+    for (size_t i = 0; i < claims->n; i++)
+        if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
+            verdicts[n++] = judged[i].verdict;
+    stats_count_verdicts(n, verdicts, counts);
+    free(verdicts);
+    for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
+        snprintf(text + strlen(text), 256 - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
+                 stats_verdict_text(v));
     return RP_OK;
 }

@@ -31,6 +31,9 @@ typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 /* "agrees", "same", ... */
 const char *cli_claim_test_word(cli_claim_test test);
 
+/* Whether a table answers claims of this test. */
+bool cli_claim_needs_table(cli_claim_test test);
+
 /* A row of figures/claims.tsv; the texts point into its table. */
 typedef struct {
     const char *id, *of, *paper, *place, *section, *published_text, *se_text, *answer, *against, *statement,
@@ -71,6 +74,14 @@ typedef struct {
 /* Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of rp_table_read. */
 rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, const char *folders,
                           cli_judged *judged);
+
+/* Every claim, in new memory (free it). Errors: those of cli_claim_judge, RP_NO_MEMORY. */
+rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged);
+
+/* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. Errors:
+ * RP_NO_MEMORY. */
+rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper,
+                           char text[256]);
 
 /* The published number as it is printed there, with its error and samples; "" for none. */
 void cli_claim_published(const cli_claim *claim, char text[128]);

@@ -55,29 +55,22 @@ static bool chosen(const cli_claim *c, const claims_options *o)
     return o->variants || o->published || !*c->of;
 }
 
-static void note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o,
-                        const char *paper)
-{
-    size_t counts[STATS_VERDICTS], n = 0;
-    stats_verdict *verdicts = calloc(all->n + 1, sizeof *verdicts);
-    if (!verdicts) return;
-    for (size_t i = 0; i < all->n; i++)
-        if (!*all->claims[i].of && chosen(&all->claims[i], o) && strcmp(all->claims[i].paper, paper) == 0)
-            verdicts[n++] = judged[i].verdict;
-    stats_count_verdicts(n, verdicts, counts);
-    free(verdicts);
-    if (n == 0) return;
-    char text[256] = "";
-    for (stats_verdict v = 0; v < STATS_VERDICTS; v++)
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
-                 stats_verdict_text(v));
-    rp_table_note(stdout, paper, "%s", text);
-}
-
 /* A cell is never empty. */
 static const char *or_dash(const char *text)
 {
     return *text ? text : "-";
+}
+
+static rp_status note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+{
+    char text[256];
+    rp_status status = RP_OK;
+    for (size_t p = 1; p < sizeof papers / sizeof *papers && !status; p++) {
+        if (one_alone(o) || (o->paper > 0 && o->paper != (int)p)) continue;
+        status = cli_claims_count(all, judged, papers[p], text);
+        if (!status && *text) rp_table_note(stdout, papers[p], "%s", text);
+    }
+    return status;
 }
 
 static void print_verdicts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
@@ -86,7 +79,6 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
         {"id", ""},        {"paper", ""},       {"place", ""},  {"statement", ""}, {"test", ""},
         {"published", ""}, {"samples", ""},     {"answer", ""}, {"ours", ""},      {"n", ""},
         {"z_error", ""},   {"z_deviation", ""}, {"detail", ""}, {"verdict", ""}};
-    for (size_t p = 1; p < sizeof papers / sizeof *papers; p++) note_counts(all, judged, o, papers[p]);
     rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
@@ -104,14 +96,13 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
 
 static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
-    cli_judged *judged = calloc(all->n + 1, sizeof *judged);
-    rp_status status = judged ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
-    for (size_t i = 0; i < all->n && !status; i++)
-        if (chosen(&all->claims[i], o)) status = cli_claim_judge(all, &all->claims[i], o->tables, &judged[i]);
+    cli_judged *judged;
+    rp_status status = cli_claims_judge(all, o->tables, &judged);
     if (!status) {
         cli_table(stdout, options, o);
-        print_verdicts(all, judged, o);
+        status = note_counts(all, judged, o);
     }
+    if (!status) print_verdicts(all, judged, o);
     free(judged);
     return status;
 }
