@@ -3,7 +3,7 @@
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
  * gravity or the box may turn. Angles and spins are counter-clockwise.
- * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
+ * Any consistent units (the scenes of the paper use cgs). Grains have ids from 1 on, in the order of the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
 #define DEM_H
@@ -40,8 +40,8 @@ enum { DEM_MAX_WALLS = 8 };
 
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
  * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
- * An end pushes as a corner point. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
- * `open_speed` its lower end extent[0] runs along the tangent at that speed, as a gate that is lifted. */
+ * An end acts as a corner. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
+ * `open_speed` its lower end extent[0] moves along the tangent at that speed, as a wall that is lifted. */
 typedef struct {
     double point[2], direction[2];
     dem_material material;
@@ -50,7 +50,7 @@ typedef struct {
     double open_speed;
 } dem_wall;
 
-/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not meet. */
+/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not interact. */
 typedef struct {
     double x, y, r, m, vx, vy;
     double angle, omega; /* 0 without rotation */
@@ -72,17 +72,17 @@ typedef struct {
 
 /* Hard collisions of what approaches fast; hard.h. Grains, or a grain and a wall, that would come to touch
  * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
- * presses them together: eq (22), where a rebound would be taken back within the step. Those then overlap: a
- * soft contact, that lasts until they part. */
+ * presses them together: eq (22), where the step would undo a rebound. They then overlap: a soft contact,
+ * which lasts until they part. */
 typedef struct {
     bool on;
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
 } dem_hard;
 
-/* How the implicit integrator solves a step for the ways of the grains: by Newton's method with a sparse
- * factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own Newton
- * step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more than
- * `tolerance` of its radius. */
+/* How the implicit integrator solves a step for the displacements of the grains: by Newton's method with a
+ * sparse factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own
+ * Newton step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more
+ * than `tolerance` of its radius. */
 typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
 typedef struct {
     dem_solver solver;
@@ -119,7 +119,7 @@ typedef struct {
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
-     * springs, rolling springs and wells go on. Those that do not touch are passed over. Borrowed too. */
+     * springs, rolling springs and wells continue. Contacts that do not touch are ignored. Borrowed too. */
     size_t n_contacts;
     const struct dem_contact *contacts;
 } dem_definition;
@@ -188,10 +188,10 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
 /* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
- * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt; room
- * grows by doubling. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a fall from
- * its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then nothing has
- * changed. RP_BROKEN from the list. */
+ * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt;
+ * capacity doubles when needed. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a
+ * fall from its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then
+ * nothing has changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
 /* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors:
@@ -288,8 +288,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
  * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
  * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
- * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back
- * counts as negative. */
+ * than its solver leaves. Energy that a loss with memory gives back, a well or a spring of the untruncated
+ * law, counts as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -)                                                                                          \
