@@ -328,13 +328,13 @@ $(T)/%/filled_grains.tsv $(T)/%/filled_contacts.tsv $(T)/%/pile_grains.tsv $(T)/
 $(T)/%/energy.tsv $(T)/%_row.tsv: %.cfg $(CODE)
 	@mkdir -p $(T)
 	@echo "run     $*"
-	@$(REPOSE) run --box $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
+	@$(REPOSE) run $< --row 0 -o $(T)/$* >$(T)/$*_row.tsv
 
 # One row of the sweep of constant flux, as a series in time.
 $(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh/lh5.cfg $(CODE)
 	@mkdir -p $(T)
 	@echo "run     lh5, row $*"
-	@$(REPOSE) run --box $< --row $* -o $(T)/lh5_row$* >$(T)/lh5_row$*.tsv
+	@$(REPOSE) run $< --row $* -o $(T)/lh5_row$* >$(T)/lh5_row$*.tsv
 # The largest of ten opened boxes whose floor ends: what the maximum of ten angles under flux compares with.
 $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 	@awk -F'\t' '/^#/ { for (i = 1; i <= NF; i++) if ($$i == "floor") f = i; print; next } $$f == "ends"' $< | \
@@ -344,7 +344,7 @@ $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
 STRESS_ROWS := $(shell seq 20 39)
 $(T)/lh_stress_piles: sweeps/studies/lh_stress.cfg $(CODE)
 	@echo "run     lh_stress"
-	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(WORKERS) -I R $(REPOSE) run --box $< --row R --every 100000 -o $@/R >/dev/null
+	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(WORKERS) -I R $(REPOSE) run $< --row R --every 100000 -o $@/R >/dev/null
 	@touch $@
 $(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
 	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@

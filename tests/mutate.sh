@@ -18,11 +18,11 @@ suites_of() {
     src/angle/*) echo property angle ;;
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger ;;
-    src/dem/equilibrium.c | src/dem/stiffness.c) echo property equilibrium ;;
+    src/statics/equilibrium.c | src/core/stiffness.c) echo property equilibrium ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
-    src/dem/definition.c src/dem/limits.c src/dem/gravity.c src/dem/step.c src/dem/sim.c src/dem/neighbours.c) echo golden scene motion hard soft rotation dem ;;
-    sweeps/protocol_pile.c) echo piles golden ;;
-    sweeps/protocol_repose.c) echo repose golden ;;
+    src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c) echo golden scene motion hard soft rotation dem ;;
+    sweeps/driver/protocol_pile.c) echo piles golden ;;
+    sweeps/driver/protocol_repose.c) echo repose golden ;;
     *) echo soft property rotation incline statics published motion hard golden scene dem ;;
     esac
 }
@@ -61,10 +61,10 @@ fi
 
 build=$1 number=$2 jobs=$3
 work=$build/mutate
-files='analytic/*.c src/dem/law_*.h src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/walls.c src/dem/ground.c
-    src/dem/hard.c src/dem/implicit.c src/dem/ledger.c src/dem/equilibrium.c src/dem/stiffness.c
-    src/dem/definition.c src/dem/limits.c src/dem/gravity.c src/dem/step.c src/dem/sim.c src/dem/neighbours.c src/dem/observe.c src/angle/surface.c src/angle/criterion.c sweeps/protocol_repose.c
-    sweeps/protocol_pile.c'
+files='analytic/*.c src/dem/law.inl src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/walls.c src/dem/ground.c
+    src/dem/hard.c src/dem/implicit.c src/dem/ledger.c src/statics/equilibrium.c src/core/stiffness.c
+    src/dem/definition.c src/dem/limits.c src/dem/gravity.c src/dem/step.c src/dem/sim.c src/dem/observe.c
+    src/angle/surface.c src/angle/criterion.c sweeps/driver/protocol_repose.c sweeps/driver/protocol_pile.c'
 # a run of the same code that was stopped goes on
 sum=$(cat Makefile tests/mutate.* $(find analytic src sweeps tests validation -name '*.[chi]*' | sort) | cksum)
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then

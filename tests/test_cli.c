@@ -188,10 +188,10 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--set ",       "--box ",      "--reduce ",    "--base ",    "--pair ",
-    "--successive ", "-o ",          "--runs ",     "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ", "--summary ",  "--threshold ", "--map ",     "--ledger ",
-    "--profile ",    "--start ",     "--variants ", "--published ", "--needs ",   NULL};
+    "--help ",      "--set ",      "--reduce ",    "--base ",    "--pair ",   "--successive ",
+    "-o ",          "--runs ",     "--missing ",   "--outline ", "--disks ",  "--linear ",
+    "--set-again ", "--summary ",  "--threshold ", "--map ",     "--ledger ", "--profile ",
+    "--start ",     "--variants ", "--published ", "--needs ",   NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -331,9 +331,7 @@ static void test_wrong_usage(void)
         {64, "--base needs --alpha-deg", "lattice --base 5"},
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
-        {64, "a scene file or --box", "run"},
-        {64, "a scene file or --box", "run scene.cfg --box s.cfg -o d"},
-        {64, "--box needs -o", "run --box s.cfg"},
+        {64, "usage: repose run", "run"},
     };
     enter();
     CHECK_FAILURES(list);
@@ -416,7 +414,7 @@ static void test_bad_scenes(void)
         {"steps = 3000000000;", GRAIN, "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
         {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
         {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
-        {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs law = \"spring\""},
+        {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs a tangential law"},
         {"", "{ x = 0.1; y = 0.2; r = -0.1; }", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
         {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: r: missing"},
         {"", "", "s.cfg:3: particles: no particles"},
@@ -432,6 +430,7 @@ static void test_bad_scenes(void)
     write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     FAILS(65, "s.cfg: exactly one of particles", "run s.cfg");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
+    FAILS(64, "--row goes with a sweep", "run s.cfg --row 1");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
     FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
     FAILS(65, "steps", "run s.cfg --set steps=many");
@@ -467,7 +466,9 @@ static void test_bad_sweeps(void)
         CU_ASSERT(out[0] == '\0' && access(path, F_OK) != 0);
     }
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
-    FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run --box s.cfg --row 2 -o d");
+    FAILS(64, "needs -o DIR", "run s.cfg");
+    FAILS(64, "--set goes with a scene", "run s.cfg --set mu=0.3 -o d");
+    FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");
     leave();
@@ -480,7 +481,7 @@ static void test_broken_output(void)
         {74, "file/t.tsv", "sweep export d -o file/t.tsv"},
         {74, "file/d", "run scene.cfg -o file/d"},
         {74, "file: not a directory", "run scene.cfg -o file"},
-        {74, "file/d", "run --box s.cfg -o file/d"},
+        {74, "file/d", "run s.cfg -o file/d"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep run garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep status garbage"},
         {74, "garbage/store.sqlite: cannot read the store", "sweep export garbage"},
@@ -785,9 +786,9 @@ static void test_cut_drops(void)
     enter();
     write_text("s.cfg", "protocol = \"drop\"; replicas = 3; seed = 20; fixed = { N = 40; };\n"
                         "grid = ({ max_steps = [20000, 200, 200]; mu_roll = [0.1, 0.1, 0.0]; });\n");
-    FAILS(1, "drops_not_at_rest: ", "run --box s.cfg --row 3 -o cut");
-    FAILS(1, " of 40 drops", "run --box s.cfg --row 3 -o cut");
-    FAILS(1, "no_pile: 0.998 d high", "run --box s.cfg --row 6 -o layer");
+    FAILS(1, "drops_not_at_rest: ", "run s.cfg --row 3 -o cut");
+    FAILS(1, " of 40 drops", "run s.cfg --row 3 -o cut");
+    FAILS(1, "no_pile: 0.998 d high", "run s.cfg --row 6 -o layer");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
     GOOD("sweep export d --reduce -o points.tsv");
@@ -1390,9 +1391,9 @@ static void test_shared_piles(void)
     }
     rp_table_free(&t);
     /* the last row again, by itself, and the fills of others */
-    GOOD("run --box s.cfg --row 1 -o first");
-    GOOD("run --box s.cfg --row 2 -o other");
-    GOOD("run --box s.cfg --row 3 -o box");
+    GOOD("run s.cfg --row 1 -o first");
+    GOOD("run s.cfg --row 2 -o other");
+    GOOD("run s.cfg --row 3 -o box");
     CU_ASSERT(equal_tables("first/filled_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(!equal_tables("other/filled_grains.tsv", "box/filled_grains.tsv"));
     rp_table again = read_table("out"), runs = read_table("runs.tsv");
@@ -1407,7 +1408,7 @@ static void test_row_again(void)
 {
     enter();
     write_sweep();
-    GOOD("run --box s.cfg --row 1 -o box --every 1000 --ledger");
+    GOOD("run s.cfg --row 1 -o box --every 1000 --ledger");
     rp_table again = read_table("out");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
@@ -1493,7 +1494,7 @@ void suite_cli(void)
                                        {"run: broken, 70", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
                                        {"sweep: shared piles", test_shared_piles},
-                                       {"run --box: a row again", test_row_again},
+                                       {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_scene_stopped},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};

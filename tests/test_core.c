@@ -102,6 +102,26 @@ static void keys(void)
     CU_ASSERT_STRING_NOT_EQUAL(one, two);
 }
 
+/* A parameter that a list of many schemas gains keeps the keys of the runs that do not set it. */
+static void inherited(void)
+{
+    struct {
+        double a, b;
+    } v;
+    static const rp_param before[] = {{"a", "", RP_REAL, 0, "1.5", "[0, 2]", "", false}, {0}};
+    static const rp_param after[] = {{"a", "", RP_REAL, 0, "1.5", "[0, 2]", "", false},
+                                     {"b", "", RP_REAL, sizeof(double), "auto", "[0, 2] | auto", "", true},
+                                     {0}};
+    char one[33], two[33];
+    rp_params_defaults(after, &v);
+    rp_params_hash(before, &v, 1993, 0, "1", one);
+    rp_params_hash(after, &v, 1993, 0, "1", two);
+    CU_ASSERT_STRING_EQUAL(one, two);
+    v.b = 0.0;
+    rp_params_hash(after, &v, 1993, 0, "1", two);
+    CU_ASSERT_STRING_NOT_EQUAL(one, two);
+}
+
 /* Write `text` to a file, read it through the schema. */
 static rp_status read_text(const char *text, values *v)
 {
@@ -298,6 +318,7 @@ void suite_core(void)
                                        {"defaults, text and back", defaults_and_text},
                                        {"refused values", refused_values},
                                        {"keys", keys},
+                                       {"keys with inherited parameters", inherited},
                                        {"parameter files", files},
                                        {"random numbers: known answer", random_known_answer},
                                        {"random streams are distinct", random_streams},

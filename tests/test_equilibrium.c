@@ -1,5 +1,5 @@
-/* Static equilibrium of piles: closed forms, the exact solution of diagonal contacts, forces and stability
- * recomputed in plain ways, the simulator at rest, the findings for soft piles, every status. */
+/* Static equilibrium of piles: closed forms, the exact solution of diagonal contacts, forces and stability by
+ * direct methods, the simulator at rest, results for soft piles, every status. */
 #include <gsl/gsl_eigen.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,16 +26,16 @@ static const double DEG = M_PI / 180;
 typedef struct {
     size_t n, k;
     statics_disk *disks;
-    an_force *exact; /* by diagonals alone */
+    an_force *exact; /* forces of diagonal contacts alone */
     statics_pile *pile;
     statics_result result;
     double *u, *N, *H;
-} heap;
+} test_pile;
 
 /* Disks of a pile with k in its base, slope alpha, and gaps in its rows. */
-static heap make_disks(long k, double alpha_deg, double gap)
+static test_pile make_disks(long k, double alpha_deg, double gap)
 {
-    heap h = {.k = (size_t)k};
+    test_pile h = {.k = (size_t)k};
     const double theta = asin((1 + gap) / 2);
     long *up = malloc((size_t)k * sizeof *up);
     CHECK_OK(an_lattice_cut(k, theta, fmin(alpha_deg * DEG, M_PI / 2 - theta), up));
@@ -55,7 +55,7 @@ static heap make_disks(long k, double alpha_deg, double gap)
     return h;
 }
 
-static void free_heap(heap *h)
+static void free_pile(test_pile *h)
 {
     statics_free(h->pile);
     free(h->disks);
@@ -65,7 +65,7 @@ static void free_heap(heap *h)
     free(h->H);
 }
 
-static rp_status solve(heap *h, statics_definition def)
+static rp_status solve(test_pile *h, statics_definition def)
 {
     def.n = h->n;
     def.disks = h->disks;
@@ -96,7 +96,7 @@ static statics_definition friction(double eps, double mu, double a)
     return def;
 }
 
-static double N_error(const heap *h, double *most)
+static double N_error(const test_pile *h, double *most)
 {
     double sum = 0;
     *most = 0;
@@ -108,7 +108,7 @@ static double N_error(const heap *h, double *most)
     return sqrt(sum / (double)h->k);
 }
 
-static double H_ratio(const heap *h)
+static double H_ratio(const test_pile *h)
 {
     double most = 0, exact = 0;
     for (size_t i = 0; i < h->k; i++) {
@@ -120,12 +120,12 @@ static double H_ratio(const heap *h)
 
 /* ---- a pile of three, by hand ---- */
 
-/* The top rests on two: pushes of 1/(2 cos 30), N = 3/2, H = 1/(2 sqrt 3) outwards. */
+/* The top rests on two disks: contact forces 1/(2 cos 30), N = 3/2, H = 1/(2 sqrt 3) outwards. */
 static const double THREE_H = 0.28867513459481287;
 
 static void test_three_disks(void)
 {
-    heap h = make_disks(2, 60, 0);
+    test_pile h = make_disks(2, 60, 0);
     statics_definition def = soft(0);
     def.k_x = 0.385;
     CHECK_OK(solve(&h, def));
@@ -134,7 +134,7 @@ static void test_three_disks(void)
         CHECK_NEAR(h.N[i], 1.5, ROUNDING);
         CHECK_NEAR(h.H[i], side * THREE_H, ROUNDING);
     }
-    /* disks 0 (left), 1 (top), 2 (right): the push of 1/sqrt 3 is the overlap along the diagonal */
+    /* disks 0 (left), 1 (top), 2 (right): the contact force 1/sqrt 3 is the overlap along the diagonal */
     CHECK_NEAR(h.u[0], -THREE_H / 0.385, ROUNDING);
     CHECK_NEAR(h.u[1], -1.5, ROUNDING);
     const double along = (h.u[2] - h.u[0]) * 0.5 + (h.u[3] - h.u[1]) * cos(M_PI / 6);
@@ -143,22 +143,22 @@ static void test_three_disks(void)
     size_t n = 0;
     CHECK_OK(statics_contacts(h.pile, &contacts, &n));
     CU_ASSERT(n == 2 && h.result.contacts == 2 && h.result.horizontal == 0);
-    /* one factorisation that still holds at the end, one step, no other branch */
+    /* one factorisation valid to the end, one step, no other branch */
     CU_ASSERT(h.result.factored == 1 && h.result.steps == 1 && h.result.jumps == 0 && h.result.load == 1);
     for (size_t c = 0; c < n; c++) {
         CHECK_NEAR(contacts[c].force, 1 / sqrt(3), ROUNDING);
         CU_ASSERT(contacts[c].strongest && contacts[c].weakest && !contacts[c].horizontal);
     }
     free(contacts);
-    /* solved once more from the start, not from where it is */
+    /* solved again from the start, not from the present state */
     CHECK_OK(statics_solve(h.pile, &h.result));
     CU_ASSERT(h.result.steps == 1);
-    /* wells set anew where half the load had brought their disks: pulled from there by the whole force */
+    /* wells set at the displacements of half the load; the full force acts from there */
     def.set_load = 0.5;
     CHECK_OK(solve(&h, def));
     CHECK_NEAR(h.H[1], THREE_H, ROUNDING);
     CHECK_NEAR(h.u[2 * 2], 1.5 * THREE_H / 0.385, ROUNDING);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* Disks apart on wells of stiffness mu N/a = N/4: the softest belongs to the lightest. */
@@ -183,44 +183,44 @@ static void test_softest_disk(void)
 
 static void test_friction_wells(void)
 {
-    heap h = make_disks(2, 60, 0);
+    test_pile h = make_disks(2, 60, 0);
     /* stiffness mu N/a: held at x = H a/(mu N) while H < mu N, 0.1925 of N here */
     CHECK_OK(solve(&h, friction(0, 0.25, 3.7)));
     CHECK_NEAR(h.u[4], THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
-    /* the same way again from where half the load had brought it, though that is beyond a in all */
+    /* the same displacement again from that of half the load, although the sum exceeds a */
     statics_definition anew = friction(0, 0.25, 3.7);
     anew.set_load = 0.5;
     CHECK_OK(solve(&h, anew));
     CHECK_NEAR(h.u[4], 2 * THREE_H * 3.7 / (0.25 * 1.5), 1e-9);
     CU_ASSERT(h.result.broken == 0);
     CHECK_FAILS(solve(&h, friction(0, 0.19, 3.7)), RP_NO_RESULT, "spreads: 2 of 2 wells broken");
-    for (int again = 0; again < 2; again++) { /* wells that broke are whole when it is solved anew */
+    for (int again = 0; again < 2; again++) { /* broken wells are intact in a new solution */
         CHECK_FAILS(statics_solve(h.pile, &h.result), RP_NO_RESULT,
                     "spreads: 2 of 2 wells broken, first that of disk 1");
         CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 2 && h.result.first_broken == 0);
     }
     CHECK_FAILS(solve(&h, friction(1e-4, 0.19, 3.7)), RP_NO_RESULT, "spreads");
-    statics_definition again = friction(1e-4, 0.19, 3.7); /* creeps for ever */
+    statics_definition again = friction(1e-4, 0.19, 3.7); /* creeps without end */
     again.set_again = true;
     CHECK_FAILS(solve(&h, again), RP_NO_RESULT,
                 "creeps: 2 of 2 wells set anew, first that of disk 1: disks 1, 3; ");
     CU_ASSERT(h.result.fault == STATICS_CREEPS);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* The base holds as long as no well breaks: a slope stands where wells of the same stiffness mu N/a that
- * can't break carry no more than mu N. x_0 under the load changes nothing, since the pile must stand before;
- * nor does it at 60 degrees, where forces can't be redistributed, whether wells are set again. */
+/* The base holds as long as no well breaks: a slope is stable if unbreakable wells of the same stiffness mu
+ * N/a carry at most mu N. x_0 under load changes nothing, since the pile must be stable before. At 60
+ * degrees, where forces can't be redistributed, resetting wells changes nothing either. */
 static void test_smooth_base(void)
 {
     static const struct {
-        double alpha, falls, stands, again; /* again: stands where wells are set again */
+        double alpha, falls, stands, again; /* again: stable if wells are set again */
     } cases[] = {{30, 0.25, 0.26, 0.2}, {32.6, 0.27, 0.28, 0}, {45, 0.46, 0.47, 0.35},
                  {50, 0.49, 0.5, 0},    {55, 0.53, 0.54, 0},   {60, 0.55, 0.56, 0}};
     const double NEVER = 100; /* times mu and a */
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-        heap slope = make_disks(45, cases[c].alpha, 0);
+        test_pile slope = make_disks(45, cases[c].alpha, 0);
         for (int stands = 0; stands < 2; stands++) {
             const double mu = stands ? cases[c].stands : cases[c].falls;
             CHECK_OK(solve(&slope, friction(1e-4, NEVER * mu, NEVER)));
@@ -241,12 +241,12 @@ static void test_smooth_base(void)
             CU_ASSERT(sweep_outline_friction(45, slope.N, slope.H) < again.mu);
         } else if (cases[c].alpha > 59)
             CHECK_FAILS(solve(&slope, again), RP_NO_RESULT, "creeps");
-        free_heap(&slope);
+        free_pile(&slope);
     }
 }
 
-/* Wells: H = mu N (x - x_0)/a of those that hold, none of broken ones, whose disks left them. */
-static void check_wells(const heap *h, double mu, double a, bool at_rest)
+/* Wells: H = mu N (x - x_0)/a for intact wells, 0 for broken ones, whose disks left them. */
+static void check_wells(const test_pile *h, double mu, double a, bool at_rest)
 {
     statics_well wells[64];
     size_t broken = 0;
@@ -270,7 +270,7 @@ static void check_wells(const heap *h, double mu, double a, bool at_rest)
 
 static void test_state_of_wells(void)
 {
-    heap h = make_disks(45, 30, 0);
+    test_pile h = make_disks(45, 30, 0);
     CHECK_OK(solve(&h, friction(1e-4, 0.3, 1)));
     CU_ASSERT(h.result.eps == 1e-4);
     check_wells(&h, 0.3, 1, true);
@@ -278,21 +278,21 @@ static void test_state_of_wells(void)
     CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 24);
     CU_ASSERT(h.result.negative_modes == STATICS_UNCOUNTED && isnan(h.result.smallest_pivot));
     check_wells(&h, 0.2, 1, false);
-    /* the same while the wells' places are sought under part of the load */
+    /* the same while the positions of the wells are determined under part of the load */
     statics_definition part = friction(1e-4, 0.1, 1);
     part.set_load = 0.5;
     CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "spreads");
     CU_ASSERT(h.result.load < 0.5 && h.result.eps < 0.6e-4);
     check_wells(&h, 0.1, 2, false);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* ---- why there is no equilibrium ---- */
+/* ---- reasons for the absence of an equilibrium ---- */
 
-/* A slope of 16 disks in its base, and a column far off, of two disks. */
-static heap slope_and_column(void)
+/* A slope of 16 disks in its base, and a distant column of two disks. */
+static test_pile slope_and_column(void)
 {
-    heap h = make_disks(16, 30, 0);
+    test_pile h = make_disks(16, 30, 0);
     h.disks = realloc(h.disks, (h.n + 2) * sizeof *h.disks);
     h.u = realloc(h.u, 2 * (h.n + 2) * sizeof *h.u);
     h.N = realloc(h.N, (h.k + 1) * sizeof *h.N);
@@ -305,8 +305,8 @@ static heap slope_and_column(void)
 
 static void test_causes(void)
 {
-    heap h = slope_and_column();
-    /* in the limit nothing holds the column's upper disk, whether or not wells broke beside it */
+    test_pile h = slope_and_column();
+    /* in the limit no force stabilises the column's upper disk, with or without broken wells in the slope */
     for (int again = 0; again < 2; again++) {
         statics_definition def = friction(0, again ? 0.18 : 1, 1);
         def.set_again = again;
@@ -316,7 +316,7 @@ static void test_causes(void)
         CU_ASSERT(h.result.pivot_disk == h.n - 1 && h.result.smallest_pivot < 1e-11);
         CU_ASSERT(h.result.negative_modes == STATICS_UNCOUNTED && h.result.residual < 1e-9);
     }
-    free_heap(&h);
+    free_pile(&h);
     /* springs never break: the pile is too soft for its weight */
     h = make_disks(45, 60, 0);
     CHECK_FAILS(solve(&h, soft(0.1)), RP_NO_RESULT, "collapses: neighbours ");
@@ -325,51 +325,52 @@ static void test_causes(void)
     part.set_load = 0.8;
     CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "collapses");
     CU_ASSERT(h.result.load > 0 && h.result.load * 4e-3 < h.result.eps);
-    free_heap(&h);
-    /* all of the load shows that it spreads; under an eighth, with the ground nearer, it would not */
+    free_pile(&h);
+    /* the full load shows the spreading; an eighth of the load, with the ground nearer, would not */
     h = make_disks(12, 30, 0);
     CHECK_FAILS(solve(&h, friction(0.01, 0.1, 30)), RP_NO_RESULT, "spreads: 12 of 12 wells broken");
-    free_heap(&h);
-    /* a heap that spread into a layer: disks are free there, others have met; that it spread comes first */
+    free_pile(&h);
+    /* a pile that spread into a layer has free disks and new contacts; spreading is reported first */
     h = make_disks(5, 60, 0);
     CHECK_FAILS(solve(&h, friction(0.01, 0.1, 100)), RP_NO_RESULT,
                 "against one another; no neighbours, but disk 3 on 6, ");
     CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 4);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* ---- against diagonals alone ---- */
+/* ---- against diagonal contacts alone ---- */
 
 static void test_linearised(void)
 {
     double most;
-    heap h = make_disks(45, 60, 0);
+    test_pile h = make_disks(45, 60, 0);
     CU_ASSERT(h.n == 1035);
     CHECK_OK(solve(&h, soft(0)));
     CU_ASSERT(N_error(&h, &most) < ROUNDING && most < ROUNDING);
     for (size_t i = 0; i < h.k; i++) CHECK_NEAR(h.H[i], h.exact[i].H, 22.5 * ROUNDING);
     CU_ASSERT(h.result.contacts == 1980 && h.result.horizontal == 0 && h.result.negative_modes == 0);
     CU_ASSERT(h.result.steps == 1 && h.result.factored == 1);
-    free_heap(&h);
-    /* from the pile of half the size it is known in advance which of the horizontal contacts are closed, but
-     * for a few: without that it takes 39 factorisations */
-    heap flat = make_disks(90, 30, 0);
+    free_pile(&h);
+    /* the pile of half the size predicts nearly all closed horizontal contacts; without this prediction the
+     * solution takes 39 factorisations */
+    test_pile flat = make_disks(90, 30, 0);
     CHECK_OK(solve(&flat, soft(0)));
     CU_ASSERT(flat.result.horizontal > 0 && flat.result.steps < 12 && flat.result.factored < 5);
-    free_heap(&flat);
+    free_pile(&flat);
     /* gaps in the rows keep horizontal contacts open under any slope */
-    heap gaps = make_disks(31, 27, 0.02);
+    test_pile gaps = make_disks(31, 27, 0.02);
     CHECK_OK(solve(&gaps, soft(0)));
     CU_ASSERT(N_error(&gaps, &most) < ROUNDING && gaps.result.horizontal == 0);
     for (size_t i = 0; i < gaps.k; i++) CHECK_NEAR(gaps.H[i], gaps.exact[i].H, 22.5 * ROUNDING);
-    free_heap(&gaps);
+    free_pile(&gaps);
 }
 
-/* A soft well lets the rows part: H comes back to that of diagonals as the half-width grows, N nearly. */
+/* A soft well lets the rows separate: with growing half-width H approaches that of diagonal contacts alone, N
+ * nearly. */
 static void test_soft_wells(void)
 {
     static const double a[] = {1, 10, 100, 1000}, found[] = {0.81, 0.83, 0.92, 1.00};
-    heap h = make_disks(45, 30, 0);
+    test_pile h = make_disks(45, 30, 0);
     CU_ASSERT(h.n == 360);
     for (int i = 0; i < 4; i++) {
         CHECK_OK(solve(&h, friction(1e-4, 1, a[i])));
@@ -379,7 +380,7 @@ static void test_soft_wells(void)
     CHECK_OK(solve(&h, friction(1e-8, 1, 1e5)));
     CHECK_NEAR(H_ratio(&h), 1, 1e-3);
     CU_ASSERT(N_error(&h, &most) < 0.04);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* ---- the equilateral pile at eps = 1e-4 ---- */
@@ -387,7 +388,7 @@ static void test_soft_wells(void)
 static void test_primary(void)
 {
     double most, last = 0;
-    heap h = make_disks(45, 60, 0);
+    test_pile h = make_disks(45, 60, 0);
     CHECK_OK(solve(&h, soft(1e-4)));
     CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
     CHECK_NEAR(most, 4.8e-3, 0.05e-3);
@@ -406,7 +407,7 @@ static void test_primary(void)
         if (last > 0) CHECK_NEAR(last / error, 10, 0.02);
         last = error;
     }
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* (47), (48), disk by disk: of the two forces from above, the one from the side of the axis is the stronger,
@@ -415,7 +416,7 @@ static void test_stronger_diagonals(void)
 {
     enum { LAYERS = 45, DISKS = LAYERS * (LAYERS + 1) / 2 };
     static double left[DISKS], right[DISKS], x[DISKS];
-    heap h = make_disks(LAYERS, 60, 0);
+    test_pile h = make_disks(LAYERS, 60, 0);
     statics_contact *contacts;
     size_t n, both = 0, right_ones = 0;
     CU_ASSERT_FATAL(h.n == DISKS);
@@ -445,54 +446,54 @@ static void test_stronger_diagonals(void)
     CU_ASSERT(both == (LAYERS - 1) * (LAYERS - 2) / 2);
     CU_ASSERT(right_ones == both);
     free(contacts);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* A branch that ends under load: the pile goes over to another, once, with all its load. */
+/* A branch that ends under load: the pile jumps to another branch once, at full load. */
 static void test_jump(void)
 {
-    heap h = make_disks(20, 55, 0);
+    test_pile h = make_disks(20, 55, 0);
     statics_definition def = soft(3e-3);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
-    def.branch = STATICS_BRANCH_MINIMUM; /* is not followed, and so does not end */
+    def.branch = STATICS_BRANCH_MINIMUM; /* not followed, so without an end */
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 0 && h.result.load == 1 && h.result.negative_modes == 0);
-    def.leave = 1; /* there is no primary state to leave */
+    def.leave = 1; /* no primary state to leave */
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 1 && h.result.negative_modes == 0 && isnan(h.result.released));
-    free_heap(&h);
-    h = make_disks(45, 50, 0); /* the way down is symmetric, and leads to a saddle */
+    free_pile(&h);
+    h = make_disks(45, 50, 0); /* the descent is symmetric, and leads to a saddle */
     CHECK_OK(solve(&h, soft(1e-3)));
     CU_ASSERT(h.result.jumps == 1 && h.result.negative_modes == 0);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* The branch of the large pile of 30 degrees ends on the way to eps = 1e-4. However its load is raised, it
- * comes to one state, and with few factorisations. */
+/* The branch of the large pile of 30 degrees ends before eps = 1e-4. Any steps of loading lead to the same
+ * state, with few factorisations. */
 static void test_large_soft(void)
 {
-    heap h = make_disks(180, 30, 0);
+    test_pile h = make_disks(180, 30, 0);
     statics_definition def = soft(1e-4);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.n == 5490 && h.result.jumps == 1 && h.result.negative_modes == 0);
-    CU_ASSERT(h.result.factored < 16); /* 21 without old factors, 83 when each step went downhill */
+    CU_ASSERT(h.result.factored < 16); /* 21 without updated factors, 83 with descent in each step */
     const double H = H_ratio(&h);
     const size_t horizontal = h.result.horizontal;
     def.branch = STATICS_BRANCH_MINIMUM;
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.factored < 12 && h.result.horizontal == horizontal);
     CHECK_NEAR(H_ratio(&h), H, 1e-9);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* Above eps_c the equilateral pile buckles, one way or another: each way leads downhill, to a stable state
- * that bears the same weight. */
+/* Above eps_c the equilateral pile buckles in different modes: each mode leads downhill to a stable state
+ * with the same weight on the base. */
 static void test_minima(void)
 {
     double released[3], N_most[3];
     const unsigned long ways[] = {2, 5, 13};
-    heap h = make_disks(45, 60, 0);
+    test_pile h = make_disks(45, 60, 0);
     statics_definition def = soft(1e-4);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(isnan(h.result.released));
@@ -511,26 +512,26 @@ static void test_minima(void)
         CU_ASSERT(released[i] > 10 && N_most[i] > 0.015 && N_most[i] < 0.045);
     }
     for (int i = 0; i < 3; i++) CU_ASSERT(fabs(released[i] - released[(i + 1) % 3]) > 0.1);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* The energy falls by the work of the weight where a pile is pressed together: of one disk on the ground,
+/* The energy falls by the work of the weight in compression: of one disk on the ground,
  * weight 1 and stiffness 1, 1/2 - 1. */
 static void test_energy(void)
 {
-    heap h = make_disks(1, 60, 0);
+    test_pile h = make_disks(1, 60, 0);
     CHECK_OK(solve(&h, soft(1e-3)));
     CHECK_NEAR(h.result.energy, -0.5, ROUNDING);
-    free_heap(&h);
+    free_pile(&h);
     h = make_disks(45, 60, 0); /* half of the work of all springs, by Clapeyron, in the linearised problem */
     CHECK_OK(solve(&h, soft(0)));
     double work = 0;
     for (size_t i = 0; i < h.n; i++) work += h.u[2 * i + 1];
     CHECK_NEAR(h.result.energy, work / 2, fabs(work) * ROUNDING);
-    free_heap(&h);
+    free_pile(&h);
 }
 
-/* Stability is lost at eps_c, which comes to about 5.2/k^3 in large piles. */
+/* Stability is lost at eps_c, about 5.2/k^3 in large piles. */
 static void test_threshold(void)
 {
     static const struct {
@@ -540,20 +541,20 @@ static void test_threshold(void)
     for (size_t c = 0; c < (check_fast() ? 2 : 3); c++) {
         const double unit = pow((double)cases[c].k, -3);
         double lo = unit, hi = 20 * unit;
-        heap h = make_disks(cases[c].k, 60, 0);
+        test_pile h = make_disks(cases[c].k, 60, 0);
         while (hi - lo > 0.003 * lo) {
             const double eps = sqrt(lo * hi);
             CHECK_OK(solve(&h, soft(eps)));
             *(h.result.negative_modes ? &hi : &lo) = eps;
         }
         CHECK_NEAR(lo / unit, cases[c].found, 0.02);
-        free_heap(&h);
+        free_pile(&h);
     }
 }
 
-/* Net forces and energy from places of the disks alone, all pairs: eps = 1e-3 leaves 12 digits of an overlap.
+/* Net forces and energy from the positions of all pairs of disks: eps = 1e-3 leaves 12 digits of an overlap.
  */
-static double plain_forces(const heap *h, const double *u, double eps, double k_x, double *force)
+static double plain_forces(const test_pile *h, const double *u, double eps, double k_x, double *force)
 {
     double energy = 0;
     for (size_t i = 0; i < h->n; i++) {
@@ -586,8 +587,9 @@ static double worst_of(const double *v, size_t n)
     return worst;
 }
 
-/* Negative eigenvalues of the stiffness by differences of forces, with no factorisation of ours. */
-static size_t plain_negative_modes(const heap *h, double eps, double k_x)
+/* Negative eigenvalues of the stiffness by differences of forces, independent of the solver's factorisation.
+ */
+static size_t plain_negative_modes(const test_pile *h, double eps, double k_x)
 {
     const size_t n = 2 * h->n;
     const double step = 1e-4; /* forces vary over 1: errors of 1e-8 against modes of 1e-3 */
@@ -617,7 +619,7 @@ static size_t plain_negative_modes(const heap *h, double eps, double k_x)
 }
 
 /* Diameters above the base spread evenly over 1 -+ sizes/2, in no order. */
-static void unequal(heap *h, double sizes)
+static void unequal(test_pile *h, double sizes)
 {
     for (size_t i = 0; i < h->n; i++) {
         statics_disk *p = &h->disks[i];
@@ -640,7 +642,7 @@ static void test_plain_forces_and_modes(void)
                  {14, 40, 1e-3, STATICS_BRANCH_MINIMUM, 0.05}};
     double energy[4];
     for (size_t c = 0; c < 4; c++) {
-        heap h = make_disks(cases[c].k, cases[c].alpha, 0);
+        test_pile h = make_disks(cases[c].k, cases[c].alpha, 0);
         unequal(&h, cases[c].sizes);
         statics_definition def = soft(cases[c].eps);
         def.k_x = 0.7;
@@ -652,7 +654,7 @@ static void test_plain_forces_and_modes(void)
         CU_ASSERT(plain_negative_modes(&h, def.eps, def.k_x) == h.result.negative_modes);
         CU_ASSERT((h.result.negative_modes > 0) == (c == 0));
         free(force);
-        free_heap(&h);
+        free_pile(&h);
     }
     CU_ASSERT(energy[1] < energy[0] - 1e-6);
 }
@@ -661,7 +663,7 @@ static void test_plain_forces_and_modes(void)
 static void test_minimum(void)
 {
     double most;
-    heap h = make_disks(check_fast() ? 30 : 45, 60, 0);
+    test_pile h = make_disks(check_fast() ? 30 : 45, 60, 0);
     statics_definition def = soft(check_fast() ? 4e-4 : 1e-4);
     def.branch = STATICS_BRANCH_MINIMUM;
     CHECK_OK(solve(&h, def));
@@ -671,12 +673,12 @@ static void test_minimum(void)
     double weight = 0;
     for (size_t i = 0; i < h.k; i++) weight += h.N[i];
     CHECK_NEAR(weight / (double)h.n, 1, ROUNDING);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* ---- slopes below 60 degrees ---- */
 
-/* H at 30 degrees does not come to the continuum's largest, whatever the size or the softness. */
+/* H at 30 degrees stays below the maximum of the continuum, at any size and softness. */
 static void test_horizontal_force(void)
 {
     double x_c;
@@ -689,7 +691,7 @@ static void test_horizontal_force(void)
         double eps, found;
     } cases[] = {{45, 360, 1e-4, 0.72}, {45, 360, 1e-8, 0.72}, {180, 5490, 0, 0.75}};
     for (size_t c = 0; c < (check_fast() ? 2 : 3); c++) {
-        heap h = make_disks(cases[c].k, 30, 0);
+        test_pile h = make_disks(cases[c].k, 30, 0);
         CU_ASSERT(h.n == cases[c].n);
         CHECK_OK(solve(&h, soft(cases[c].eps)));
         const double B = an_lattice_base((double)h.n, M_PI / 6, 30 * DEG);
@@ -699,24 +701,24 @@ static void test_horizontal_force(void)
             CHECK_NEAR(h.N[i], h.N[h.k - 1 - i], 1e-9);
             CHECK_NEAR(h.H[i], -h.H[h.k - 1 - i], 1e-9);
         }
-        free_heap(&h);
+        free_pile(&h);
     }
     /* steeper slopes all have an equilibrium */
     static const double alphas[] = {32.6, 45, 50, 55};
     static const size_t counts[] = {383, 581, 690, 821};
     for (size_t a = 0; a < 4; a++) {
-        heap h = make_disks(45, alphas[a], 0);
+        test_pile h = make_disks(45, alphas[a], 0);
         CU_ASSERT(h.n == counts[a]);
         CHECK_OK(solve(&h, soft(1e-4)));
         CU_ASSERT(h.result.negative_modes == 0 && h.result.residual < ROUNDING);
-        free_heap(&h);
+        free_pile(&h);
     }
 }
 
 /* The order of the disks does not matter. */
 static void test_relabelled(void)
 {
-    heap h = make_disks(20, 35, 0);
+    test_pile h = make_disks(20, 35, 0);
     CHECK_OK(solve(&h, soft(1e-3)));
     double *u = malloc(2 * h.n * sizeof *u), N[20];
     memcpy(u, h.u, 2 * h.n * sizeof *u);
@@ -735,17 +737,17 @@ static void test_relabelled(void)
     }
     free(disks);
     free(u);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* ---- against the simulator ---- */
 
-/* The same pile let go under gravity, with damping, until it lies still: linear springs without friction
- * between the grains, and a floor whose shear spring never slips in place of the wells. */
+/* The same pile, released under gravity with damping until it is at rest: linear springs without friction
+ * between the grains, and a floor whose shear spring never slips instead of the wells. */
 static void test_damped_dynamics(void)
 {
     const double eps = 1e-3, k_x = 0.8;
-    heap h = make_disks(12, 35, 0);
+    test_pile h = make_disks(12, 35, 0);
     statics_definition def = soft(eps);
     def.k_x = k_x;
     CHECK_OK(solve(&h, def));
@@ -776,7 +778,7 @@ static void test_damped_dynamics(void)
         CHECK_OK(dem_run(sim, 100000));
         CHECK_OK(dem_states(sim, states));
         for (size_t i = 0; i < h.n; i++) {
-            /* places near 6 in units of eps: 1e-12; what still moves: below 1e-9 */
+            /* positions near 6 in units of eps: 1e-12; remaining motion: below 1e-9 */
             CHECK_NEAR((states[i].x - grains[i].x) / eps, h.u[2 * i], 1e-8);
             CHECK_NEAR((states[i].y - grains[i].y) / eps, h.u[2 * i + 1], 1e-8);
         }
@@ -784,14 +786,14 @@ static void test_damped_dynamics(void)
         dem_free(sim);
     }
     free(grains);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* ---- bad input ---- */
 
-/* A top on two that weak springs let part: tan(theta)/2 = k_x u, at sin(theta) = (1/2 + eps u)/(1 - eps f),
- * with the push f = 1/(2 cos(theta)); stable up to eps u = 0.3 or so. From half a diameter between the two on
- * they count as spread, in whichever order the disks are given. */
+/* A disk on two others held by weak springs: tan(theta)/2 = k_x u, at sin(theta) = (1/2 + eps u)/(1 - eps f),
+ * with the contact force f = 1/(2 cos(theta)); stable up to eps u of about 0.3. A distance above half a
+ * diameter between the two counts as spread, for any order of the disks. */
 static double weak_base(double u, double eps, double k_x)
 {
     double s = 0.5 + eps * u;
@@ -876,13 +878,13 @@ static void test_errors(void)
     def.n = 11;
     CHECK_FAILS(statics_create(&def, &pile), RP_BAD_INPUT,
                 "can't carry it; nor disks 3, 4, 5, 6, 7, 8, 9, 10 and 1 more");
-    /* two side by side on nothing but each other's corner: supported one by one, not together */
+    /* two disks that support each other: each one is supported, the two together are not */
     statics_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
     def.disks = tower;
     def.n = 3;
     CHECK_OK(statics_create(&def, &pile));
     statics_result result;
-    CHECK_OK(statics_solve(pile, &result)); /* a tower stands on end, but not for long */
+    CHECK_OK(statics_solve(pile, &result)); /* a tower is in equilibrium, but unstable */
     CU_ASSERT(result.negative_modes == 2);
     statics_free(pile);
     def.branch = STATICS_BRANCH_MINIMUM;
@@ -893,7 +895,7 @@ static void test_errors(void)
     statics_free(pile);
     def.branch = STATICS_BRANCH_PRIMARY;
     check_weak_base();
-    /* two piles of three on weak springs slide into one another, and were no neighbours */
+    /* two piles of three on weak springs slide into one another, without having been neighbours */
     statics_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
     for (int i = 3; i < 6; i++) {
         two[i] = two[i - 3];
@@ -909,7 +911,7 @@ static void test_errors(void)
     CU_ASSERT(result.fault == STATICS_MEETS && result.load == 1);
     CU_ASSERT(result.negative_modes == STATICS_UNCOUNTED && isnan(result.smallest_pivot));
     statics_free(pile);
-    /* a drop of 0.2 to the ground, beside nobody: nothing holds it in x */
+    /* 0.2 above the ground, without neighbours: no force in x */
     statics_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
     def.disks = lone;
     def.n = 2;
@@ -921,8 +923,8 @@ static void test_errors(void)
 
 /* ---- the stiffness matrix ---- */
 
-/* A square with a diagonal, held at all corners: an update against a factorisation from the start, and
- * against the product that it should undo. */
+/* A square with a diagonal, held at all corners: an update against a new factorisation, and as the inverse of
+ * the product. */
 static void test_stiffness_update(void)
 {
     static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
@@ -935,7 +937,7 @@ static void test_stiffness_update(void)
         CHECK_OK(rp_stiffness_create(4, 5, bonds, &m));
         rp_stiffness_clear(m, 0.125);
         rp_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
-        for (size_t k = 0; k < 5; k++)         /* bond 2 is wanted, bond 4 is not */
+        for (size_t k = 0; k < 5; k++)         /* bond 2 is added, bond 4 removed */
             if (way == 0 ? k != 4 : k != 2)
                 rp_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
                                       along[k][1] * along[k][1]);
@@ -975,8 +977,8 @@ static void assemble_chain(rp_stiffness *m, const rp_pair *bonds, double along, 
     rp_stiffness_add_site(m, CHAIN - 1, 0, 0, along);
 }
 
-/* Solved with the factor of another matrix: at once if that differs by a factor only; to a tenth if it is
- * near; not if it is far, or the matrix is not positive. */
+/* Solution with the factor of another matrix: at once if the matrices differ by a scale only; to a tenth if
+ * they are close; none if they are far apart, or if the matrix is not positive. */
 static void test_stiffness_near(void)
 {
     rp_pair bonds[CHAIN - 1];
@@ -1008,11 +1010,11 @@ static void test_stiffness_near(void)
     rp_stiffness_free(m);
 }
 
-/* The pile of half the size: of k = 7 at 60 degrees that of k = 4, half way between whose disks all others
- * are; of disks on no lattice there is none. */
+/* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its
+ * disks; none for disks off a lattice. */
 static void test_half_pile(void)
 {
-    heap h = make_disks(7, 60, 0);
+    test_pile h = make_disks(7, 60, 0);
     rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
     statics_disk *half = NULL;
     size_t n_bonds, n_half;
@@ -1043,7 +1045,7 @@ static void test_half_pile(void)
     free(half);
     free(bonds);
     free(parents);
-    free_heap(&h);
+    free_pile(&h);
 }
 
 /* ---- the program ---- */
@@ -1115,7 +1117,7 @@ static void check_outputs(void)
     rp_table_free(&disks);
 }
 
-/* What the one row says of a pile, from its rows of base disks. */
+/* The summary row of a pile, from its rows of base disks. */
 static void check_summary(void)
 {
     enum { K = 45 };
@@ -1174,7 +1176,7 @@ static void check_outlines(void)
     rp_table_free(&t);
 }
 
-/* The mean over an ensemble is that of its piles, the first of which is the one without --piles. */
+/* The mean over an ensemble is that of its piles; the first pile is that without --piles. */
 static void check_ensemble(void)
 {
     enum { K = 12, PILES = 3 };
@@ -1227,7 +1229,8 @@ static void read_err(char *text, size_t size)
     fclose(file);
 }
 
-/* A pile that spreads: which wells, in the folder and in the message, and no number that was not counted. */
+/* A pile that spreads: the broken wells in the folder and in the message, and nan for undetermined numbers.
+ */
 static void check_failed(void)
 {
     char err[1024];
@@ -1258,7 +1261,7 @@ static void check_failed(void)
     rp_table_free(&t);
 }
 
-/* The state that was asked for need not be stable: a result, and a note. */
+/* An unstable primary state is a result, with a note. */
 static void check_note(void)
 {
     char err[1024];

@@ -1,6 +1,6 @@
 /* Golden digests: short runs whose bits may change only together with RP_MODEL_VERSION, because results of
- * one version are reused. Hashed is what + - * / and sqrt alone make, so that the digests hold on any
- * machine; angles from atan are compared as numbers. */
+ * one version are reused. Digests cover results of + - * / and sqrt only, so that they hold on any machine;
+ * angles from atan are compared as numbers. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
-/* The digests below belong to this RP_MODEL_VERSION, so that raising it without them fails too. */
+/* The digests below belong to this RP_MODEL_VERSION: raising it without new digests fails too. */
 enum { GOLDEN_VERSION = 2 };
 
 /* C libraries may differ in the last digits of atan: 1e-9 degree is 1e5 of them. Static solves stop at 1e-13
@@ -63,8 +63,8 @@ static const char *const drop_hashed[] = {"disks",   "base_disks",  "height", "w
                                           "dip",     "balance",     "psi6",   "contacts", "steps",
                                           "settled", "relax_steps", NULL};
 
-/* Of `repose`, the second: the other floor, spring and mass, a gate that is lifted, contacts that do not
- * pull. */
+/* The second run of `repose`: the other floor, spring and mass, a lifted wall, contacts without attraction.
+ */
 static const golden_run runs[] = {
     {"repose",
      {{"W", "2"}, {"H", "2"}, {"measure", "theta_r,theta_t"}},
@@ -132,7 +132,7 @@ static const golden_run runs[] = {
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 
-/* Places, velocities and forces of the scene below. */
+/* Positions, velocities and forces of the scene below. */
 static const uint64_t SCENE_DIGEST = 0x1ff96ac9ea57101b;
 
 static void check_digest(const char *what, uint64_t digest, uint64_t golden)
@@ -148,7 +148,7 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
     CU_ASSERT(same);
 }
 
-/* Runs are stored under it: one that changes by oversight loses all that are there. */
+/* The key of stored runs: an accidental change loses all stored runs. */
 static const named_text fingerprints[] = {{"repose", "222c3416a4ed0035acdf8ea5779a1dd7"},
                                           {"stress", "0473a29740d88bdab4abec2970e83db5"},
                                           {"flux", "4c519ca0550eacb1b3a31074392d3c50"},
@@ -231,7 +231,7 @@ static void test_fingerprints(void)
     CU_ASSERT(n == N_FINGERPRINTS);
 }
 
-/* A box that is filled, and opened while gravity turns. */
+/* A box is filled, and opened while gravity rotates. */
 static void test_scene(void)
 {
     enum { N = 100 };

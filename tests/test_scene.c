@@ -1,4 +1,4 @@
-/* Scene files: what they say, what they refuse, and that what is written reads back to the same bits. */
+/* Scene files: contents, refused input, and written scenes that read back to the same bits. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -36,10 +36,10 @@ static void example(void)
               s.def.tension);
     CU_ASSERT(s.def.material.k_n == 1e6 && s.def.material.gamma_s == 5.0 && s.def.material.mu == 0.2);
     CU_ASSERT(s.def.n_walls == 1 && s.def.walls[0].direction[1] == 1.0 && isinf(s.def.walls[0].extent[1]));
-    /* what the wall leaves out */
+    /* defaults of the wall */
     CU_ASSERT(s.def.walls[0].material.gamma_n == 500.0 && s.def.walls[0].material.k_s == 1e4);
     CU_ASSERT(s.def.walls[0].open_at_step == -1);
-    /* nothing rotates; rolling resistance, if it were on, would take stiffness and damping of the shear */
+    /* no rotation; rolling resistance would use stiffness and damping of the shear spring */
     CU_ASSERT(!s.def.rotation && s.def.damping == DEM_DAMPING_OUTSIDE && s.def.material.mu_roll == 0.0);
     CU_ASSERT(s.def.material.k_roll == 1e4 && s.def.walls[0].material.gamma_roll == 5.0);
     CU_ASSERT(s.def.n_grains == 2 && s.grains[0].m == 1.0 && s.grains[0].vy == -1.0);
@@ -137,7 +137,9 @@ static void refused(void)
         {"colour = 1;", ":2: colour: unknown key"},
         {"dt = 0.0;", ":2: dt = 0: out of range"},
         {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
-        {"rolling = { mu = 0.1; };", ":2: mu = 0.1: needs rotation"},
+        {"tangential = { law = \"spring\"; }; rolling = { mu = 0.1; };",
+         ":2: mu_roll = 0.1: needs rotation = true"},
+        {"rolling = { mu = 0.1; };", ":2: mu_roll = 0.1: needs a tangential law"},
         {"ground = { mu_static = 0.5; };", ":2: a: missing"},
         {"hard = { restitution = 1.1; };", ":2: restitution = 1.1: out of range, allowed: [0, 1]"},
         {"gravity = [0.0, 0.0, 1.0];", ":2: gravity: two numbers"},
@@ -149,12 +151,13 @@ static void refused(void)
          ":2: relaxation = 2: out of range, allowed: (0, 2)"},
         {"normal = 3;", ":2: normal: a group { ... } expected"},
         {"normal = { law = \"cubic\"; };", "hertz | linear"},
-        {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs law = \"spring\""},
+        {"tangential = { mu = 0.3; };", ":2: mu = 0.3: needs a tangential law"},
         {"tangential = { law = \"spring\"; mu = -0.3; };",
          ":2: mu = -0.3: out of range, allowed: [0, inf) | infinite"},
         {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
         {"walls = ( { point = [0.0, 0.0]; direction = [1.0, 1.0]; } );", "a unit vector expected"},
-        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );", "needs tangential"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );",
+         ":2: mu = 0.1: needs a tangential law"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );",
          "extent = [1, 0]"},
         {"walls = { point = 1; };", "walls: a list"},

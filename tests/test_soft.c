@@ -27,7 +27,7 @@ static dem_definition on_ground(const dem_grain *grains, size_t n)
     return def;
 }
 
-/* At rest in the vertical. */
+/* In vertical equilibrium. */
 static dem_grain resting(void)
 {
     return (dem_grain){.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
@@ -54,7 +54,7 @@ static void sinks_by_its_weight(void)
     CU_ASSERT_EQUAL(n, 4);
     for (size_t k = 0; k < n; k++) {
         const double load = list[k].wall == 0 ? 4.0 : 4.0 - fmin(list[k].id_a, list[k].id_b);
-        /* round-off of places, 1e-16, times K; the slowest sway has died out */
+        /* round-off of positions, 1e-16, times K; the slowest oscillation has decayed */
         CHECK_NEAR(list[k].normal_force, load, 1e-10);
         CHECK_NEAR(list[k].overlap, load / K, 1e-13);
     }
@@ -62,8 +62,8 @@ static void sinks_by_its_weight(void)
     dem_free(sim);
 }
 
-/* As it is loaded slowly the disk moves by m g_x a/(mu N) and is held up to mu N. Beyond, the well breaks and
- * the viscous slip carries it, at g_x/gamma_s where that is below the limit. */
+/* Under slow loading the well holds the disk up to mu N, at the displacement m g_x a/(mu N). Beyond, the well
+ * breaks, and the disk slips at g_x/gamma_s if the viscous force is below the limit. */
 static void well_holds_and_breaks(void)
 {
     const dem_grain grain = resting();
@@ -77,14 +77,16 @@ static void well_holds_and_breaks(void)
         if (k % 33) continue;
         const dem_contact c = grains_only_contact(sim);
         CU_ASSERT_EQUAL(c.well, DEM_WELL_HOLDS);
-        CHECK_NEAR(c.shear_spring, 0.01 * k * A, 1e-9); /* the last sway has died out as exp(-gamma_s t/2) */
+        CHECK_NEAR(c.shear_spring, 0.01 * k * A,
+                   1e-9); /* the last oscillation has decayed as exp(-gamma_s t/2) */
         CHECK_NEAR(c.shear_force, -0.01 * k * MU_STATIC, 1e-7);
         CHECK_NEAR(grains_state_of_one(sim).x, grain.x + 0.01 * k * A, 1e-9);
     }
     dem_gravity_set(sim, (double[]){1.01 * MU_STATIC, -1.0});
     for (int k = 0; k < 2000 && grains_only_contact(sim).well == DEM_WELL_HOLDS; k++)
         CHECK_OK(dem_run(sim, 1));
-    CU_ASSERT(pow(grains_state_of_one(sim).vx, 2.0) < 0.1 * MU_STATIC * A); /* slow, but on the way up */
+    CU_ASSERT(pow(grains_state_of_one(sim).vx, 2.0) <
+              0.1 * MU_STATIC * A); /* slow, but still moving upwards */
     for (int k = 0; k < 100; k++) {
         CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_BROKEN);
         CHECK_OK(dem_run(sim, 1));
@@ -113,8 +115,8 @@ static void limit_of_a_well(void)
     }
 }
 
-/* A state that is read and started again: the well holds by as much as before, and so does the force. Its
- * energy is mu_static N x^2/(2 a), beside that of the overlap. */
+/* A new simulation from a saved state keeps the displacement in the well and the force. The energy of the
+ * well is mu_static N x^2/(2 a), in addition to that of the overlap. */
 static void well_of_the_start(void)
 {
     dem_grain grain = resting();
@@ -142,8 +144,8 @@ static void well_of_the_start(void)
     dem_free(sim);
 }
 
-/* Without other friction a disk in its well is a harmonic oscillator, omega^2 = mu_static g/a; it leaves with
- * what its energy is above the depth mu N a/2. */
+/* Without other friction a disk in its well is a harmonic oscillator, omega^2 = mu_static g/a; it leaves the
+ * well with the excess of its energy over the depth mu N a/2. */
 static void energy_of_well(void)
 {
     const double omega = sqrt(MU_STATIC / A), escape = sqrt(MU_STATIC * A);
@@ -171,7 +173,7 @@ static void energy_of_well(void)
     }
 }
 
-/* When a disk that slides in gets its well, and whether it gets another. */
+/* When a sliding disk gets its well, and whether it gets another. */
 static void when_wells_are_set(void)
 {
     for (int set = DEM_WELL_TOUCH; set <= DEM_WELL_AGAIN; set++) {
@@ -188,7 +190,7 @@ static void when_wells_are_set(void)
                         set == DEM_WELL_TOUCH ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
         const double x = grains_state_of_one(sim).x;
         if (set != DEM_WELL_TOUCH) CHECK_NEAR(grains_only_contact(sim).shear_spring, 0.0, 1e-9);
-        /* a push beyond the break, then none: at rest again */
+        /* a force beyond the limit, then none: at rest again */
         dem_gravity_set(sim, (double[]){1.5 * MU_STATIC, -1.0});
         CHECK_OK(dem_run(sim, 1000));
         dem_gravity_set(sim, (double[]){0.0, -1.0});
@@ -200,7 +202,7 @@ static void when_wells_are_set(void)
     }
 }
 
-/* Slip below its limit decays as exp(-gamma_s t); above it the disk is slowed by mu g. */
+/* Slip below its limit decays as exp(-gamma_s t); above it the deceleration is mu g. */
 static void slip_is_viscous_then_capped(void)
 {
     dem_grain grain = resting();
@@ -221,8 +223,8 @@ static void slip_is_viscous_then_capped(void)
     dem_free(sim);
 }
 
-/* A disk that slides, or spins on the spot, ends up rolling: with arm b, q = I/(m b^2), a speed v_0/(1 + q)
- * or q b omega_0/(1 + q). A spin never grows beyond rolling: (36) as printed would make it. */
+/* A disk that slides, or spins without translation, ends up rolling: with arm b, q = I/(m b^2), a speed
+ * v_0/(1 + q) or q b omega_0/(1 + q). A spin never grows beyond rolling, as it would with (36) as printed. */
 static void slides_then_rolls(void)
 {
     const double b = R - 1.0 / K, q = 0.5 * R * R / (b * b);
@@ -251,7 +253,7 @@ static void slides_then_rolls(void)
     }
 }
 
-/* Resistance to rolling brings a rolling disk to a stop, and its spring's energy is counted. */
+/* Rolling resistance stops a rolling disk; the energy of its spring is counted. */
 static void rolling_resistance(void)
 {
     dem_grain grain = resting();
@@ -299,26 +301,26 @@ static double strays(double sign)
     return most;
 }
 
-/* What the soft particles' equations do as they are printed. */
+/* Consequences of the soft particles' equations as printed. */
 static void misprints(void)
 {
     /* (36): the torque has the sign that speeds a spinning disk up */
     CU_ASSERT(spun_by(1.0) < 1.0 && spun_by(-1.0) > 1.0);
     /* (33) with (34): n = (0, 1) on the ground, so F_x = -F_t, and the well of (30) pushes outwards */
     CU_ASSERT(strays(-1.0) < 0.101 && strays(1.0) > 1.0);
-    /* (30): a disk at rest in the middle, x_k = x_(k+1) = x0, is pushed; with a plus it is not */
+    /* (30): a disk at rest in the middle, x_k = x_(k+1) = x0, feels a force; with a plus sign none */
     const double x0 = 4.0;
     CU_ASSERT(-MU_STATIC / A * ((x0 - x0) / 2.0 - x0) > MU_STATIC);
     CU_ASSERT(-MU_STATIC / A * ((x0 + x0) / 2.0 - x0) == 0.0);
-    /* (25): two disks that part fast attract one another */
+    /* (25): two disks that separate fast attract one another */
     const double k_s = 1e3, k_d = 10.0, overlap = 1e-3, parting = 0.5;
     CU_ASSERT(k_s * overlap - k_d * parting < 0.0);
     CU_ASSERT(dem_law_normal(DEM_LINEAR, false, k_s, k_d, 1.0, overlap, parting) == 0.0);
 }
 
 /* (29) and (32) as printed: friction of one sense only, whatever the slip, and the lesser of two numbers
- * rather than of two magnitudes. A disk at rest is pushed, and the cap does not hold; ours is (27) cut to
- * (29) and against the slip. */
+ * rather than of two magnitudes. A disk at rest feels a force, and the limit does not hold. The simulator
+ * uses (27), truncated at (29) and opposed to the slip. */
 static void misprints_of_slip(void)
 {
     const double k_slip = 3.0, mu_roll = 0.2, F_n = 5.0, cap = mu_roll * F_n;
@@ -331,7 +333,7 @@ static void misprints_of_slip(void)
     }
 }
 
-/* (22) as printed asks for the speed that F gives in a step; but a disk that leaves the ground at v is back
+/* (22) as printed uses the speed that F gives in one step; but a disk that leaves the ground at v is back
  * on it after 2 v/g only, and not after v/g. */
 static void misprint_of_flight(void)
 {
@@ -345,7 +347,8 @@ static void misprint_of_flight(void)
 }
 
 /* Lee & Herrmann's (2b) with the numbers in its minimum rather than magnitudes, and without F_n >= 0: for a
- * displacement to the left the spring is not limited, and where the contact pulls it drives the slip. */
+ * displacement to the left the spring is not limited, and with an attractive normal force it drives the slip.
+ */
 static void misprints_of_spring(void)
 {
     const double k_s = 10.0, mu = 0.2;
@@ -362,7 +365,8 @@ static void misprints_of_spring(void)
         }
 }
 
-/* Two unequal disks that meet off centre, softly: momentum and angular momentum are kept, energy falls. */
+/* Soft off-centre collision of two unequal disks: momentum and angular momentum are conserved, energy falls.
+ */
 static void soft_pair(void)
 {
     const dem_grain grains[2] = {{0.0, 2.0, 0.5, 1.0, 1.0, 0.3, 0.0, 2.0},
@@ -394,9 +398,9 @@ static void soft_pair(void)
     dem_free(sim);
 }
 
-/* A disk that is dropped onto the ground, or onto a fixed disk, bounces hard, and loses the part 1 - e^2 of
- * its energy at each bounce, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in free
- * flight, and the moments of touch are found. When a step of gravity makes up the speed (22) it rests on its
+/* A disk dropped onto the ground, or onto a fixed disk, bounces by hard collisions. Each bounce loses the
+ * fraction 1 - e^2 of its energy, to round-off, at the times v (1 + 2e + 2e^2 + ...)/g: leapfrog is exact in
+ * free flight, and collision times are exact. Below the speed (22) of one step of gravity it rests at the
  * overlap m g/K. */
 static void switches_to_soft(void)
 {
@@ -421,7 +425,7 @@ static void switches_to_soft(void)
             CHECK_OK(dem_states(sim, s));
             const double w = v * pow(e, (double)seen);
             CU_ASSERT(w > e * def.dt);
-            if (w > def.dt) /* else the return may lie within the step, and is soft */
+            if (w > def.dt) /* otherwise the return may fall within the step and is soft */
                 CHECK_NEAR(0.5 * s[0].vy * s[0].vy + s[0].y - top, 0.5 * w * w, 1e-12);
         }
         CU_ASSERT_EQUAL(seen, 1 + (long)floor(log(def.dt / v) / log(e)));
@@ -430,8 +434,8 @@ static void switches_to_soft(void)
     }
 }
 
-/* In a run two free disks, one of them fixed, or a disk and a wall collide at the moment that they touch: the
- * velocities are those of dem_impact there, and the places lie on straight lines through that moment. */
+/* In a run two free disks, one of them fixed, or a disk and a wall collide at the moment of contact:
+ * velocities there are those of dem_impact, and positions lie on straight lines through that moment. */
 static void collide_in_flight(void)
 {
     for (int fixed = 0; fixed < 2; fixed++) {
@@ -486,7 +490,7 @@ static void collide_in_flight(void)
     dem_free(sim);
 }
 
-/* A blow on the end of a row passes through it within a step, whatever the order of the pairs. */
+/* An impulse on the end of a row passes through it within a step, for any order of the pairs. */
 static void passes_through_a_row(void)
 {
     enum { N = 5 };
@@ -504,14 +508,14 @@ static void passes_through_a_row(void)
         CHECK_OK(dem_states(sim, s));
         CU_ASSERT_EQUAL(collisions(sim), N - 1);
         for (int i = 0; i < N; i++) CHECK_NEAR(s[i].vx, i == N - 1 ? 2.0 * side : 0.0, 1e-12);
-        /* in contact now and then, it moved 2 dt in all, less the gaps */
+        /* with contacts in between, the total displacement is 2 dt minus the gaps */
         CHECK_NEAR(side * s[N - 1].x, 4.0 * (1.0 + 1e-5) + 2.0 * def.dt - 4e-5, 1e-12);
         dem_free(sim);
     }
 }
 
-/* What passes on against the order of the pairs needs a round each, and there are eight: the rest is left to
- * meet softly. */
+/* Impulses against the order of the pairs need one round per pair, of at most eight; the remaining pairs
+ * collide softly. */
 static void rounds_end(void)
 {
     enum { N = 12 };
@@ -533,8 +537,8 @@ static void rounds_end(void)
     CU_ASSERT(found[1] == N - 1 && found[0] >= 8 && found[0] < N - 1);
 }
 
-/* A disk that flies over a fixed one in an arc of height g dt^2/8: the line from the step's start to its end
- * cuts the fixed one, by up to the arc's height, where the arc misses it. */
+/* A disk passes over a fixed one on a parabola of height g dt^2/8 within the step. The chord of the step
+ * intersects the fixed disk, by up to that height; the parabola misses it. */
 static void arc_over_a_disk(void)
 {
     for (int k = 1; k < 60; k++) {
@@ -542,17 +546,17 @@ static void arc_over_a_disk(void)
         dem_definition def = on_ground(grains, 2);
         grains[1].x = -0.5 * grains[1].vx * def.dt * (0.7 + 0.01 * k);
         grains[1].y = 4.0 - def.dt * def.dt / 8.0 * k / 30.0; /* its top is at 4 for k = 30 */
-        grains[1].vy = 0.5 * def.dt;                          /* comes down again to where it started */
+        grains[1].vy = 0.5 * def.dt;                          /* returns to its initial height */
         def.hard = (dem_hard){true, 1.0, 0.0};
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 1));
-        /* one that cuts it by little closes too slowly to be hard, (22) */
+        /* a slight intersection has too small an approach speed for a hard collision, (22) */
         if (k < 30 || k > 32) CU_ASSERT((collisions(sim) > 0) == (k > 30));
         dem_free(sim);
     }
 }
 
-/* Where places are known to no better than 1e-8, a pair that just touches collides as it does at the origin.
+/* Far from the origin, where positions are rounded to 1e-8, a touching pair collides as at the origin.
  */
 static void far_from_the_origin(void)
 {
@@ -575,7 +579,7 @@ static void far_from_the_origin(void)
     }
 }
 
-/* Not even the sign of a zero changes. */
+/* The sign of a zero is unchanged too. */
 static void fixed_stay_to_the_bit(void)
 {
     enum { N = 12 };
@@ -605,12 +609,13 @@ static void law_of_slip(void)
     for (int side = -1; side <= 1; side += 2) {
         CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 0.9 * side * edge, f), -0.9 * side * mu * f, 1e-15);
         CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 3.0 * side * edge, f), -side * mu * f, 1e-15);
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, side, -f), 0.0, 0.0); /* what pulls has no friction */
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, side, -f), 0.0,
+                   0.0); /* attractive contacts have no friction */
     }
 }
 
-/* A box that turns: its ground, below the axis, runs to the left. A disk that goes with it is at rest, one
- * that comes against it is not. */
+/* A rotating box: its ground, below the axis, moves to the left. A disk that moves with the ground is at
+ * rest, a disk that moves against it is not. */
 static void rests_on_a_ground_that_moves(void)
 {
     const double speed = 0.1, below = 5.0;
@@ -628,7 +633,7 @@ static void rests_on_a_ground_that_moves(void)
     }
 }
 
-/* A disk that turns on the spot is at rest if its spin's energy, twice omega^2/8, fits into the well. */
+/* A spinning disk is at rest if its rotational energy, twice omega^2/8, is below the depth of the well. */
 static void rests_while_it_turns(void)
 {
     const double most = sqrt(8.0 * MU_STATIC * A);
@@ -643,7 +648,7 @@ static void rests_while_it_turns(void)
     }
 }
 
-/* At a distance of just their radii grains do not touch yet, or no more: the dashpot does not act. */
+/* At zero overlap grains are not in contact: the dashpot does not act. */
 static void touching_is_no_contact(void)
 {
     for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
@@ -660,7 +665,7 @@ static void touching_is_no_contact(void)
     }
 }
 
-/* What touches at the very end of a step collides in it; all numbers here are exact. */
+/* A contact at the very end of a step collides in that step; all numbers here are exact. */
 static void touches_at_the_end(void)
 {
     for (int pair = 0; pair < 2; pair++) {
@@ -679,7 +684,8 @@ static void touches_at_the_end(void)
     }
 }
 
-/* A disk that falls onto the end of a wall is nearer to its line than a radius before it meets the corner. */
+/* A disk that falls onto the end of a wall comes within a radius of the wall's line before it touches the
+ * corner. */
 static void bounces_off_a_corner(void)
 {
     for (int kernel = 0; kernel < DEM_KERNELS; kernel++) {
@@ -694,14 +700,14 @@ static void bounces_off_a_corner(void)
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, lround(v / def.dt) + 5));
         CU_ASSERT_EQUAL(collisions(sim), 1);
-        /* the corner counts as a line as it stands when the step begins */
+        /* the tangent at the start of the step replaces the corner */
         CHECK_NEAR(grains_state_of_one(sim).vx, -2.0 * 0.6 * 0.8 * v, 2.0 * v * def.dt / R);
         dem_free(sim);
     }
 }
 
-/* A disk that slides on the ground, slowed and spun up evenly, hits a fixed one as fast as it is then, not as
- * in the middle of the step. */
+/* A disk that slides on the ground, with constant deceleration, hits a fixed one at its speed of that moment,
+ * not at the speed in the middle of the step. */
 static void hits_while_it_slides(void)
 {
     const double a = -0.1, b = R - 1.0 / K, alpha = -0.1 * b / (0.5 * R * R), gap = 0.0037;
@@ -731,8 +737,8 @@ static void hits_while_it_slides(void)
     dem_free(sim);
 }
 
-/* A hard pair leaves the list's reach within a step of its end without being missed, alone or among so many
- * at rest that all are looked at several at once. */
+/* No hard collision is missed when a pair exceeds the cutoff of the list within a step, alone or among many
+ * disks at rest in full vector blocks. */
 static void no_collision_is_missed(void)
 {
     enum { ALL = 16 };
@@ -755,7 +761,7 @@ static void no_collision_is_missed(void)
 
 enum { HEAP = 30 };
 
-static dem_sim *heap(dem_definition *def)
+static dem_sim *falling_disks(dem_definition *def)
 {
     dem_fill fill = {HEAP, 6.0, 12.0, R, 0.05, 0.35, 0.65, 1.0, DEM_DISK, 1992, 1};
     static dem_grain grains[HEAP];
@@ -771,12 +777,12 @@ static dem_sim *heap(dem_definition *def)
     return grains_start(def);
 }
 
-/* Disks that rain down: energy only falls, the same bits from a copy and by every instance of the pair loop,
- * and some have collided, some rest in wells. */
-static void heap_of_disks(void)
+/* Falling disks: energy never rises; a clone and every kernel give the same bits; some disks have collided,
+ * some rest in wells. */
+static void pile_of_disks(void)
 {
     dem_definition def;
-    dem_sim *sim = heap(&def), *copy;
+    dem_sim *sim = falling_disks(&def), *copy;
     double last = grains_energy(sim);
     const double first = last;
     for (int k = 0; k < 60; k++) {
@@ -854,7 +860,7 @@ static void refused(void)
                 "too_fast at step 0: grain 1: moves beyond its margin of the neighbour list, 0.1, in");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_TOO_FAST);
     dem_free(sim);
-    /* of several, each kernel names the same */
+    /* all kernels report the same one of several */
     dem_grain all[21];
     for (int i = 0; i < 21; i++)
         all[i] = (dem_grain){.x = 1.5 * i, .y = 9.0, .r = R, .m = 1.0, .vx = i < 14 ? 51.0 : 49.0};
@@ -901,7 +907,7 @@ void suite_soft(void)
                                        {"a touch at the end of a step", touches_at_the_end},
                                        {"a corner", bounces_off_a_corner},
                                        {"no collision is missed", no_collision_is_missed},
-                                       {"a heap of disks", heap_of_disks},
+                                       {"a pile of disks", pile_of_disks},
                                        {"refused", refused},
                                        {NULL, NULL}};
     check_register("soft particles", cases);

@@ -16,10 +16,11 @@
 
 #include "core/random.h"
 #include "core/table.h"
+#include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
-/* The toy: y = x + k + noise of the run's own stream. */
+/* The toy protocol: y = x + k + noise from the stream of the run. */
 enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK };
 typedef struct {
     double x, mass;
@@ -42,8 +43,8 @@ static const rp_param toy_schema[] = {
 static const sweep_output toy_outputs[] = {
     {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
 
-/* Slow runs from number 20 on wait while this is set, shared with the workers: a sweep that is to be
- * interrupted then cannot end first, however busy the machine. */
+/* Shared with the workers; while it is set, slow runs from number 20 on wait, so that a sweep to be
+ * interrupted cannot end first. */
 static volatile int *hold;
 
 static rp_status toy_check(const void *params)
@@ -169,7 +170,7 @@ static const char *cell(const rp_table *t, size_t row, const char *name)
     return t->cells[row * t->n_columns + (size_t)c];
 }
 
-/* What the toy must yield, in every bit. */
+/* The expected results of the toy protocol, in every bit. */
 static double expected(double x, long k, unsigned long seed, unsigned long run_index)
 {
     gsl_rng *r = rp_random_alloc(seed, run_index, RP_PURPOSE_TEST);
@@ -207,7 +208,7 @@ static void test_order(void)
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
     }
     rp_table_free(&t);
-    /* the store says the same to one who opens it */
+    /* the store has the same values when opened directly */
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE x = 2.385 AND k = 'auto' AND picks = 'green'"
                          " AND odd = 'true' AND mass = 'infinite' AND never IS NULL AND seed = 77") == 3);
     clean();
@@ -268,7 +269,7 @@ static void test_shared_piles(void)
     clean();
 }
 
-/* More replicas than the file asks for come as further blocks of runs; those that were stored stay. */
+/* More replicas than in the file are added as further blocks of runs; stored runs stay. */
 static void test_more_replicas(void)
 {
     fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
@@ -349,7 +350,7 @@ static void test_reduce(void)
     "protocol = \"toy\"; replicas = 15; fixed = { mode = \"slow\"; }; grid = { x = [0.125, 2.385]; };"
 enum { SLOW_RUNS = 30 };
 
-/* Run the sweep in a process of its own, and send it `signal` once `rows` rows are stored. */
+/* Run the sweep in a separate process, and send it `signal` once `rows` rows are stored. */
 static int interrupted(int signal, size_t rows)
 {
     sweep_counts c = {0};
@@ -408,7 +409,7 @@ static void test_digest(void)
     clean();
 }
 
-/* Workers that outlive the parent would go on computing, and could hold the lock. */
+/* Workers that outlive the parent would continue, and could hold the lock. */
 static void count_calls(const sweep_progress *p, void *context)
 {
     size_t *calls = context;
@@ -448,13 +449,13 @@ static void test_crash(void)
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
-    /* it may have been the machine's fault: tried again, and only that */
+    /* a crash may be the machine's fault: only crashed runs are repeated */
     sql("UPDATE runs SET seconds = 77 WHERE status <> 'crashed'");
     CHECK_OK(run(1, &c));
     CU_ASSERT(c.stored == 10 && c.failed == 3);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE seconds = 77") == 7);
     clean();
-    /* an error of the protocol, in contrast, stops the sweep; what was stored before stays */
+    /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
     fresh("protocol = \"toy\"; replicas = 6; grid = { mode = [\"break\"]; };");
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (mode = break): planted failure");
@@ -491,13 +492,13 @@ static void test_plan_again(void)
     write_text(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 0); /* another seed, other results */
-    /* the same protocol with other bits: nothing that is stored fits */
+    /* the same protocol with other bits: no stored run matches */
     sweep_protocol changed = toy_protocol;
     changed.fingerprint = toy_fingerprint;
     write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
-    /* with a further output: what is stored has no value of it */
+    /* with a further output: stored runs have no value of it */
     static const sweep_output more[] = {
         {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {"further", "", ""}, {0}};
     changed = toy_protocol;
@@ -583,7 +584,7 @@ static void test_bad_files(void)
         snprintf(more, sizeof more, "%s/more.cfg", base);
         write_text(more, "replicas = 2;");
         CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, cases[i].message);
-        CU_ASSERT(access(dir, F_OK) != 0); /* nothing was made */
+        CU_ASSERT(access(dir, F_OK) != 0); /* no folder was created */
         clean();
     }
     fresh("");
@@ -644,11 +645,11 @@ static void test_lock(void)
     char path[128];
     snprintf(path, sizeof path, "%s/lock", dir);
     int lock = open(path, O_RDWR);
-    CU_ASSERT(lock >= 0 && flock(lock, LOCK_SH) == 0); /* two that share it would be one too many */
+    CU_ASSERT(lock >= 0 && flock(lock, LOCK_SH) == 0); /* a second process on the same sweep is refused */
     sweep_counts c;
     CHECK_FAILS(run(1, NULL), RP_IO, "another process runs or plans this sweep");
     CHECK_FAILS(prepare(NULL), RP_IO, "another process runs or plans this sweep");
-    CHECK_OK(sweep_status(dir, toys, &c)); /* who only reads does not wait */
+    CHECK_OK(sweep_status(dir, toys, &c)); /* readers do not wait */
     close(lock);
     CHECK_OK(run(1, NULL));
     unlink(path);
@@ -657,7 +658,7 @@ static void test_lock(void)
     clean();
 }
 
-/* A file that may not grow, as on a full disk: the run ends with a message, and its rows are there. */
+/* A file that may not grow, as on a full disk: the run ends with a message, and the stored rows stay. */
 static void test_full_disk(void)
 {
     fresh("protocol = \"toy\"; replicas = 2000; fixed = { x = 2.385; };");
@@ -686,9 +687,39 @@ static void test_full_disk(void)
     sweep_counts c;
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored > 0 && c.stored < 2000);
-    sql("DELETE FROM plan WHERE run >= 2000"); /* the store is whole: it can be written */
+    sql("DELETE FROM plan WHERE run >= 2000"); /* the store is intact and writable */
     CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
     clean();
+}
+
+/* Every parameter of the list of dem/physics.h is known to the protocols of the box and, by its key, to
+ * scenes; a default or a range differs where the protocol says so, and nowhere else. */
+static void test_physics(void)
+{
+    static const struct {
+        const char *name, *key, *fallback, *range;
+    } list[] = {
+#define ROW(kind, name, key, unit, type, fallback, range, further, ...)                                      \
+    {#name, key, fallback, DEM_RANGE_##kind(range, further)},
+        DEM_PHYSICS(ROW)};
+    static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
+                                                  &sweep_protocol_flux};
+    const char *const own[] = {"mu", "tangential", "k_n", "integrator", "slip"};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        bool in_scene = false, overridden = false;
+        for (const dem_scene_group *g = dem_scene_schemas; g->name && !in_scene; g++)
+            in_scene = rp_params_find(g->schema, list[i].key) != NULL;
+        CU_ASSERT(in_scene);
+        for (size_t k = 0; k < sizeof own / sizeof *own; k++) overridden |= strcmp(own[k], list[i].name) == 0;
+        for (size_t k = 0; k < sizeof boxes / sizeof *boxes; k++) {
+            const rp_param *p = rp_params_find(boxes[k]->schema, list[i].name);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(p);
+            CU_ASSERT(overridden ||
+                      (strcmp(p->fallback, list[i].fallback) == 0 && strcmp(p->range, list[i].range) == 0));
+        }
+    }
+    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_repose.schema, "mu")->fallback, "0.2");
+    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
 }
 
 /* Names become columns of one table, in which SQLite ignores case. */
@@ -725,6 +756,7 @@ void suite_sweep(void)
                                        {"bad folders and stores", test_bad_folders},
                                        {"lock", test_lock},
                                        {"full disk", test_full_disk},
+                                       {"physical parameters of protocols", test_physics},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
     check_register("sweep", cases);

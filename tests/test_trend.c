@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "tests/check.h"
 
-/* sums of some 30 terms of order 1 to 10 and what cancels in them */
+/* sums of some 30 terms of order 1 to 10, with cancellation */
 static const double sum_error = 1e-12;
 /* a share of planted cases against its expectation: 4 of its standard errors; seeds are fixed */
 static const double sigmas = 4.0;
@@ -23,7 +23,7 @@ enum { N = 11 };
 static const double xs[N] = {1.5, 2.385, 2.5, 3.1, 3.485, 4.0, 4.77, 5.1, 6.2, 7.31, 8.0};
 static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 15.1, 16.4, 15.9};
 
-/* One value an x: the textbook's straight line and parabola. */
+/* One value per x: straight line and parabola of the textbook. */
 static void test_single_values(void)
 {
     stats_trend t;
@@ -72,7 +72,7 @@ static void test_single_values(void)
     gsl_matrix_free(cov);
 }
 
-/* Two x: Welch's test, and the paired one. The order of the values plays no part. */
+/* Two x: Welch's test, and the paired one. The order of the values does not matter. */
 static void test_two_x(void)
 {
     const double x[] = {4, 2, 4, 2, 2, 4, 2}, y[] = {18.1, 17.2, 19.9, 16.1, 18.4, 18.8, 19.3};
@@ -104,7 +104,7 @@ static void test_two_x(void)
     CU_ASSERT(t.n == 6);
 }
 
-/* TOST and the interval of 90 % are one thing. */
+/* TOST is equivalent to the 90 % interval. */
 static void test_tost_is_interval(void)
 {
     for (double value = -2.1; value < 2.1; value += 0.0385)
@@ -170,7 +170,7 @@ static void test_coverage(void)
     gsl_rng_free(rng);
 }
 
-/* The largest of all pairs counts, wherever it is, and its sign is that of the larger x. */
+/* The result is the largest difference of all pairs, with the sign for increasing x. */
 static void test_pairs(void)
 {
     const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
@@ -265,7 +265,7 @@ static void test_trend_errors(void)
 void suite_trend(void)
 {
     static const check_case cases[] = {
-        {"one value an x, against GSL", test_single_values},
+        {"one value per x, against GSL", test_single_values},
         {"two x: Welch and paired", test_two_x},
         {"TOST is an interval", test_tost_is_interval},
         {"planted trends: coverage, false alarms", test_coverage},

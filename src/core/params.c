@@ -274,6 +274,23 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
     return buffer;
 }
 
+/* Whether `text` is the value that the default stands for. */
+static bool is_default(const rp_param *param, const char *text)
+{
+    rp_param alone = *param;
+    union {
+        double real;
+        long whole;
+        bool yes;
+        int word;
+        unsigned words;
+    } value;
+    char shown[256];
+    alone.offset = 0;
+    return param->fallback && !rp_params_set_text(&alone, &value, param->fallback) &&
+           strcmp(rp_params_text(&alone, &value, shown, sizeof shown), text) == 0;
+}
+
 void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
                     const char *model, char key[33])
 {
@@ -281,8 +298,9 @@ void rp_params_hash(const rp_param *schema, const void *values, unsigned long se
     XXH3_128bits_reset(state);
     char text[256], line[384];
     for (; schema->name; schema++) {
-        int n = snprintf(line, sizeof line, "%s=%s\n", schema->name,
-                         rp_params_text(schema, values, text, sizeof text));
+        rp_params_text(schema, values, text, sizeof text);
+        if (schema->inherited && is_default(schema, text)) continue;
+        int n = snprintf(line, sizeof line, "%s=%s\n", schema->name, text);
         XXH3_128bits_update(state, line, (size_t)n);
     }
     int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%s\n", seed, run, model);

@@ -3,6 +3,7 @@
 #ifndef RP_PARAMS_H
 #define RP_PARAMS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <xxhash.h>
 
@@ -36,6 +37,7 @@ typedef struct {
     const char *fallback;
     const char *range;
     const char *meaning;
+    bool inherited; /* from a list that many schemas share: in a key only where it differs from the default */
 } rp_param;
 
 /* A schema ends with an entry whose name is NULL. */

@@ -11,24 +11,17 @@
 
 dem_definition dem_definition_default(void)
 {
-    return (dem_definition){
+    dem_definition def = {
         .gravity = {0.0, -981.0},
-        .dt = 5e-5,
-        .normal = DEM_HERTZ,
-        .tangential = DEM_SPRING,
-        .slip = DEM_TRUNCATED,
-        .tension = true,
-        .material = {.k_n = 1e6,
-                     .gamma_n = 500.0,
-                     .k_s = 1e4,
-                     .gamma_s = 5.0,
-                     .mu = 0.2,
-                     .k_roll = 1e4,
-                     .gamma_roll = 5.0},
         .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
         .x_max = INFINITY,
         .y_min = -INFINITY,
     };
+    dem_physics physics = dem_physics_default();
+    physics.tangential = DEM_SPRING;
+    physics.mu = 0.2;
+    dem_physics_apply(&physics, &def);
+    return def;
 }
 
 void dem_box_walls(dem_definition *def, double W, const dem_material *wall)
@@ -90,13 +83,9 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
         status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
     if (!status && !(c->mu >= 0.0))
         status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
-    if (!status && !dem_has_friction(def->tangential) && c->mu > 0.0)
-        status = rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, but the scene declares none", c->mu);
     if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
         status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
-    if (!status && c->mu_roll > 0.0 && (!def->rotation || !dem_has_friction(def->tangential)))
-        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs %s", c->mu_roll,
-                         def->rotation ? "a tangential law, but the scene declares none" : "rotation");
+    if (!status) status = dem_material_check(def, c);
     if (!status && dem_has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
     if (!status && dem_has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
     return status ? rp_prefix(status, "%s: ", of) : RP_OK;

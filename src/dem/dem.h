@@ -3,7 +3,7 @@
  *
  * Spheres or disks of any radius, that rotate or, as in the paper, do not; walls are lines or segments;
  * gravity or the box may turn. Angles and spins are counter-clockwise.
- * Any consistent units (the scenes of the paper use cgs). Grains keep the id, from 1, of their place in the
+ * Any consistent units (the scenes of the paper use cgs). Grains have ids from 1 on, in the order of the
  * definition. All functions are deterministic: the same definition gives the same bits. */
 #ifndef DEM_H
 #define DEM_H
@@ -14,6 +14,7 @@
 
 #include "core/status.h"
 #include "dem/laws.h"
+#include "dem/physics.h"
 
 /* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
@@ -28,6 +29,8 @@ typedef enum {
 #define X(name, word) +1
 enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
 #undef X
+#define DEM_INTEGRATOR_WORD(name, word) " | " #word
+#define DEM_INTEGRATOR_WORDS            (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
 /* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
 typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
@@ -35,24 +38,10 @@ typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
 enum { DEM_MAX_WALLS = 8 };
 
-/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
- * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
- * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. */
-typedef struct {
-    double k_n;        /* normal stiffness: force/length^(3/2) for Hertz, force/length for linear */
-    double gamma_n;    /* normal damping, 1/time, times m_eff */
-    double k_s;        /* shear stiffness, force/length */
-    double gamma_s;    /* shear damping, 1/time, times m_eff */
-    double mu;         /* Coulomb's coefficient */
-    double mu_roll;    /* rolling resistance: limit of its force over the normal force */
-    double k_roll;     /* its stiffness, force/length */
-    double gamma_roll; /* its damping, 1/time, times m_eff */
-} dem_material;
-
 /* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
  * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
- * An end pushes as a corner point. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
- * `open_speed` its lower end extent[0] runs along the tangent at that speed, as a gate that is lifted. */
+ * An end acts as a corner. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
+ * `open_speed` its lower end extent[0] moves along the tangent at that speed, as a wall that is lifted. */
 typedef struct {
     double point[2], direction[2];
     dem_material material;
@@ -61,7 +50,7 @@ typedef struct {
     double open_speed;
 } dem_wall;
 
-/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not meet. */
+/* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not interact. */
 typedef struct {
     double x, y, r, m, vx, vy;
     double angle, omega; /* 0 without rotation */
@@ -83,17 +72,17 @@ typedef struct {
 
 /* Hard collisions of what approaches fast; hard.h. Grains, or a grain and a wall, that would come to touch
  * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
- * presses them together: eq (22), where a rebound would be taken back within the step. Those then overlap: a
- * soft contact, that lasts until they part. */
+ * presses them together: eq (22), where the step would undo a rebound. They then overlap: a soft contact,
+ * which lasts until they part. */
 typedef struct {
     bool on;
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
 } dem_hard;
 
-/* How the implicit integrator solves a step for the ways of the grains: by Newton's method with a sparse
- * factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own Newton
- * step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more than
- * `tolerance` of its radius. */
+/* How the implicit integrator solves a step for the displacements of the grains: by Newton's method with a
+ * sparse factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own
+ * Newton step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more
+ * than `tolerance` of its radius. */
 typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
 typedef struct {
     dem_solver solver;
@@ -130,13 +119,29 @@ typedef struct {
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
-     * springs, rolling springs and wells go on. Those that do not touch are passed over. Borrowed too. */
+     * springs, rolling springs and wells continue. Contacts that do not touch are ignored. Borrowed too. */
     size_t n_contacts;
     const struct dem_contact *contacts;
 } dem_definition;
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
+
+/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved; taken
+ * from one that makes grains of this density. */
+dem_physics dem_physics_default(void);
+void dem_physics_apply(const dem_physics *p, dem_definition *def);
+dem_physics dem_physics_of(const dem_definition *def, double density);
+
+/* The coefficients of a wall: those given, and for negative ones the grains' times the factor of the list. */
+dem_material dem_wall_material(const dem_material *given, const dem_material *grains);
+extern const dem_material dem_material_auto; /* all negative */
+
+/* Refuse parameters that contradict one another: coefficients of the grains or a wall of a definition; those
+ * and the integrator; radii to draw from. Errors: RP_BAD_INPUT. */
+rp_status dem_material_check(const dem_definition *def, const dem_material *m);
+rp_status dem_physics_check(const dem_definition *def);
+rp_status dem_radius_check(double mean, double least, double most);
 
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
@@ -183,10 +188,10 @@ rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
 /* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
- * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt; room
- * grows by doubling. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a fall from
- * its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then nothing has
- * changed. RP_BROKEN from the list. */
+ * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt;
+ * capacity doubles when needed. Errors: RP_BAD_INPUT (a value; a fixed grain; it touches a grain or a wall; a
+ * fall from its height onto a wall or on one like itself needs a smaller time step), RP_NO_MEMORY; then
+ * nothing has changed. RP_BROKEN from the list. */
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 
 /* Advance by `steps`, in which numbers below 2.2e-308, the smallest normal one, count as 0 on x86. Errors:
@@ -283,8 +288,8 @@ void dem_energies(const dem_sim *sim, dem_energy *energy);
  * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
  * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
  * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
- * than its solver leaves. What a loss with memory, a well or a spring of the untruncated law, gives back
- * counts as negative. */
+ * than its solver leaves. Energy that a loss with memory gives back, a well or a spring of the untruncated
+ * law, counts as negative. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -)                                                                                          \

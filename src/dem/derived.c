@@ -1,4 +1,4 @@
-/* What a scene's numbers mean: a single impact solved apart from the simulator, and header notes. */
+/* Notes on a scene's numbers in headers of tables, and a single impact solved apart from the simulator. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <math.h>
@@ -32,9 +32,10 @@ static int impact_rates(double t, const double y[], double dydt[], void *params)
     return GSL_SUCCESS;
 }
 
-/* Where damping is so strong that it stops the impact before the spring pushes, the overlap is there the
- * speed over the mean rate up to it, and the spring then pushes back at the speed at which damping balances
- * it. Without tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2 or less. */
+/* Where damping is so strong that it stops the impact before the spring acts, the overlap is there the
+ * speed over the mean rate up to it, and the spring then drives the grains apart at the speed at which
+ * damping balances it. Without tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2
+ * or less. */
 static void creep(const impact_problem *p, double *overlap, double *speed)
 {
     enum { ROUNDS = 40 }; /* each leaves a quarter of the error, or none where the rate is constant */

@@ -5,8 +5,8 @@
 #include "dem/dem.h"
 #include "dem/vec.h"
 
-/* What the pair loop reads of a grain, in one 32-byte piece. Verlet's velocity is that of half a step before
- * the positions: v(n - 1/2); others' is that of the positions. */
+/* Position and velocity of a grain, which the pair loop reads as one 32-byte piece. Verlet's velocity is
+ * half a step behind, v(n - 1/2). */
 typedef struct {
     dem_vec x, v;
 } dem_motion;
@@ -26,7 +26,7 @@ typedef struct {
 typedef enum {
     DEM_STATE,  /* sorted with the grains; copied by a clone */
     DEM_LISTED, /* set anew by each rebuilding of the neighbour list; copied by a clone */
-    DEM_INDEX,  /* the same, but its entries are not those of the grains of their index */
+    DEM_INDEX,  /* the same, but entry i does not belong to grain i */
     DEM_OF_STEP /* of one step alone */
 } dem_grain_role;
 
@@ -87,7 +87,7 @@ void dem_grains_sort(dem_grains *grains, const uint32_t *to, dem_grains *spare);
 /* Let all entries of grain i be 0. */
 void dem_grains_clear(dem_grains *grains, size_t i);
 
-/* Put the last grain in the place of another. */
+/* Let the last grain fill the gap that another leaves. */
 void dem_grains_fill_gap(dem_grains *grains, size_t gap);
 
 /* Force on a grain, wherever that is kept. */

@@ -1,7 +1,7 @@
-/* Static friction of the ground: a well around the place where a grain came to rest. Liffman, Chan & Hughes
- * 1992, eqs (30) and (33), with the sign that pulls back (their F_x is -F_t on the ground) and the middle of
- * a step as (x_k + x_(k+1))/2, which for an explicit scheme is the place itself. The well is as deep as N is
- * large at the moment, so it conserves energy only while N is constant. */
+/* Static friction of the ground: a well around the position where a grain came to rest. Liffman, Chan &
+ * Hughes 1992, eqs (30) and (33), with the sign that pulls back (their F_x is -F_t on the ground) and the
+ * middle of a step as (x_k + x_(k+1))/2, which for an explicit scheme is the position itself. The well is as
+ * deep as N is large at the moment, so it conserves energy only while N is constant. */
 #include <math.h>
 
 #include "dem/ground.h"

@@ -12,7 +12,7 @@
 
 /* (6), (13) and (14): the impulse (p_x, p_y), and the turn that its tangential part gives either body alike.
  */
-static void push(dem_body *body, double p_x, double p_y, double p_t)
+static void apply_impulse(dem_body *body, double p_x, double p_y, double p_t)
 {
     body->v[0] += body->inverse_mass * p_x;
     body->v[1] += body->inverse_mass * p_y;
@@ -37,27 +37,27 @@ bool dem_impact(dem_body *one, dem_body *two, const double n[2], double restitut
     impulse->normal = p_n;
     impulse->tangential = p_t;
     const double p_x = p_n * n[0] - p_t * n[1], p_y = p_n * n[1] + p_t * n[0]; /* (20), (21) */
-    push(one, p_x, p_y, p_t);
-    push(two, -p_x, -p_y, p_t);
+    apply_impulse(one, p_x, p_y, p_t);
+    apply_impulse(two, -p_x, -p_y, p_t);
     return true;
 }
 
-/* Over the coming step, to which all times count from its start, a grain that nothing stops moves with a
- * constant acceleration. Leapfrog is exact for that: places of the start and the end, velocity of the middle.
+/* Path of a free grain over the coming step, from whose start all times count: the acceleration is constant.
+ * Leapfrog is exact for it: positions of start and end, velocity of the middle.
  */
 typedef struct {
-    dem_vec x, v, a; /* place and velocity of the start */
-} motion;
+    dem_vec x, v, a; /* position and velocity of the start */
+} path;
 
-static motion motion_of(const dem_sim *sim, size_t i)
+static path path_of(const dem_sim *sim, size_t i)
 {
     const bool moves = sim->grains.inverse_mass[i] > 0.0;
     const dem_vec a =
         moves ? *dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
-    return (motion){sim->grains.motion[i].x, sim->grains.motion[i].v + 0.5 * sim->def.dt * a, a};
+    return (path){sim->grains.motion[i].x, sim->grains.motion[i].v + 0.5 * sim->def.dt * a, a};
 }
 
-static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
+static dem_body body_at(const dem_sim *sim, size_t i, const path *m, double t)
 {
     const dem_vec v = m->v + t * m->a;
     dem_body body = {{v[0], v[1]}, .arm = sim->grains.radius[i], .inverse_mass = sim->grains.inverse_mass[i]};
@@ -69,8 +69,8 @@ static dem_body body_at(const dem_sim *sim, size_t i, const motion *m, double t)
     return body;
 }
 
-/* What the coming step makes of grain i if nothing stops it. */
-static void foresee(dem_sim *sim, size_t i)
+/* Next position and velocity of grain i, if nothing stops it. */
+static void predict(dem_sim *sim, size_t i)
 {
     const double dt = sim->def.dt;
     dem_motion next = sim->grains.motion[i];
@@ -85,24 +85,24 @@ static void foresee(dem_sim *sim, size_t i)
     sim->grains.next_angle[i] = sim->grains.angle[i] + dt * sim->grains.next_omega[i];
 }
 
-/* Does that bring it to where the neighbour list may lack a pair of its? True for NaN. */
-static bool goes_beyond(const dem_sim *sim, size_t i)
+/* Is grain i then beyond its margin, where the neighbour list may lack a pair of it? True for NaN. */
+static bool beyond_margin(const dem_sim *sim, size_t i)
 {
     const dem_vec moved = sim->grains.next_motion[i].x - sim->grains.listed_x[i];
     return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
 }
 
-/* Has it collided in this step? */
-static bool deflected(const dem_sim *sim, size_t i)
+/* Has grain i collided in this step? */
+static bool has_collided(const dem_sim *sim, size_t i)
 {
     bool hit = sim->hits.n > DEM_HITS;
     for (size_t h = 0; h < sim->hits.n && !hit; h++) hit = sim->hits.grain[h] == i;
     return hit;
 }
 
-/* Let grain i, at time t, go on as another body: all its step has the new velocity, and starts from where
- * that leads back to. */
-static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
+/* Give grain i the velocity of another body at time t: its whole step has that velocity, from a start moved
+ * back to match. */
+static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
 {
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
     sim->grains.motion[i].v += gain;
@@ -111,14 +111,14 @@ static void deflect(dem_sim *sim, size_t i, const dem_body *from, const dem_body
         sim->grains.omega[i] += to->omega - from->omega;
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
-    foresee(sim, i);
-    if (deflected(sim, i)) return;
+    predict(sim, i);
+    if (has_collided(sim, i)) return;
     if (sim->hits.n < DEM_HITS) sim->hits.grain[sim->hits.n] = (uint32_t)i;
     sim->hits.n++;
 }
 
-/* Collide two bodies, unless, eq (22), a step of the acceleration that presses them together makes up the
- * speed at which they close. */
+/* Collide two bodies, unless one step of the acceleration that presses them together is above their closing
+ * speed, eq (22). */
 static bool collide(dem_sim *sim, dem_body *one, dem_body *two, dem_vec n, double pressing)
 {
     const double closing = (one->v[0] - two->v[0]) * n[0] + (one->v[1] - two->v[1]) * n[1];
@@ -131,38 +131,38 @@ static bool collide(dem_sim *sim, dem_body *one, dem_body *two, dem_vec n, doubl
     return true;
 }
 
-/* First time within the step at which |d + v t + a t^2/2| = reach, more at its start; INFINITY for none. From
+/* First time within the step at which |d + v t + a t^2/2| = radii, more at its start; INFINITY for none. From
  * the straight line between start and end by Newton's method. */
-static double time_of_touch(dem_vec d, dem_vec v, dem_vec a, double reach, double dt)
+static double time_of_touch(dem_vec d, dem_vec v, dem_vec a, double radii, double dt)
 {
     const dem_vec line = v + 0.5 * dt * a;
-    const double gap2 = dem_dot(d, d) - reach * reach, b = dem_dot(d, line),
+    const double gap2 = dem_dot(d, d) - radii * radii, b = dem_dot(d, line),
                  root2 = b * b - dem_dot(line, line) * gap2;
     if (!(b < 0.0 && root2 >= 0.0)) return INFINITY;
     double t = gap2 / (sqrt(root2) - b);
     if (t > dt) return INFINITY;
     for (int k = 0; k < 4; k++) { /* the error is dt/8 at first, and falls to round-off */
-        const dem_vec place = d + t * (v + 0.5 * t * a);
-        const double slope = 2.0 * dem_dot(place, v + t * a);
+        const dem_vec separation = d + t * (v + 0.5 * t * a);
+        const double slope = 2.0 * dem_dot(separation, v + t * a);
         if (!(slope < 0.0)) return INFINITY; /* it only grazes */
-        t -= (dem_dot(place, place) - reach * reach) / slope;
+        t -= (dem_dot(separation, separation) - radii * radii) / slope;
     }
     return t >= 0.0 && t <= dt ? t : INFINITY;
 }
 
-static void collide_pair(dem_sim *sim, size_t i, size_t j, double reach)
+static void collide_pair(dem_sim *sim, size_t i, size_t j, double radii)
 {
-    const motion m_i = motion_of(sim, i), m_j = motion_of(sim, j);
+    const path m_i = path_of(sim, i), m_j = path_of(sim, j);
     const dem_vec d = m_i.x - m_j.x, v = m_i.v - m_j.v, a = m_i.a - m_j.a;
-    const double t = time_of_touch(d, v, a, reach, sim->def.dt);
+    const double t = time_of_touch(d, v, a, radii, sim->def.dt);
     if (isinf(t)) return;
-    const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / reach);
+    const dem_vec n = (d + t * (v + 0.5 * t * a)) * (-1.0 / radii);
     const dem_body before[2] = {body_at(sim, i, &m_i, t), body_at(sim, j, &m_j, t)};
     dem_body after[2] = {before[0], before[1]};
     if (!collide(sim, &after[0], &after[1], n, dem_dot(a, n))) return;
     if (sim->ledger) dem_ledger_collision(sim, (size_t[]){i, j}, before, after);
-    deflect(sim, i, &before[0], &after[0], t);
-    deflect(sim, j, &before[1], &after[1], t);
+    redirect(sim, i, &before[0], &after[0], t);
+    redirect(sim, j, &before[1], &after[1], t);
 }
 
 /* The corner at the end of a wall counts as the line across the direction to it. */
@@ -172,7 +172,7 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     dem_vec normal, wall_velocity;
     double overlap;
     if (!dem_wall_touch(sim, &slot, &normal, &overlap, &wall_velocity) || overlap > 0.0) return;
-    const motion m = motion_of(sim, i);
+    const path m = path_of(sim, i);
     const double closing = -dem_dot(m.v - wall_velocity, normal), pressing = -dem_dot(m.a, normal),
                  root2 = closing * closing - 2.0 * pressing * overlap;
     if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return;
@@ -182,18 +182,18 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     dem_body after[2] = {before[0], before[1]};
     if (!collide(sim, &after[0], &after[1], -normal, pressing)) return;
     if (sim->ledger) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
-    deflect(sim, i, &before[0], &after[0], t);
+    redirect(sim, i, &before[0], &after[0], t);
 }
 
-/* Those of the slots from which a soft contact can be told without all the rest are passed over. */
-static void collide_walls(dem_sim *sim, bool deflected_only)
+/* Slots of soft contacts with walls at rest are recognised first, and passed over. */
+static void collide_walls(dem_sim *sim, bool collided_only)
 {
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         const bool rests = dem_wall_rests(sim, w);
         for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
             const dem_wall_slot *slot = &sim->walls.slot[k];
             const size_t i = slot->grain;
-            if (deflected_only && !deflected(sim, i)) continue;
+            if (collided_only && !has_collided(sim, i)) continue;
             const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
             const bool touches =
                 sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
@@ -202,38 +202,39 @@ static void collide_walls(dem_sim *sim, bool deflected_only)
     }
 }
 
-/* May the grains of this pair, apart now, come to touch on the straight line to where the step ends? All for
- * which time_of_touch has an answer, and a few more by round-off. */
+/* May the grains of this pair, apart now, touch on their straight line over the step? True wherever
+ * time_of_touch is finite, and of a few more pairs by round-off. */
 static bool may_touch(const dem_sim *sim, size_t k)
 {
     const dem_motion *a = &sim->grains.next_motion[sim->pairs.i[k]],
                      *b = &sim->grains.next_motion[sim->pairs.j[k]];
-    const dem_vec end = a->x - b->x, way = sim->def.dt * (a->v - b->v), start = end - way;
-    const double reach2 = sim->pairs.radii[k] * sim->pairs.radii[k],
-                 slop = 1e-9 * reach2 + 4.0 * sim->pairs.radii[k] * sim->list.round_off,
-                 gap = dem_dot(start, start) - reach2, along = dem_dot(start, way);
+    const dem_vec end = a->x - b->x, displacement = sim->def.dt * (a->v - b->v), start = end - displacement;
+    const double radii2 = sim->pairs.radii[k] * sim->pairs.radii[k],
+                 slop = 1e-9 * radii2 + 4.0 * sim->pairs.radii[k] * sim->list.round_off,
+                 gap = dem_dot(start, start) - radii2, along = dem_dot(start, displacement);
     if (gap < -slop || along > slop) return false; /* nearer is a soft contact */
-    return dem_dot(end, end) <= reach2 + slop ||
-           (dem_dot(end, way) >= 0.0 && (gap - slop) * dem_dot(way, way) <= along * along);
+    return dem_dot(end, end) <= radii2 + slop ||
+           (dem_dot(end, displacement) >= 0.0 &&
+            (gap - slop) * dem_dot(displacement, displacement) <= along * along);
 }
 
-/* The first pair from k to `end` that may come to touch, or `end`; one that touched as the step began may be
- * passed over with `apart`. */
-static size_t next_closing(const dem_sim *sim, size_t k, size_t end, bool apart)
+/* The first pair from k to `end` that may touch, or `end`. With `apart`, pairs in touch at the step's start
+ * may be left out. */
+static size_t next_approaching(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
     if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end, apart);
     while (k < end && !may_touch(sim, k)) k++;
     return k;
 }
 
-/* The same of grains one of which has collided in this step. */
-static size_t next_deflected(const dem_sim *sim, size_t k, size_t end)
+/* The same, of pairs with a grain that has collided in this step. */
+static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 {
     if (sim->hits.n > DEM_HITS)
-        return next_closing(sim, k, end, false); /* others do once more what they did */
+        return next_approaching(sim, k, end, false); /* the other pairs give the same again */
     if (sim->kernels.next_collided) return sim->kernels.next_collided(sim, k, end);
     while (k < end &&
-           !((deflected(sim, sim->pairs.i[k]) || deflected(sim, sim->pairs.j[k])) && may_touch(sim, k)))
+           !((has_collided(sim, sim->pairs.i[k]) || has_collided(sim, sim->pairs.j[k])) && may_touch(sim, k)))
         k++;
     return k;
 }
@@ -242,54 +243,53 @@ static void collide_listed(dem_sim *sim, size_t k)
 {
     const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
     const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
-    const double reach = sim->pairs.radii[k];
-    if (dem_dot(d, d) >= reach * reach) collide_pair(sim, i, j, reach);
+    const double radii = sim->pairs.radii[k];
+    if (dem_dot(d, d) >= radii * radii) collide_pair(sim, i, j, radii);
 }
 
-/* Until something collides, only pairs that are apart may come to touch; then those of grains that have
- * collided besides. */
+/* Before the first collision only pairs that are apart may touch; later also pairs of grains that have
+ * collided. */
 static void collide_all(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = 0, apart = next_closing(sim, 0, n, true);; k++) {
-        if (apart < k) apart = next_closing(sim, k, n, true);
-        k = sim->hits.n ? next_deflected(sim, k, apart) : apart;
+    for (size_t k = 0, apart = next_approaching(sim, 0, n, true);; k++) {
+        if (apart < k) apart = next_approaching(sim, k, n, true);
+        k = sim->hits.n ? next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
     collide_walls(sim, false);
 }
 
-/* Others than those that have collided go on as they would have. */
-static void collide_deflected(dem_sim *sim)
+/* Only pairs and slots of grains that have collided can change. */
+static void collide_again(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = next_deflected(sim, 0, n); k < n; k = next_deflected(sim, k + 1, n))
-        collide_listed(sim, k);
+    for (size_t k = next_collided(sim, 0, n); k < n; k = next_collided(sim, k + 1, n)) collide_listed(sim, k);
     collide_walls(sim, true);
 }
 
-/* Of all grains; gives one that goes beyond its margin, n for none. */
-static size_t foresee_all(dem_sim *sim)
+/* Predict all grains; gives one that moves beyond its margin, n for none. */
+static size_t predict_all(dem_sim *sim)
 {
     size_t beyond = sim->grains.n;
     for (size_t i = sim->kernels.predict ? sim->kernels.predict(sim, &beyond) : 0; i < sim->grains.n; i++) {
-        foresee(sim, i);
-        if (goes_beyond(sim, i)) beyond = i;
+        predict(sim, i);
+        if (beyond_margin(sim, i)) beyond = i;
     }
     return beyond;
 }
 
-/* A collision may send a grain into the next: a few rounds, then what still closes meets softly. */
+/* A collision may send a grain into the next: a few rounds; pairs that still approach then touch softly. */
 rp_status dem_hard_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
-    size_t beyond = foresee_all(sim);
+    size_t beyond = predict_all(sim);
     sim->hits.n = 0;
     if (beyond < sim->grains.n) {
         rp_status status = dem_neighbours_renew(sim);
         if (status) return status;
-        beyond = foresee_all(sim);
+        beyond = predict_all(sim);
         if (beyond < sim->grains.n)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
@@ -299,21 +299,21 @@ rp_status dem_hard_apply(dem_sim *sim)
     collide_all(sim);
     for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
         before = sim->count.collisions;
-        collide_deflected(sim);
+        collide_again(sim);
     }
     return RP_OK;
 }
 
-/* Margins of those that have not collided have been looked at. */
+/* Margins of grains without a collision were checked before. */
 unsigned dem_hard_move(dem_sim *sim)
 {
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
     for (size_t h = 0; h < sim->hits.n && sim->hits.n <= DEM_HITS; h++)
-        left |= goes_beyond(sim, sim->hits.grain[h]) * DEM_LIST_OUT;
+        left |= beyond_margin(sim, sim->hits.grain[h]) * DEM_LIST_OUT;
     for (size_t i = 0; i < sim->grains.n && sim->hits.n > DEM_HITS; i++)
-        left |= goes_beyond(sim, i) * DEM_LIST_OUT;
+        left |= beyond_margin(sim, i) * DEM_LIST_OUT;
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;

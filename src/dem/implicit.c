@@ -1,5 +1,5 @@
 /* The energy-conserving implicit integrator of Liffman, Chan & Hughes 1992, eq (24), for grains that do not
- * rotate. A step takes the places x and velocities v of all grains from k to k + 1 by
+ * rotate. A step takes the positions x and velocities v of all grains from k to k + 1 by
  *
  *   x(k+1) - x(k) = dt (v(k) + v(k+1))/2,   m (v(k+1) - v(k)) = dt F,
  *
@@ -11,9 +11,9 @@
  * force; wells of the ground, (30), by the quotient of their potential too, which ends at their half-width. A
  * well is as deep as the normal force of the step has it, and conserves energy while that is constant. (With
  * that of the velocity at the step's beginning, which strong dashpots turn round at each long step, the well
- * would be deeper on the way back than it was on the way out, and keep a pile rattling for ever.)
+ * would be deeper on the way back than on the way out, and keep a pile rattling for ever.)
  *
- * The unknowns are the ways u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
+ * The unknowns are the displacements u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
  * derivative of F is not quite symmetric, as the force is along the middle direction and turns with the last
  * one; Newton's method takes its symmetric part, which is as good as exact while directions turn little in a
  * step, and leaves out that the limit of slip and the depth of a well change with the normal force.
@@ -32,7 +32,7 @@
 #include "dem/step.h"
 #include "core/stiffness.h"
 
-/* Force on a grain, of a pair on its first, and minus its derivative by the grain's way. */
+/* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
 typedef struct {
     dem_vec force;
     double xx, xy, yy;
@@ -122,13 +122,13 @@ static void free_work(dem_sim *sim)
 /* dem_law_quotient from or to a gap, where the potential is 0. */
 static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
 {
-    const double in = fmax(before, after), way = fabs(after - before),
-                 force = dem_normal_descriptors[law].potential(k_n, in) / way;
-    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / way;
+    const double in = fmax(before, after), change = fabs(after - before),
+                 force = dem_normal_descriptors[law].potential(k_n, in) / change;
+    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / change;
     return force;
 }
 
-/* What the step knows of a contact before it is solved. */
+/* Coefficients of a contact. */
 typedef struct {
     const dem_material *c;
     double mu, m_eff;
@@ -161,15 +161,15 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
     to->yy += slope * s[1] * s[1];
 }
 
-/* Viscous slip along s, over the part of the step in which they touch; `way` is that of the slip. */
-static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double way, double before,
+/* Viscous slip along s, over the part of the step in which they touch; `slip` is its displacement. */
+static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double slip, double before,
                             double after, double f_n, contact *to, dem_parts *p)
 {
     if (!dem_has_friction(sim->def.tangential)) return;
     const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
     const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
-    const bool slides = fabs(viscous * way) > cap;
-    const double force = slides ? -copysign(cap, way) : -viscous * way;
+    const bool slides = fabs(viscous * slip) > cap;
+    const double force = slides ? -copysign(cap, slip) : -viscous * slip;
     add_along(to, s, force, slides ? 0.0 : viscous);
     if (p) *(slides ? &p->slip : &p->dashpot) = force;
 }
@@ -203,11 +203,11 @@ static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_v
                             contact *to, dem_parts *p)
 {
     const dem_ground *g = &sim->def.ground;
-    const double before = dem_ground_displacement(sim, slot), way = dem_dot(work(sim)->u[slot->grain], t);
+    const double before = dem_ground_displacement(sim, slot), moved = dem_dot(work(sim)->u[slot->grain], t);
     const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
-    const bool holds = fabs(before + way) <= a;
-    const double pull = holds ? k * (before + 0.5 * way) : 0.5 * k * (a - before) * (a + before) / way;
-    add_along(to, t, -pull, holds ? 0.5 * k : -pull / way);
+    const bool holds = fabs(before + moved) <= a;
+    const double pull = holds ? k * (before + 0.5 * moved) : 0.5 * k * (a - before) * (a + before) / moved;
+    add_along(to, t, -pull, holds ? 0.5 * k : -pull / moved);
     if (p) p->well = -pull;
 }
 
@@ -252,9 +252,9 @@ static dem_parts slot_parts(const dem_sim *sim, size_t k)
     return p;
 }
 
-/* ---- What follows from them ---------------------------------------------------------------------------- */
+/* ---- Residuals of a step ------------------------------------------------------------------------------- */
 
-/* What the equation of grain i lacks, under the contacts' force. */
+/* Residual of grain i under the contacts' force. */
 static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
 {
     const double dt = sim->def.dt, m = sim->grains.mass[i];
@@ -284,7 +284,7 @@ static void note_own_step(lack *l, size_t i, double step)
     l->grain = i;
 }
 
-/* All contacts, forces and residuals for the ways u. */
+/* All contacts, forces and residuals for the displacements u. */
 static lack evaluate(dem_sim *sim)
 {
     workspace *m = work(sim);
@@ -401,8 +401,8 @@ static lack go(dem_sim *sim, double part)
 /* Go Newton's step, or half of it, a quarter, ..., until the next step by the same matrix is shorter. The
  * residuals themselves would not do to judge by: they grow by the stiffest contacts, however little those
  * lack. No grain goes farther than half the skin: a step that ends beyond is refused anyway, and from too far
- * away there is no way back. The step after the last is gone too, by the same matrix: it takes what is left
- * below the tolerance, that has the same sign in every impact and would add up. */
+ * away Newton's method does not return. The step after the last is taken too, by the same matrix: it takes
+ * what is left below the tolerance, that has the same sign in every impact and would add up. */
 static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
@@ -530,7 +530,7 @@ static rp_status solve(dem_sim *sim)
     return sim->def.implicit.solver == DEM_SOLVER_SOR ? solve_sor(sim) : solve_direct(sim);
 }
 
-/* A grain that the step takes farther from its place in the neighbour list than half the skin; NOBODY. */
+/* A grain that the step takes farther than half the skin from its position in the neighbour list; NOBODY. */
 static size_t beyond_list(const dem_sim *sim)
 {
     for (size_t i = 0; i < sim->grains.n; i++) {

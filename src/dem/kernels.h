@@ -46,7 +46,7 @@ typedef size_t dem_collided_kernel(const struct dem_sim *sim, size_t k, size_t e
     X(next_approaching, dem_approach_kernel)                                                                 \
     X(next_collided, dem_collided_kernel)
 
-/* Those in use; all but that of the pairs may be NULL. */
+/* The instances in use; NULL for none, save `pairs`. */
 typedef struct {
     char name[40];
 #define X(name, type) type *name;

@@ -48,7 +48,7 @@ INLINE geometry geometry_of(const dem_sim *sim, size_t k)
     return m;
 }
 
-/* *to += *b and *to -= *b, all of their 32 bytes at once */
+/* *to += *b and *to -= *b, all 32 bytes at once */
 INLINE void force_torque_add(dem_force_torque *to, const dem_force_torque *b)
 {
     _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
@@ -59,9 +59,9 @@ INLINE void force_torque_subtract(dem_force_torque *to, const dem_force_torque *
     _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
 }
 
-/* A block in which no pair touches is left at once. In any other all is computed for all pairs; those that do
- * not touch then get a spring and a force of 0, and 0 added to a force changes no bit: no force is ever -0,
- * since it starts from +0. The list ends in pairs that never touch. */
+/* A block without touch is left at once. In any other all is computed for all pairs; pairs that do not touch
+ * then get a spring and a force of 0. Adding 0 to a force changes no bit: no force is ever -0, since it
+ * starts from +0. The list ends in pairs that never touch. */
 INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
 {
     const bool friction = dem_has_friction(law.tangential), has_spring = dem_has_spring(law.tangential);
@@ -79,8 +79,7 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
         const uint32_t *i = sim->pairs.i + k, *j = sim->pairs.j + k;
         const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
         const lanes touch = next.touch;
-        if (k + WIDTH < to)
-            next = geometry_of(sim, k + WIDTH); /* while the divider works, this one goes on */
+        if (k + WIDTH < to) next = geometry_of(sim, k + WIDTH); /* while the divider works */
         dem_note(touching, k, wide_bits(touch), &word);
         if (!wide_bits(touch)) {
             if (has_spring) wide_store(spring + k, zero);
@@ -175,8 +174,8 @@ void WIDE_PAIRS(dem_sim *sim, size_t from, size_t to, double h)
     }
 }
 
-/* Of WIDTH contacts with a wall: force, the torques of slip and rolling, springs; bits of those that touch
- * and of those that are too deep. */
+/* Of WIDTH contacts with a wall: force, torques of slip and rolling, springs; bits of the contacts that
+ * touch, and of overlaps that are too deep. */
 typedef struct {
     wide fx, fy, slip, couple, spring, roll;
     unsigned touch, deep;
@@ -217,8 +216,8 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const laws *law, uint32_t 
     return b;
 }
 
-/* Slots from k on, n of them, of grains i[], take what a block gives; what of it acts on the wall is taken
- * from *wall. */
+/* Give slots k..k + n, of grains i[], their springs and the grains their forces; the wall's share is
+ * subtracted from *wall. */
 INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i, const slot_forces *b,
                              dem_vec *wall)
 {
@@ -277,7 +276,7 @@ INLINE void advance_spins(const dem_sim *sim, size_t i, const wide rest[2], doub
     wide_store(next_angle + i, wide_load(sim->grains.angle + i) + dt * omega);
 }
 
-/* The forces on WIDTH/2 grains; those and the torques, left in *rest, are then 0. */
+/* Take the forces on WIDTH/2 grains, and their torques into *rest: they are 0 then. */
 INLINE wide take_forces(dem_sim *sim, size_t i, wide *rest)
 {
     const wide zero = {0};
@@ -301,11 +300,11 @@ INLINE double largest(wide a)
     return most;
 }
 
-/* With `look`, margins are looked at, in place of speeds. */
+/* With `look`, margins are checked, else the largest speed is found. */
 INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2, bool look)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
-    const bool turned = sim->walls.angle != 0.0; /* then the caller looks who left */
+    const bool turned = sim->walls.angle != 0.0; /* then the caller finds grains that left */
     const double dt = sim->def.dt;
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const wide zero = {0}, gravity = wide_repeat(sim->gravity),
@@ -342,7 +341,7 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
     return i;
 }
 
-/* As dem_integrate, spins included. */
+/* As advance in verlet.c, spins included. */
 size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     return speed2 ? advance_grains(sim, from, to, left, speed2, false)
@@ -375,7 +374,7 @@ size_t WIDE_BEYOND_MARGIN(const dem_sim *sim, size_t from, size_t to, unsigned *
     return i;
 }
 
-/* As add_near in neighbours.c. */
+/* As append_pairs in neighbours.c. */
 void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
@@ -387,8 +386,8 @@ void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
         a *= a;
         b *= b;
         wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide reach = own + wide_load(sim->grains.cutoff + j);
-        unsigned near = wide_bits(wide_less(d2, reach * reach)) &
+        wide cutoff = own + wide_load(sim->grains.cutoff + j);
+        unsigned near = wide_bits(wide_less(d2, cutoff * cutoff)) &
                         wide_bits(wide_less(zero, inverse_mass + wide_load(sim->grains.inverse_mass + j)));
         if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
         for (size_t p = 0; p < WIDTH; p++) sim->pairs.i[k + p] = (uint32_t)i;
@@ -397,7 +396,7 @@ void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
     sim->pairs.n = k;
 }
 
-/* As foresee_all in hard.c. */
+/* As predict_all in hard.c. */
 size_t WIDE_PREDICT(dem_sim *sim, size_t *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
@@ -433,20 +432,20 @@ size_t WIDE_PREDICT(dem_sim *sim, size_t *beyond)
     return i;
 }
 
-/* Which of WIDTH pairs may come to touch; as in hard.c. */
-INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide reach)
+/* Which of WIDTH pairs may touch; as in hard.c. */
+INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide radii)
 {
     wide x, y, vx, vy;
     wide_difference(sim->grains.next_motion, i, j, &x, &y, &vx, &vy);
     const double dt = sim->def.dt;
-    const wide way_x = dt * vx, way_y = dt * vy, start_x = x - way_x, start_y = y - way_y;
-    const wide reach2 = reach * reach, slop = 1e-9 * reach2 + 4.0 * reach * sim->list.round_off,
-               gap = start_x * start_x + start_y * start_y - reach2,
-               along = start_x * way_x + start_y * way_y, way2 = way_x * way_x + way_y * way_y;
+    const wide moved_x = dt * vx, moved_y = dt * vy, start_x = x - moved_x, start_y = y - moved_y;
+    const wide radii2 = radii * radii, slop = 1e-9 * radii2 + 4.0 * radii * sim->list.round_off,
+               gap = start_x * start_x + start_y * start_y - radii2,
+               along = start_x * moved_x + start_y * moved_y, moved2 = moved_x * moved_x + moved_y * moved_y;
     const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),
-                   ends = wide_bits(wide_at_most(x * x + y * y, reach2 + slop)),
-                   turns = wide_bits(wide_at_most((wide){0}, x * way_x + y * way_y)),
-                   meets = wide_bits(wide_at_most((gap - slop) * way2, along * along));
+                   ends = wide_bits(wide_at_most(x * x + y * y, radii2 + slop)),
+                   turns = wide_bits(wide_at_most((wide){0}, x * moved_x + y * moved_y)),
+                   meets = wide_bits(wide_at_most((gap - slop) * moved2, along * along));
     return apart & (ends | (turns & meets));
 }
 
@@ -469,7 +468,7 @@ size_t WIDE_NEXT_APPROACHING(const dem_sim *sim, size_t k, size_t end, bool apar
     return end;
 }
 
-/* As next_deflected in hard.c, of DEM_HITS grains at most. */
+/* As next_collided in hard.c, of DEM_HITS grains at most. */
 size_t WIDE_NEXT_COLLIDED(const dem_sim *sim, size_t k, size_t end)
 {
     unsigned from = ~0u << k % WIDTH;

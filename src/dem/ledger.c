@@ -1,7 +1,7 @@
 /* Energy ledger: where the energy of a run goes, beside a simulation that it does not touch.
  *
  * A step takes each grain by D. The forces F of its two ends do the work (F_0 + F_1) . D/2, split over the
- * contacts and there over the parts of the law. The work of what damps, slides or pushes from outside is the
+ * contacts and there over the parts of the law. The work of damping, sliding and moving walls is the
  * channel's; the work of what has a potential is set against the change of the potential, and the sum of all
  * works on a grain against the change of its kinetic energy: what is left of these two is what the scheme
  * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
@@ -24,11 +24,11 @@
 #include "dem/law.h"
 #include "dem/sim.h"
 
-/* A grain, by id, as it was read last; then its way and turn in the step, and the energy that hard collisions
- * of the step gave to it. Mass 0: it is fixed. */
+/* A grain, by id, at the end of the last step; its displacement and turn in the step, and the energy that
+ * hard collisions of the step gave to it. Mass 0: it is fixed. */
 typedef struct {
     bool present, seen;
-    dem_vec x, force, way;
+    dem_vec x, force, displacement;
     double angle, torque, turn, mass, kinetic, hard;
 } ledger_grain;
 
@@ -36,8 +36,8 @@ typedef struct {
  * rolling on r_eff (omega_a - omega_b), the law's increments of displacement, and its energies. */
 typedef struct {
     uint64_t key;
-    uint32_t a, b, place; /* place in the list of pairs or wall slots */
-    dem_vec n, s, point, gate;
+    uint32_t a, b, index; /* index of the pair or wall slot */
+    dem_vec n, s, point, own_velocity;
     double arm_a, arm_b, r_eff;
     double elastic, damping, spring, dashpot, slip, well, roll_spring, roll_dashpot;
     double sheared, rolled;
@@ -47,11 +47,11 @@ typedef struct {
 struct dem_ledger_state {
     dem_ledger sum;
     dem_vec gravity;
-    size_t room; /* ids, with the 0 that is nobody's */
+    size_t capacity; /* ids, with the 0 that is nobody's */
     ledger_grain *grain;
-    size_t n_old, n_new, contact_room;
+    size_t n_old, n_new, contact_capacity;
     ledger_contact *old_contact, *new_contact;
-    size_t n_between, between_room; /* forces that are one through the step */
+    size_t n_between, between_capacity; /* forces that are one through the step */
     ledger_contact *between;
 };
 
@@ -65,27 +65,27 @@ static rp_status no_memory(void)
     return rp_fail(RP_NO_MEMORY, "energy ledger: out of memory");
 }
 
-static rp_status grain_room(dem_sim *sim, size_t last_id)
+static rp_status reserve_grains(dem_sim *sim, size_t last_id)
 {
     struct dem_ledger_state *b = sim->ledger;
-    if (last_id < b->room) return RP_OK;
-    const size_t room = 2 * last_id + 2;
-    if (!dem_grow(&b->grain, sizeof *b->grain, room)) return no_memory();
-    memset(b->grain + b->room, 0, (room - b->room) * sizeof *b->grain);
-    b->room = room;
+    if (last_id < b->capacity) return RP_OK;
+    const size_t capacity = 2 * last_id + 2;
+    if (!dem_grow(&b->grain, sizeof *b->grain, capacity)) return no_memory();
+    memset(b->grain + b->capacity, 0, (capacity - b->capacity) * sizeof *b->grain);
+    b->capacity = capacity;
     return RP_OK;
 }
 
-static rp_status contact_room(dem_sim *sim)
+static rp_status reserve_contacts(dem_sim *sim)
 {
     struct dem_ledger_state *b = sim->ledger;
     const size_t need = dem_count_touching(&sim->pairs) + sim->walls.n_slots;
-    if (need < b->contact_room) return RP_OK;
-    const size_t room = 2 * need + 16;
-    if (!dem_grow(&b->old_contact, sizeof *b->old_contact, room) ||
-        !dem_grow(&b->new_contact, sizeof *b->new_contact, room))
+    if (need < b->contact_capacity) return RP_OK;
+    const size_t capacity = 2 * need + 16;
+    if (!dem_grow(&b->old_contact, sizeof *b->old_contact, capacity) ||
+        !dem_grow(&b->new_contact, sizeof *b->new_contact, capacity))
         return no_memory();
-    b->contact_room = room;
+    b->contact_capacity = capacity;
     return RP_OK;
 }
 
@@ -124,7 +124,7 @@ static double split_forces(const dem_sim *sim, const dem_material *c, double mu,
     return f_n;
 }
 
-/* Grain a is that of the smaller id, so that a contact keeps its sense as places change. */
+/* Grain a is that of the smaller id, so that a contact keeps its sense as grains are sorted. */
 static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
     const bool swap = sim->grains.id[sim->pairs.i[k]] > sim->grains.id[sim->pairs.j[k]];
@@ -133,7 +133,7 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
                   v = sim->grains.motion[i].v - sim->grains.motion[j].v;
     const double distance = sqrt(dem_dot(d, d)), overlap = sim->pairs.radii[k] - distance;
     *e = (ledger_contact){
-        .a = sim->grains.id[i], .b = sim->grains.id[j], .place = k, .n = d * (1.0 / distance)};
+        .a = sim->grains.id[i], .b = sim->grains.id[j], .index = k, .n = d * (1.0 / distance)};
     e->key = (uint64_t)e->a << 32 | e->b;
     if (one_force(sim)) return;
     e->s = dem_clockwise(e->n);
@@ -167,14 +167,14 @@ static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
     const size_t i = slot.grain;
     dem_vec wall_velocity;
     double overlap;
-    *e = (ledger_contact){.a = sim->grains.id[i], .place = k};
+    *e = (ledger_contact){.a = sim->grains.id[i], .index = k};
     e->key = slot_key(sim, &slot);
     if (one_force(sim) || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
         return;
     const dem_vec v = sim->grains.motion[i].v - wall_velocity;
     e->s = dem_clockwise(e->n);
     e->point = sim->grains.motion[i].x - (sim->grains.radius[i] - overlap) * e->n;
-    e->gate = wall_velocity - dem_box_velocity(&sim->walls, e->point);
+    e->own_velocity = wall_velocity - dem_box_velocity(&sim->walls, e->point);
     relative r = {.m_eff = sim->grains.mass[i],
                   .overlap = overlap,
                   .v_n = dem_dot(v, e->n),
@@ -204,7 +204,7 @@ static int by_key(const void *a, const void *b)
 rp_status dem_ledger_forces(dem_sim *sim, double h)
 {
     struct dem_ledger_state *b = sim->ledger;
-    rp_status status = contact_room(sim);
+    rp_status status = reserve_contacts(sim);
     if (status) return status;
     b->n_new = 0;
     DEM_EACH_TOUCHING (&sim->pairs, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
@@ -224,9 +224,9 @@ rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 {
     struct dem_ledger_state *b = sim->ledger;
     const size_t need = sim->pairs.n + sim->walls.n_slots;
-    if (need > b->between_room) {
+    if (need > b->between_capacity) {
         if (!dem_grow(&b->between, sizeof *b->between, need)) return no_memory();
-        b->between_room = need;
+        b->between_capacity = need;
     }
     b->n_between = 0;
     for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]].force = force[i];
@@ -260,7 +260,7 @@ static double weight_energy(const struct dem_ledger_state *b, const ledger_grain
     return -g->mass * dem_dot(b->gravity, g->x);
 }
 
-/* What a step's channels add to the energy. */
+/* Sum of the channels of a step, with their signs. */
 static double net(const dem_ledger *l)
 {
 #define X(channel, sign) sign l->channel
@@ -277,20 +277,21 @@ static void add(dem_ledger *sum, const dem_ledger *l)
     sum->turnover += fabs(l->wall_work);
 }
 
-/* The ways of all grains in the step, and what their kinetic energies gain beyond the work of the forces.
- * A grain that is no longer there was taken out as it was at the step's start. */
+/* Displacements of all grains in the step, and the gain of their kinetic energies beyond the work of the
+ * forces. A grain that is gone was taken out with its energy of the step's start. */
 static void move_grains(dem_sim *sim)
 {
     struct dem_ledger_state *b = sim->ledger;
     for (size_t i = 0; i < sim->grains.n; i++) {
         ledger_grain *g = &b->grain[sim->grains.id[i]], now = read_grain(sim, i);
         now.seen = true;
-        now.way = now.x - g->x;
+        now.displacement = now.x - g->x;
         now.turn = now.angle - g->angle;
         if (now.mass > 0.0) {
             const dem_vec force = one_force(sim) ? g->force : 0.5 * (g->force + now.force);
-            const double work = dem_dot(force, now.way) + 0.5 * (g->torque + now.torque) * now.turn;
-            const double fall = now.mass * dem_dot(b->gravity, now.way), change = now.kinetic - g->kinetic;
+            const double work = dem_dot(force, now.displacement) + 0.5 * (g->torque + now.torque) * now.turn;
+            const double fall = now.mass * dem_dot(b->gravity, now.displacement),
+                         change = now.kinetic - g->kinetic;
             b->sum.integration += change - work - fall - g->hard;
             b->sum.turnover += fabs(change) + fabs(fall);
         }
@@ -311,15 +312,15 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
 {
     const double dt = sim->def.dt;
     const ledger_grain *a = &sim->ledger->grain[c->a], *b = &sim->ledger->grain[c->b];
-    dem_vec way = b->way;
+    dem_vec other = b->displacement;
     double turn = b->turn;
     if (c->b == 0) { /* where the wall's point goes from the step's start, or came from at its end */
-        way = dt * (c->gate + (first ? -sim->walls.swing[0] : sim->walls.swing[0]) * c->point +
-                    sim->walls.swing[1] * dem_clockwise(c->point));
+        other = dt * (c->own_velocity + (first ? -sim->walls.swing[0] : sim->walls.swing[0]) * c->point +
+                      sim->walls.swing[1] * dem_clockwise(c->point));
         turn = -dt * sim->walls.swing[1];
     }
-    const double along_n = dem_dot(a->way - way, c->n), turned = a->turn - turn;
-    const double centres = dem_dot(a->way - way, c->s); /* a well holds the centre */
+    const double along_n = dem_dot(a->displacement - other, c->n), turned = a->turn - turn;
+    const double centres = dem_dot(a->displacement - other, c->s); /* a well holds the centre */
     const double along_s = centres + c->arm_a * a->turn + c->arm_b * b->turn;
     const double rolled = c->r_eff * turned, shear = c->spring + c->dashpot + c->slip + c->well;
     step->normal_damping -= 0.5 * c->damping * along_n;
@@ -329,7 +330,7 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
     step->rolling -= 0.5 * c->roll_dashpot * rolled;
     step->integration += 0.5 * (c->elastic * along_n + c->spring * along_s + c->roll_spring * rolled);
     if (c->b == 0)
-        step->wall_work += 0.5 * (dem_dot((c->elastic + c->damping) * c->n + shear * c->s, way) +
+        step->wall_work += 0.5 * (dem_dot((c->elastic + c->damping) * c->n + shear * c->s, other) +
                                   c->r_eff * (c->roll_spring + c->roll_dashpot) * turn);
 }
 
@@ -339,8 +340,8 @@ static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
     return w->open_at_step >= 0 && sim->step >= w->open_at_step && isinf(w->open_speed);
 }
 
-/* Put what a contact did in the step into the books. */
-static void book_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
+/* Add the energies of a contact in the step to the sums. */
+static void add_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
 {
     struct dem_ledger_state *b = sim->ledger;
     if (!b->grain[c->a].present || (c->b && !b->grain[c->b].present))
@@ -352,7 +353,8 @@ static void book_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
     add(&b->sum, &step);
 }
 
-/* What a contact does in the step, from how it was to how it is; empty where it was not or is not. */
+/* Energies of a contact in the step, from its start to its end; `was` or `is` is empty where it begins or
+ * ends. */
 static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger_contact *is)
 {
     dem_ledger step = {0};
@@ -364,7 +366,7 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     step.rolling += roll_pull - (is->energy.rolling - was->energy.rolling);
     step.wells -= is->energy.well - was->energy.well;
     step.integration += pull + roll_pull + is->energy.normal - was->energy.normal;
-    book_step(sim, was->a ? was : is, step);
+    add_step(sim, was->a ? was : is, step);
 }
 
 /* The same of a force that is one all through the step. */
@@ -373,7 +375,7 @@ static void settle_between(dem_sim *sim, const ledger_contact *c)
     dem_ledger step = {0};
     half_works(sim, c, true, &step);
     half_works(sim, c, false, &step);
-    book_step(sim, c, step);
+    add_step(sim, c, step);
 }
 
 static void read_elastic(dem_sim *sim)
@@ -381,7 +383,7 @@ static void read_elastic(dem_sim *sim)
     struct dem_ledger_state *b = sim->ledger;
     for (size_t k = 0; k < b->n_new; k++) {
         ledger_contact *c = &b->new_contact[k];
-        c->energy = c->b ? dem_pair_elastic(sim, c->place) : dem_slot_elastic(sim, c->place);
+        c->energy = c->b ? dem_pair_elastic(sim, c->index) : dem_slot_elastic(sim, c->index);
     }
 }
 
@@ -455,7 +457,7 @@ void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body be
 rp_status dem_ledger_add(dem_sim *sim, const dem_grain *p)
 {
     struct dem_ledger_state *b = sim->ledger;
-    rp_status status = grain_room(sim, sim->grains.last_id + 1);
+    rp_status status = reserve_grains(sim, sim->grains.last_id + 1);
     if (status) return status;
     ledger_grain *g = &b->grain[sim->grains.last_id + 1];
     *g = (ledger_grain){.present = true, .x = {p->x, p->y}, .angle = p->angle, .mass = p->m};
@@ -475,7 +477,7 @@ static double energy_now(const dem_sim *sim)
 rp_status dem_ledger_alloc(dem_sim *sim)
 {
     if (!(sim->ledger = calloc(1, sizeof *sim->ledger))) return no_memory();
-    return grain_room(sim, sim->grains.last_id);
+    return reserve_grains(sim, sim->grains.last_id);
 }
 
 void dem_ledger_start(dem_sim *sim)
@@ -495,12 +497,12 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     if (!b) return no_memory();
     *b = *from;
     b->between = NULL; /* of a step */
-    b->between_room = 0;
-    b->grain = malloc(b->room * sizeof *b->grain);
-    b->old_contact = malloc(b->contact_room * sizeof *b->old_contact);
-    b->new_contact = malloc(b->contact_room * sizeof *b->new_contact);
+    b->between_capacity = 0;
+    b->grain = malloc(b->capacity * sizeof *b->grain);
+    b->old_contact = malloc(b->contact_capacity * sizeof *b->old_contact);
+    b->new_contact = malloc(b->contact_capacity * sizeof *b->new_contact);
     if (!b->grain || !b->old_contact || !b->new_contact) return no_memory();
-    memcpy(b->grain, from->grain, b->room * sizeof *b->grain);
+    memcpy(b->grain, from->grain, b->capacity * sizeof *b->grain);
     memcpy(b->old_contact, from->old_contact, b->n_old * sizeof *b->old_contact);
     return RP_OK;
 }

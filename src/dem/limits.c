@@ -24,18 +24,18 @@ static double packing_sum(double normal, double shear, double roll, double turns
     return fmax(fmax(edge, corner), turns * (2.0 * shear + roll));
 }
 
-/* Of two grains, or of a grain and what does not move. */
+/* Effective mass, and coordination number over six, of two grains or of a grain and a fixed body. */
 typedef struct {
     double m_eff, coordination;
 } contact_pair;
 
-/* Neighbours that a grain has room for, over six: a large one among small ones has more. */
+/* Largest coordination number of a grain, over six: a large grain among small ones has more neighbours. */
 static double coordination_of(double r, double r_min)
 {
     return fmax(1.0, M_PI / 6.0 / asin(r_min / (r + r_min)));
 }
 
-/* Each of the two takes part in as many contacts as it has room for; m_b may be INFINITY. */
+/* Each of the two has as many contacts as it can; m_b may be INFINITY. */
 static contact_pair pair_of(double m_a, double coordination_a, double m_b, double coordination_b)
 {
     const double inverse = 1.0 / m_a + 1.0 / m_b;
@@ -199,6 +199,6 @@ rp_status dem_check_start_overlaps(const dem_sim *sim)
     }
     return sim->def.dt <= limit
                ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
+               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g",
                          sim->def.dt, limit);
 }

@@ -1,8 +1,8 @@
-/* Neighbour list. Grains are kept in the order of square cells that wrap around (so that no scene is too
- * large for them). Each grain has a margin, how far it may go until the list is rebuilt; each pair closer
- * than touching and their margins has a slot, and each grain as near to a wall. A rebuilding carries the
- * springs of touching contacts over. It is a function of the state alone. Where few grains go far, only their
- * pairs are looked for anew, behind the others. */
+/* Verlet neighbour list. Grains are sorted by square cells, which wrap around, so that no scene is too large
+ * for them. Each grain has a margin: how far it may go until the list is rebuilt. Pairs nearer than their
+ * cutoffs, radius and margin, are listed, and so are grains as near to a wall. A rebuilding keeps the springs
+ * of touching contacts, and is a function of the state alone. Where few grains go far, only their pairs are
+ * found anew, behind the others. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,7 @@ struct dem_list_work {
     uint32_t *cell;          /* of each grain */
     uint32_t *moved_to;      /* new index of each grain; UINT32_MAX where it is gone */
     dem_grains spare;
-    uint32_t *apart; /* pairs on their way to the end of the list */
+    uint32_t *apart; /* pairs on their next to the end of the list */
     size_t apart_capacity;
     /* springs of touching pairs, a chain for the lower new index of the two grains */
     uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
@@ -39,9 +39,8 @@ static rp_status no_memory(void)
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
 
-/* How far a grain may go before the list is rebuilt: half the skin, or where the skin was left open, more
- * than it goes in so many steps at its speed, within bounds in mean radii. Few fast grains then neither ask
- * for frequent rebuildings nor bring all the others a list of pairs that are far from touching. */
+/* Margin of a grain: half the skin, or without a given skin so many steps at its speed, within bounds in mean
+ * radii. A few fast grains then neither make rebuildings frequent nor give all others distant pairs. */
 static double margin(const dem_sim *sim, double speed)
 {
     const bool hard = sim->def.hard.on; /* few disks fall onto many at rest */
@@ -58,7 +57,7 @@ static size_t power_of_two(double at_least, size_t most)
     return p;
 }
 
-/* The cells' number follows the extent at the start, and stays below some four a grain. */
+/* The number of cells follows the extent at the start, and stays below some four a grain. */
 static void size_cells(dem_sim *sim, struct dem_list_work *w)
 {
     double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
@@ -115,8 +114,7 @@ void dem_neighbours_free(dem_sim *sim)
     sim->list.work = NULL;
 }
 
-/* What must hold of a grain when its part of the list is rebuilt; its speed into *fastest if that is larger.
- */
+/* Faults of a grain that a rebuilding finds; raises *fastest to its speed. */
 static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
 {
     const double size = 2.0 * sim->r_max + sim->list.skin;
@@ -140,7 +138,7 @@ static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
     return RP_OK;
 }
 
-/* Its place and margin in the list are those of now. */
+/* Let the position and the margin of a grain in the list be those of now. */
 static void mark_grain(dem_sim *sim, size_t i)
 {
     const dem_motion *grain = &sim->grains.motion[i];
@@ -189,7 +187,7 @@ static void sort_grains(dem_sim *sim, double size)
     }
 }
 
-/* Of a place, its distance from the origin squared, at most. */
+/* Round-off of a position at this squared distance from the origin, at most. */
 static double round_off(const dem_sim *sim, double far2)
 {
     return 1e-15 * (sqrt(far2) + sim->list.skin);
@@ -270,7 +268,8 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
         }
 }
 
-/* Pairs of grain i with grains from..to. Each is written, and kept where near, without a branch. */
+/* Pairs of grain i with grains from..to. Each is written; those within the cutoffs are kept, without a
+ * branch. */
 static void append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grains.listed_x[i];
@@ -279,11 +278,11 @@ static void append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
     size_t k = sim->pairs.n;
     for (size_t j = from; j < to; j++) {
         dem_vec d = x - sim->grains.listed_x[j];
-        const double reach = own + sim->grains.cutoff[j];
+        const double cutoff = own + sim->grains.cutoff[j];
         pair_i[k] = (uint32_t)i;
         pair_j[k] = (uint32_t)j;
         /* not where both are fixed */
-        k += (dem_dot(d, d) < reach * reach) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
+        k += (dem_dot(d, d) < cutoff * cutoff) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
     }
     sim->pairs.n = k;
 }
@@ -389,7 +388,7 @@ static void mark_walls(dem_sim *sim)
     }
 }
 
-/* Slots of grains near a wall's line; a wall that is gone has none. */
+/* Slots of grains near the lines of walls; a wall that is gone has none. */
 static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
@@ -460,7 +459,7 @@ void dem_neighbours_drop(dem_sim *sim)
     }
     mark_walls(sim);
     memset(sim->grains.slack, 0, (sim->grains.n / DEM_GROUP + 1) * sizeof *sim->grains.slack);
-    sim->pairs.n_chunks = 0; /* places are no longer in the order of the list */
+    sim->pairs.n_chunks = 0; /* grains are no longer in the order of the list */
 }
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
@@ -479,8 +478,8 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     return status ? status : dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
 }
 
-/* Remove the pairs of grain i that are no longer near, and append those that are not listed; what touches is
- * near, and keeps its springs. `listed` holds numbers below `mark`. */
+/* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
+ * stay, with their springs. `listed` holds numbers below `mark`. */
 static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_t mark)
 {
     listed[i] = mark;
@@ -491,8 +490,8 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
             continue;
         }
         const dem_vec d = sim->grains.listed_x[i] - sim->grains.listed_x[j];
-        const double reach = sim->grains.cutoff[i] + sim->grains.cutoff[j];
-        if (dem_dot(d, d) < reach * reach)
+        const double cutoff = sim->grains.cutoff[i] + sim->grains.cutoff[j];
+        if (dem_dot(d, d) < cutoff * cutoff)
             listed[j] = mark, k++;
         else
             dem_pairs_remove(&sim->pairs, k);
@@ -512,7 +511,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
 }
 
 /* A grain that in the coming step may pass its margin has gone half of it or goes half of it in that step;
- * such grains get new places and margins in the list. Others keep theirs, within which they still are. A
+ * such grains get new positions and margins in the list. Others keep theirs, within which they still are. A
  * whole rebuilding takes as long as some ten grains' parts, and rids the list of the wide margins of grains
  * that were fast. */
 rp_status dem_neighbours_renew(dem_sim *sim)
@@ -523,10 +522,10 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     size_t n = 0;
     for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_vec d = sim->grains.motion[i].x - sim->grains.listed_x[i];
-        const dem_vec way = 1.01 * sim->def.dt * sim->grains.next_motion[i].v;
-        const double d2 = dem_dot(d, d), way2 = dem_dot(way, way);
+        const dem_vec next = 1.01 * sim->def.dt * sim->grains.next_motion[i].v;
+        const double d2 = dem_dot(d, d), next2 = dem_dot(next, next);
         /* so that NaN counts as moved */
-        if ((4.0 * d2 <= sim->grains.margin2[i]) & (4.0 * way2 <= sim->grains.margin2[i])) continue;
+        if ((4.0 * d2 <= sim->grains.margin2[i]) & (4.0 * next2 <= sim->grains.margin2[i])) continue;
         if (n == FEW) return dem_neighbours_rebuild(sim);
         moved[n++] = (uint32_t)i;
     }

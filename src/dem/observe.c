@@ -1,4 +1,4 @@
-/* What can be read of a simulation. Nothing here changes the state: the integrator brings velocities to the
+/* Readings of a simulation. Nothing here changes the state: the integrator brings velocities to the
  * time of the positions on the way out. */
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *
     return dem_wall_touch(sim, &slot, normal, overlap, wall_velocity) && *overlap > 0.0;
 }
 
-/* Contacts of each grain, by place. */
+/* Contacts of each grain, by index. */
 static int *count_contacts(const dem_sim *sim)
 {
     int *count = calloc(sim->grains.n + 1, sizeof *count);
@@ -60,16 +60,16 @@ static int *count_contacts(const dem_sim *sim)
 rp_status dem_states(const dem_sim *sim, dem_state *states)
 {
     int *contacts = count_contacts(sim);
-    uint32_t *place = calloc((size_t)sim->grains.last_id + 1, sizeof *place); /* of each id, from 1 */
-    if (!contacts || !place) {
+    uint32_t *index = calloc((size_t)sim->grains.last_id + 1, sizeof *index); /* of each id, from 1 */
+    if (!contacts || !index) {
         free(contacts);
-        free(place);
+        free(index);
         return rp_fail(RP_NO_MEMORY, "states: out of memory");
     }
-    for (size_t i = 0; i < sim->grains.n; i++) place[sim->grains.id[i]] = (uint32_t)i + 1;
+    for (size_t i = 0; i < sim->grains.n; i++) index[sim->grains.id[i]] = (uint32_t)i + 1;
     for (size_t id = 1; id <= sim->grains.last_id; id++) {
-        if (place[id] == 0) continue;
-        const size_t i = place[id] - 1;
+        if (index[id] == 0) continue;
+        const size_t i = index[id] - 1;
         dem_vec x = sim->grains.motion[i].x, v = velocity(sim, i);
         dem_vec f =
             dem_is_fixed(sim, i) ? *dem_force(sim, i) : sim->grains.mass[i] * dem_acceleration(sim, i);
@@ -89,7 +89,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
                                 .fixed = dem_is_fixed(sim, i)};
     }
     free(contacts);
-    free(place);
+    free(index);
     return RP_OK;
 }
 
@@ -101,7 +101,7 @@ static dem_contact pair_contact(const dem_sim *sim, size_t k)
             v = sim->grains.motion[i].v - sim->grains.motion[j].v;
     double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
     double spring = sim->pairs.spring[k], roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
-    /* Gear corrects places after it has found who touches: it can be below 0 by a little */
+    /* Gear corrects positions after touch is found: slightly below 0 is possible */
     double overlap = fmax(sim->pairs.radii[k] - r, 0.0);
     dem_vec n = d * (1.0 / r);
     double v_s = dem_dot(v, dem_clockwise(n));

@@ -6,11 +6,11 @@
 #include "dem/dem.h"
 #include "dem/vec.h"
 
-/* What becomes of an entry when the neighbour list is rebuilt. */
+/* How an entry survives a rebuilding of the neighbour list. */
 typedef enum {
     DEM_MADE,       /* it is made anew from the grains, by neighbours.c */
     DEM_SPRING_OF,  /* it stays with a pair that touches, and is 0 for others */
-    DEM_SPRING_TURN /* the same, and changes its sign where i and j change places */
+    DEM_SPRING_TURN /* the same, and changes its sign where i and j are exchanged */
 } dem_pair_role;
 
 /* Type, name, where it is needed (NULL elsewhere), entries that share one item, role.
@@ -51,7 +51,7 @@ rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy);
 /* Fill the last of the groups that kernels may take at once with pairs that never touch. */
 void dem_pairs_pad(dem_pairs *pairs);
 
-/* The last pair takes the place of pair k; who touches is not known then. */
+/* The last pair replaces pair k; `touching` is not valid then. */
 void dem_pairs_remove(dem_pairs *pairs, size_t k);
 
 /* Divide the pairs of n grains into chunks, if there are enough. Errors: RP_NO_MEMORY. */

@@ -11,18 +11,13 @@
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
 typedef struct {
-    bool rotation, ledger;
-    int shape, integrator, kernel;
-    double density, dt, skin, x_max, y_min, turn_deg, box_turn_deg;
+    dem_physics physics;
+    bool ledger;
+    int kernel;
+    double skin, x_max, y_min, turn_deg, box_turn_deg;
     long steps, turn_from_step;
     const char *particles_file;
 } scene_values;
-
-typedef struct {
-    int law, slip, damping;
-    bool tension;
-    dem_material material;
-} law_values;
 
 typedef struct {
     long wall;
@@ -41,21 +36,12 @@ typedef struct {
 } particle_values;
 
 #define AT(type, field) offsetof(type, field)
-
-#define X(name, word) " | " #word
-static const char INTEGRATOR_WORDS[] = DEM_INTEGRATOR_LIST(X);
-#undef X
+#define TOP(...)        DEM_KEY_ROW(scene_values, physics., __VA_ARGS__)
+#define ROW(...)        DEM_KEY_ROW(dem_physics, , __VA_ARGS__)
 
 static const rp_param top_schema[] = {
-    {"rotation", "", RP_BOOL, AT(scene_values, rotation), "false", "", "whether grains rotate"},
-    {"shape", "", RP_CHOICE, AT(scene_values, shape), "sphere", "sphere | disk",
-     "gives mass (from the density) and moment of inertia"},
-    {"density", "g/cm^3", RP_REAL, AT(scene_values, density), "1.0", "(0, inf)",
-     "of the grains (disk: g/cm^2)"},
-    {"integrator", "", RP_CHOICE, AT(scene_values, integrator), "verlet", &INTEGRATOR_WORDS[3],
-     "velocity Verlet, Gear's predictor-corrector of fifth order, or energy-conserving at any dt"},
-    {"dt", "s", RP_REAL, AT(scene_values, dt), "5e-5", "(0, inf)", "time step"},
-    {"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]", "how many steps to run"},
+    DEM_GRAIN_PARAMS(TOP){"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]",
+                          "how many steps to run"},
     {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
     {"x_max", "cm", RP_REAL, AT(scene_values, x_max), "none", "(-inf, inf) | none",
      "a grain whose centre passes it, in the box's frame, is taken out"},
@@ -76,36 +62,9 @@ static const rp_param top_schema[] = {
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
 
-static const rp_param normal_schema[] = {
-    {"law", "", RP_CHOICE, AT(law_values, law), "hertz", DEM_NORMAL_WORDS, "normal force, eq (2a)"},
-    {"k_n", "dyn/cm^1.5", RP_REAL, AT(law_values, material.k_n), "1e6", "[0, inf)",
-     "normal stiffness, in units of the law: " DEM_K_N_UNITS},
-    {"gamma_n", "1/s", RP_REAL, AT(law_values, material.gamma_n), "500.0", "[0, inf)",
-     "normal damping, in units of the law: " DEM_GAMMA_N_UNITS},
-    {"tension", "", RP_BOOL, AT(law_values, tension), "true", "",
-     "whether the damped force may pull, as printed"},
-    {0}};
-
-static const rp_param tangential_schema[] = {
-    {"law", "", RP_CHOICE, AT(law_values, law), "none", DEM_TANGENTIAL_WORDS,
-     "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n"},
-    {"k_s", "dyn/cm", RP_REAL, AT(law_values, material.k_s), "1e4", "(0, inf)", "shear stiffness"},
-    {"gamma_s", "1/s", RP_REAL, AT(law_values, material.gamma_s), "auto", "[0, inf) | auto",
-     "shear damping; auto: gamma_n/100"},
-    {"mu", "", RP_REAL, AT(law_values, material.mu), "0.0", "[0, inf) | infinite", "Coulomb's coefficient"},
-    {"slip", "", RP_CHOICE, AT(law_values, slip), "truncated", "truncated | total",
-     "what the shear spring remembers while it slides"},
-    {"damping", "", RP_CHOICE, AT(law_values, damping), "outside", "outside | inside",
-     "whether the limit mu F_n leaves the dashpot out, as printed, or holds spring and dashpot together"},
-    {0}};
-
-static const rp_param rolling_schema[] = {
-    {"mu", "", RP_REAL, AT(dem_material, mu_roll), "0.0", "[0, inf)",
-     "rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force"},
-    {"k", "dyn/cm", RP_REAL, AT(dem_material, k_roll), "auto", "[0, inf) | auto", "its stiffness; auto: k_s"},
-    {"gamma", "1/s", RP_REAL, AT(dem_material, gamma_roll), "auto", "[0, inf) | auto",
-     "its damping; auto: gamma_s"},
-    {0}};
+static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
+static const rp_param tangential_schema[] = {DEM_TANGENTIAL_PARAMS(ROW){0}};
+static const rp_param rolling_schema[] = {DEM_ROLLING_PARAMS(ROW){0}};
 
 static const rp_param ground_schema[] = {
     {"wall", "", RP_INT, AT(ground_values, wall), "1", "[1, 8]", "its number: a whole line"},
@@ -133,24 +92,14 @@ static const rp_param implicit_schema[] = {
      "factorisations or sweeps, after which a step counts as not solved"},
     {0}};
 
+#define WALL_AUTO(kind, name, key, unit, type, fallback, range, further, value, wall, meaning)               \
+    DEM_IF_MATERIAL(kind,                                                                                    \
+                    {#name, unit, type, AT(wall_values, material.name), "auto", range " | auto",             \
+                     "of this wall; auto: the grains', times " #wall}, )
+
 static const rp_param wall_schema[] = {
-    {"k_n", "dyn/cm^1.5", RP_REAL, AT(wall_values, material.k_n), "auto", "[0, inf) | auto",
-     "auto: twice the grains'"},
-    {"gamma_n", "1/s", RP_REAL, AT(wall_values, material.gamma_n), "auto", "[0, inf) | auto",
-     "auto: the grains'"},
-    {"k_s", "dyn/cm", RP_REAL, AT(wall_values, material.k_s), "auto", "(0, inf) | auto", "auto: the grains'"},
-    {"gamma_s", "1/s", RP_REAL, AT(wall_values, material.gamma_s), "auto", "[0, inf) | auto",
-     "auto: the grains'"},
-    {"mu", "", RP_REAL, AT(wall_values, material.mu), "auto", "[0, inf) | infinite | auto",
-     "auto: the grains'"},
-    {"mu_roll", "", RP_REAL, AT(wall_values, material.mu_roll), "auto", "[0, inf) | auto",
-     "auto: the grains'"},
-    {"k_roll", "dyn/cm", RP_REAL, AT(wall_values, material.k_roll), "auto", "[0, inf) | auto",
-     "auto: the grains'"},
-    {"gamma_roll", "1/s", RP_REAL, AT(wall_values, material.gamma_roll), "auto", "[0, inf) | auto",
-     "auto: the grains'"},
-    {"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never", "[0, 2147483647] | never",
-     "step from which the wall is gone"},
+    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never",
+                           "[0, 2147483647] | never", "step from which the wall is gone"},
     {"open_speed", "cm/s", RP_REAL, AT(wall_values, open_speed), "instant", "[0, inf) | instant",
      "speed at which its lower end moves then"},
     {0}};
@@ -169,18 +118,15 @@ static const rp_param particle_schema[] = {
     {"fixed", "", RP_BOOL, AT(particle_values, fixed), "false", "", "whether it never moves"},
     {0}};
 
+#define FILL(...) DEM_KEY_ROW(dem_fill, , __VA_ARGS__)
+
 static const rp_param fill_schema[] = {
     {"N", "", RP_INT, AT(dem_fill, N), NULL, "[1, 100000000]", "number of grains"},
     {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = 0"},
     {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = 0"},
     {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
-    {"radius_mean", "cm", RP_REAL, AT(dem_fill, radius_mean), "0.1", "(0, inf)", "of the Gaussian"},
-    {"radius_width", "cm", RP_REAL, AT(dem_fill, radius_width), "0.02", "[0, inf)",
-     "standard deviation before the cut"},
-    {"radius_min", "cm", RP_REAL, AT(dem_fill, radius_min), "0.07", "(0, inf)", "drawn again below"},
-    {"radius_max", "cm", RP_REAL, AT(dem_fill, radius_max), "0.13", "(0, inf)", "drawn again above"},
-    {0}};
+    DEM_RADIUS_PARAMS(FILL){0}};
 
 const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
                                              {"normal", normal_schema},
@@ -199,46 +145,25 @@ static double or_else(double value, double fallback)
     return value < 0.0 ? fallback : value;
 }
 
-static rp_status read_rolling(const config_setting_t *root, dem_definition *def)
+/* The groups of the contacts' parameters, and what they are of. */
+static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
 {
-    const config_setting_t *group = config_setting_get_member(root, "rolling");
-    dem_material v;
-    rp_params_defaults(rolling_schema, &v);
-    rp_status status = group ? rp_config_group(group, rolling_schema, &v, NULL) : RP_OK;
-    if (status) return status;
-    if (v.mu_roll > 0.0 && (!def->rotation || !dem_has_friction(def->tangential)))
-        return rp_config_fail(
-            group, "mu = %g: needs rotation = true and tangential = { law = \"spring\"; ... }", v.mu_roll);
-    def->material.mu_roll = v.mu_roll;
-    def->material.k_roll = or_else(v.k_roll, def->material.k_s);
-    def->material.gamma_roll = or_else(v.gamma_roll, def->material.gamma_s);
+    const struct {
+        const char *name;
+        const rp_param *schema;
+    } groups[] = {{"normal", normal_schema}, {"tangential", tangential_schema}, {"rolling", rolling_schema}};
+    enum { N_GROUPS = sizeof groups / sizeof *groups };
+    for (size_t k = 0; k < N_GROUPS; k++) rp_params_defaults(groups[k].schema, p);
+    dem_physics_apply(p, def);
+    for (size_t k = 0; k < N_GROUPS; k++) {
+        const config_setting_t *group = config_setting_get_member(root, groups[k].name);
+        rp_status status = group ? rp_config_group(group, groups[k].schema, p, NULL) : RP_OK;
+        if (status) return status;
+        dem_physics_apply(p, def);
+        status = group ? dem_material_check(def, &def->material) : RP_OK;
+        if (status) return rp_config_fail(group, "%s", rp_message());
+    }
     return RP_OK;
-}
-
-static rp_status read_laws(const config_setting_t *root, dem_definition *def)
-{
-    law_values v;
-    rp_status status = RP_OK;
-    const config_setting_t *group = config_setting_get_member(root, "normal");
-    rp_params_defaults(normal_schema, &v);
-    if (group) status = rp_config_group(group, normal_schema, &v, NULL);
-    if (status) return status;
-    def->normal = v.law;
-    def->tension = v.tension;
-    def->material = v.material;
-    group = config_setting_get_member(root, "tangential");
-    rp_params_defaults(tangential_schema, &v);
-    if (group) status = rp_config_group(group, tangential_schema, &v, NULL);
-    if (status) return status;
-    def->tangential = v.law;
-    if (!dem_has_friction(def->tangential) && v.material.mu > 0.0)
-        return rp_config_fail(group, "mu = %g: needs law = \"spring\"", v.material.mu);
-    def->slip = v.slip;
-    def->damping = v.damping;
-    def->material.k_s = v.material.k_s;
-    def->material.gamma_s = or_else(v.material.gamma_s, def->material.gamma_n / 100.0);
-    def->material.mu = v.material.mu;
-    return read_rolling(root, def);
 }
 
 static rp_status read_wall(const config_setting_t *setting, const dem_definition *def, dem_wall *wall)
@@ -264,18 +189,9 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     if (!(wall->extent[0] < wall->extent[1]))
         return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
                               wall->extent[1]);
-    if (!dem_has_friction(def->tangential) && v.material.mu > 0.0)
-        return rp_config_fail(setting, "mu = %g: needs tangential = { law = \"spring\"; ... }",
-                              v.material.mu);
-    wall->material = (dem_material){or_else(v.material.k_n, 2.0 * def->material.k_n),
-                                    or_else(v.material.gamma_n, def->material.gamma_n),
-                                    or_else(v.material.k_s, def->material.k_s),
-                                    or_else(v.material.gamma_s, def->material.gamma_s),
-                                    or_else(v.material.mu, def->material.mu),
-                                    or_else(v.material.mu_roll, def->material.mu_roll),
-                                    or_else(v.material.k_roll, def->material.k_roll),
-                                    or_else(v.material.gamma_roll, def->material.gamma_roll)};
-    return RP_OK;
+    wall->material = dem_wall_material(&v.material, &def->material);
+    status = dem_material_check(def, &wall->material);
+    return status ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
 }
 
 static rp_status read_walls(const config_setting_t *root, dem_definition *def)
@@ -335,7 +251,7 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
         rp_status status =
             rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
         if (status) return status;
-        double m = or_else(v.m, dem_mass(top->shape, top->density, v.r));
+        double m = or_else(v.m, dem_mass(top->physics.shape, top->physics.density, v.r));
         scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy, v.angle, v.omega, v.fixed};
     }
     scene->def.n_grains = n;
@@ -363,7 +279,7 @@ static rp_status read_particles_table(const rp_table *table, const scene_values 
         if (!(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
-        if (columns[3] < 0) v[3] = dem_mass(top->shape, top->density, v[2]);
+        if (columns[3] < 0) v[3] = dem_mass(top->physics.shape, top->physics.density, v[2]);
         scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
     scene->def.n_grains = table->n_rows;
@@ -376,11 +292,10 @@ static rp_status read_fill(const config_setting_t *group, const scene_values *to
     rp_params_defaults(fill_schema, f);
     rp_status status = rp_config_group(group, fill_schema, f, NULL);
     if (status) return status;
-    if (!(f->radius_min <= f->radius_mean && f->radius_mean <= f->radius_max))
-        return rp_config_fail(group, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
-                              f->radius_mean, f->radius_min, f->radius_max);
-    f->shape = top->shape;
-    f->density = top->density;
+    status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    if (status) return rp_config_fail(group, "%s", rp_message());
+    f->shape = top->physics.shape;
+    f->density = top->physics.density;
     scene->has_fill = true;
     return RP_OK;
 }
@@ -475,22 +390,18 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     status = rp_config_group(root, top_schema, &top, others);
     if (status) return status;
     dem_definition *def = &scene->def;
-    def->rotation = top.rotation;
-    def->shape = top.shape;
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
-    def->dt = top.dt;
     def->skin = fmax(top.skin, 0.0);
     def->x_max = top.x_max;
     def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
     def->turn_per_step = top.turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = top.box_turn_deg * (M_PI / 180.0);
     def->turn_from_step = top.turn_from_step;
-    def->integrator = top.integrator;
     def->kernel = top.kernel;
     def->ledger = top.ledger;
     scene->steps = top.steps;
-    status = read_laws(root, def);
+    status = read_physics(root, &top.physics, def);
     if (!status) status = read_walls(root, def);
     if (!status) status = read_ground(root, def);
     if (!status) status = read_hard(root, def);
@@ -549,23 +460,17 @@ static void write_top(FILE *out, const dem_scene *scene)
     const dem_definition *def = &scene->def;
     scene_values top;
     rp_params_defaults(top_schema, &top);
-    top.rotation = def->rotation;
-    top.shape = def->shape;
-    top.dt = def->dt;
+    top.physics = dem_physics_of(def, scene->has_fill ? scene->fill.density : top.physics.density);
     top.skin = def->skin > 0.0 ? def->skin : -1.0;
     top.x_max = def->x_max;
     top.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
     top.turn_deg = def->turn_per_step * (180.0 / M_PI);
     top.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
     top.turn_from_step = def->turn_from_step;
-    top.integrator = def->integrator;
     top.steps = scene->steps;
     top.kernel = def->kernel;
     top.ledger = def->ledger;
-    if (scene->has_fill) {
-        top.shape = scene->fill.shape;
-        top.density = scene->fill.density;
-    }
+    if (scene->has_fill) top.physics.shape = scene->fill.shape;
     write_pair(out, "gravity", def->gravity);
     rp_config_write(out, top_schema, &top);
     fputc('\n', out);
@@ -605,12 +510,11 @@ static void write_particles(FILE *out, const dem_scene *scene)
 void dem_scene_write(const dem_scene *scene, FILE *out)
 {
     const dem_definition *def = &scene->def;
-    const law_values normal = {def->normal, def->slip, def->damping, def->tension, def->material};
-    const law_values tangential = {def->tangential, def->slip, def->damping, def->tension, def->material};
+    const dem_physics physics = dem_physics_of(def, 0.0);
     write_top(out, scene);
-    write_group(out, "normal", normal_schema, &normal);
-    write_group(out, "tangential", tangential_schema, &tangential);
-    write_group(out, "rolling", rolling_schema, &def->material);
+    write_group(out, "normal", normal_schema, &physics);
+    write_group(out, "tangential", tangential_schema, &physics);
+    write_group(out, "rolling", rolling_schema, &physics);
     write_walls(out, def);
     const ground_values ground = {def->ground.wall, def->ground};
     if (def->ground.wall) write_group(out, "ground", ground_schema, &ground);

@@ -14,7 +14,7 @@
 #include "dem/neighbours.h"
 #include "dem/step.h"
 
-/* Pairs of a chunk: some 3000 grains. What a step reads and writes of them fits into the second cache. */
+/* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };
 
 /* Springs of the contact between grains i and j, if it is listed so; pairs, with hard collisions those that

@@ -63,7 +63,7 @@ static inline wide num_limit(wide a, wide most, lanes *less)
     return limited;
 }
 
-/* Append `first` + the place of each bit that is set; writes WIDTH numbers whatever their count. */
+/* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
 static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -115,7 +115,7 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
     wide_store((double *)(to + 4), _mm512_permutex2var_pd(x, high, y));
 }
 
-/* The pushes (x, y, torque); of the fourth number any. */
+/* Forces and torques (x, y, torque); the fourth number is arbitrary. */
 static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
 {
     for (int p = 0; p < 8; p += 2) {

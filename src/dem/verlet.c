@@ -19,7 +19,7 @@ static void integrate_spins(dem_sim *sim, size_t i, size_t to)
     }
 }
 
-/* As dem_advance, of all of them. */
+/* As dem_advance_kernel, of all grains from..to. */
 static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     const bool turned = sim->walls.angle != 0.0;
@@ -46,7 +46,7 @@ static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double
     if (sim->grains.omega) integrate_spins(sim, advanced, to);
 }
 
-/* Look whether grains of a group have left their margins, and how far they may go until one can. A way d
+/* Has a grain of a group moved beyond its margin, and how far may they go until one can? A displacement d
  * leaves m - d >= (m^2 - d^2) / (2 m) of a margin m. */
 static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
 {
@@ -57,18 +57,18 @@ static unsigned measure_slack(dem_sim *sim, size_t from, size_t to)
                         : from;
          i < to; i++) {
         const dem_vec moved = sim->grains.motion[i].x - sim->grains.listed_x[i];
-        const double way2 = dem_dot(moved, moved);
-        left |= !(way2 <= sim->grains.margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
+        const double moved2 = dem_dot(moved, moved);
+        left |= !(moved2 <= sim->grains.margin2[i]) * DEM_LIST_OUT; /* so that NaN counts as moved */
         margin2 = fmax(margin2, sim->grains.margin2[i]);
-        beyond = fmax(beyond, way2 - sim->grains.margin2[i]);
+        beyond = fmax(beyond, moved2 - sim->grains.margin2[i]);
     }
     sim->grains.slack[from / DEM_GROUP] = -0.5 * beyond / sqrt(margin2) - 1e-9 * sqrt(margin2);
     return left;
 }
 
 /* Advance the grains from..to by a step, `from` a multiple of DEM_GROUP, and clear their forces. Gives
- * DEM_LIST_OUT and DEM_GRAIN_OUT. In a pile larger than the cache, margins are looked at only where they may
- * have been used up. Where it is not, and in flow, where that often is so, to look at once costs less. */
+ * DEM_LIST_OUT and DEM_GRAIN_OUT. In a pile larger than the cache, margins are checked only where they may be
+ * used up. In a smaller one, checking all costs less. */
 static unsigned move(dem_sim *sim, size_t from, size_t to)
 {
     const bool large = sim->pairs.n_chunks > 0;

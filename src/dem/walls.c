@@ -1,5 +1,5 @@
 /* Walls: the pair's law with an infinite mass and no radius on the other side (Lee & Herrmann 1993, after
- * eq (2)). The nearest point of the wall pushes along the line to the centre, so that the end of a segment
+ * eq (2)). The nearest point of the wall acts along the line to the centre, so that the end of a segment
  * is a corner, and the shear spring lives on as a grain rolls over it. */
 #include "dem/walls.h"
 
@@ -115,10 +115,10 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
     }
     if (along < lo || along > hi) {
         dem_vec corner = d - (along < lo ? lo : hi) * tangent;
-        double reach = sqrt(dem_dot(corner, corner));
+        double distance_to_end = sqrt(dem_dot(corner, corner));
         slot->side = distance < 0.0 ? -1.0 : 1.0;
-        *overlap = sim->grains.radius[slot->grain] - reach;
-        *normal = corner * (1.0 / reach);
+        *overlap = sim->grains.radius[slot->grain] - distance_to_end;
+        *normal = corner * (1.0 / distance_to_end);
     } else {
         *overlap = sim->grains.radius[slot->grain] - slot->side * distance;
         *normal = slot->side * direction;

@@ -28,27 +28,13 @@ void sweep_box_scene(const sweep_box *b, dem_scene *scene)
 {
     dem_definition def = dem_definition_default();
     def.gravity[1] = -b->g;
-    def.dt = b->dt;
-    def.integrator = b->integrator;
-    def.slip = b->slip;
-    def.tension = b->tension;
-    def.damping = b->damping;
-    def.rotation = b->rotation;
-    def.shape = b->shape;
-    const double gamma_s = b->gamma_s < 0.0 ? b->gamma_n / 100.0 : b->gamma_s;
-    def.material = (dem_material){.k_n = b->k_n,
-                                  .gamma_n = b->gamma_n,
-                                  .k_s = b->k_s,
-                                  .gamma_s = gamma_s,
-                                  .mu = b->mu,
-                                  .mu_roll = b->mu_roll,
-                                  .k_roll = b->k_s,
-                                  .gamma_roll = gamma_s};
-    dem_material wall = def.material;
-    wall.k_n = b->k_n_wall < 0.0 ? 2.0 * b->k_n : b->k_n_wall;
-    wall.mu = b->mu_wall < 0.0 ? b->mu : b->mu_wall;
+    dem_physics_apply(&b->physics, &def);
+    dem_material given = dem_material_auto;
+    given.k_n = b->k_n_wall;
+    given.mu = b->mu_wall;
+    const dem_material wall = dem_wall_material(&given, &def.material);
     dem_box_walls(&def, b->W, &wall);
-    def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor < 0.0 ? b->mu : b->mu_floor;
+    def.walls[DEM_BOX_FLOOR].material.mu = b->mu_floor < 0.0 ? b->physics.mu : b->mu_floor;
     def.walls[DEM_BOX_RIGHT].open_speed = b->open;
     if (isfinite(b->open)) def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
     def.x_max = b->floor == SWEEP_FLOOR_ABSORBS ? b->W : 3.0 * b->W;
@@ -69,37 +55,35 @@ size_t sweep_box_floor(const sweep_box *b, dem_grain *grains)
         grains[i] = (dem_grain){.x = (2.0 * (double)i + 1.0) * r,
                                 .y = -r,
                                 .r = r,
-                                .m = dem_mass(b->shape, b->density, r),
+                                .m = dem_mass(b->physics.shape, b->physics.density, r),
                                 .fixed = true};
     return n;
 }
 
 rp_status sweep_box_check(const sweep_box *b, double drop)
 {
-    if (!(b->radius_min <= b->radius_mean && b->radius_mean <= b->radius_max))
-        return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
-                       b->radius_mean, b->radius_min, b->radius_max);
+    dem_scene scene;
+    sweep_box_scene(b, &scene);
+    rp_status status = dem_radius_check(b->radius_mean, b->radius_min, b->radius_max);
+    if (!status) status = dem_physics_check(&scene.def);
+    if (status) return status;
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);
-    if (b->rotation && b->integrator == DEM_GEAR5)
-        return rp_fail(RP_BAD_INPUT, "rotation = true: needs integrator = \"verlet\"");
-    if (b->mu_roll > 0.0 && !b->rotation)
-        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", b->mu_roll);
     if (b->floor_grains && b->mu_floor >= 0.0)
         return rp_fail(RP_BAD_INPUT, "mu_floor = %g: a floor of grains has their friction mu = %g",
-                       b->mu_floor, b->mu);
+                       b->mu_floor, b->physics.mu);
     /* the lightest grain that can be drawn, falling from the top */
-    dem_scene scene;
-    sweep_box_scene(b, &scene);
-    double m = dem_mass(b->shape, b->density, b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
+    double m = dem_mass(b->physics.shape, b->physics.density,
+                        b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
     dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
     scene.def.grains = two;
     scene.def.n_grains = 2;
     const char *what;
     double limit = dem_time_step_limit(&scene.def, &what);
-    if (b->dt > limit)
-        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", b->dt, what, limit);
+    if (b->physics.dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", b->physics.dt, what,
+                       limit);
     return RP_OK;
 }
 
@@ -111,7 +95,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     *run = (sweep_box_run){
         .box = box, .tables = tables, .result = result, .d = 2.0 * box->radius_mean, .cells = NAN};
     sweep_box_scene(box, &run->scene);
-    run->mg = dem_mass(box->shape, box->density, box->radius_mean) * box->g;
+    run->mg = dem_mass(box->physics.shape, box->physics.density, box->radius_mean) * box->g;
     run->states = malloc(most * sizeof *run->states);
     run->work = malloc(3 * most * sizeof *run->work);
     if (!run->states || !run->work) return rp_fail(RP_NO_MEMORY, "run: out of memory");
@@ -293,12 +277,12 @@ void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream
                                  .radius_width = b->radius_width,
                                  .radius_min = b->radius_min,
                                  .radius_max = b->radius_max,
-                                 .density = b->density,
-                                 .shape = b->shape,
+                                 .density = b->physics.density,
+                                 .shape = b->physics.shape,
                                  .seed = (long)seed,
                                  .run = (long)stream};
     const double rows = b->H / (20.0 * run->d);
-    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->gamma_n, 1.0)) * fmax(1.0, rows * rows);
+    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->physics.gamma_n, 1.0)) * fmax(1.0, rows * rows);
     run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
 }
 

@@ -14,18 +14,34 @@ enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */
 typedef struct {
-    double W, mu, mu_wall, mu_floor, mu_roll, k_n, k_n_wall, k_s, gamma_n, gamma_s, density;
-    double radius_mean, radius_width, radius_min, radius_max, g, dt, open;
+    dem_physics physics;
+    double W, mu_wall, mu_floor, k_n_wall;
+    double radius_mean, radius_width, radius_min, radius_max, g, open;
     double rest_energy, rest_force;
-    int shape, integrator, slip, damping, floor, height, empty, parabola;
+    int floor, height, empty, parabola;
     double H; /* of the boxes that a fill makes: height that the grains are counted for, */
     long N, fill_steps, max_steps; /* their number, least steps of filling, most steps of a phase */
-    bool tension, rotation, floor_grains;
+    bool floor_grains;
 } sweep_box;
 
-/* Rows of a schema, R(field of sweep_box, unit, type, default, range, meaning). A protocol whose parameters
- * hold a sweep_box `box` takes those it offers with R = SWEEP_BOX_ROW(its structure, ...), and sets the
- * fields of the others itself. */
+/* A protocol whose parameters hold a sweep_box `box` starts its schema with SWEEP_BOX_PHYSICS(its structure),
+ * which brings all of dem/physics.h, and ends it, after {0}, with SWEEP_BOX_DEFAULTS and overrides of its
+ * own. Of the other rows, R(field of sweep_box, unit, type, default, range, meaning), it takes those it
+ * offers with R = SWEEP_BOX_ROW(its structure, ...), and sets the fields of the others itself. */
+#define SWEEP_PHYSICS_INDEX(kind, name, ...) SWEEP_ROW_##name,
+enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) };
+
+#define SWEEP_BOX_PHYSICS(R, F)   DEM_PHYSICS(R) DEM_RADIUS_PARAMS(F)
+#define SWEEP_PHYSICS_ROW(T, ...) DEM_NAME_ROW(T, box.physics., __VA_ARGS__)
+#define SWEEP_RADIUS_ROW(T, ...)  DEM_NAME_ROW(T, box., __VA_ARGS__)
+
+/* Where the box differs from a scene. The later of two initialisers of a field holds. */
+#define SWEEP_BOX_DEFAULTS                                                                                   \
+    [SWEEP_ROW_tangential].fallback = "spring",         /* the paper's box has friction */                   \
+        [SWEEP_ROW_mu].fallback = "0.2",                /* of the paper's pictures */                        \
+        [SWEEP_ROW_k_n].range = "(0, inf)",             /* a box holds its grains */                         \
+        [SWEEP_ROW_integrator].range = "verlet | gear5" /* the implicit one has no shear springs */
+
 #define SWEEP_BOX_ROW(T, field, unit, type, fallback, range, meaning)                                        \
     {#field, unit, type, offsetof(T, box.field), fallback, range, meaning},
 
@@ -42,40 +58,20 @@ typedef struct {
     R(max_steps, "", RP_INT, "auto", "[5000, 2000000000] | auto",                                            \
       "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1")
 
-#define SWEEP_BOX_GRAIN_ROWS(R)                                                                              \
-    R(mu, "", RP_REAL, "0.2", "[0, inf) | infinite", "friction between grains")                              \
-    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the side walls; auto: mu")             \
-    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "of the floor; auto: mu")                 \
-    R(k_n, "dyn/cm^1.5", RP_REAL, "1e6", "(0, inf)", "normal stiffness")                                     \
-    R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto", "of floor and walls; auto: 2 k_n")         \
-    R(k_s, "dyn/cm", RP_REAL, "1e4", "(0, inf)", "shear stiffness")                                          \
-    R(gamma_n, "1/s", RP_REAL, "500.0", "[0, inf)", "normal damping")                                        \
-    R(gamma_s, "1/s", RP_REAL, "auto", "[0, inf) | auto", "shear damping; auto: gamma_n/100")                \
-    R(density, "g/cm^3", RP_REAL, "1.0", "(0, inf)", "of the grains (disk: g/cm^2)")                         \
-    R(shape, "", RP_CHOICE, "sphere", "sphere | disk",                                                       \
-      "gives mass (from the density) and moment of inertia")                                                 \
-    R(radius_mean, "cm", RP_REAL, "0.1", "(0, inf)", "of the Gaussian; d is twice this")                     \
-    R(radius_width, "cm", RP_REAL, "0.02", "[0, inf)", "standard deviation before the cut")                  \
-    R(radius_min, "cm", RP_REAL, "0.07", "(0, inf)", "drawn again below")                                    \
-    R(radius_max, "cm", RP_REAL, "0.13", "(0, inf)", "drawn again above")                                    \
-    R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")                                                  \
-    R(dt, "s", RP_REAL, "5e-5", "(0, inf)", "time step")                                                     \
-    R(integrator, "", RP_CHOICE, "verlet", "verlet | gear5",                                                 \
-      "velocity Verlet, or Gear's predictor-corrector of fifth order")                                       \
-    R(slip, "", RP_CHOICE, "truncated", "truncated | total",                                                 \
-      "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")                  \
-    R(damping, "", RP_CHOICE, "outside", "outside | inside",                                                 \
-      "whether the Coulomb limit leaves the shear dashpot out, as printed, or holds it with the spring")     \
-    R(tension, "", RP_BOOL, "true", "", "whether the damped normal force may pull, as printed")              \
-    R(rotation, "", RP_BOOL, "false", "", "whether grains rotate; in the paper they do not")                 \
-    R(mu_roll, "", RP_REAL, "0.0", "[0, inf)",                                                               \
-      "rolling resistance, grains and walls; its stiffness is k_s, its damping gamma_s")
+#define SWEEP_BOX_WALL_ROWS(R)                                                                               \
+    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "friction of the side walls; auto: mu")    \
+    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "friction of the floor; auto: mu")        \
+    R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto",                                            \
+      "normal stiffness of floor and walls; auto: 2 k_n")                                                    \
+    R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")
+
+#define SWEEP_BOX_FLOOR_GRAINS_ROW(R)                                                                        \
+    R(floor_grains, "", RP_BOOL, "false", "",                                                                \
+      "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")
 
 #define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
     R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
       "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")           \
-    R(floor_grains, "", RP_BOOL, "false", "",                                                                \
-      "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")     \
     R(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant", "speed at which the right wall is lifted")
 
 #define SWEEP_BOX_REST_ROWS(R)                                                                               \

@@ -29,6 +29,9 @@ typedef struct {
 #define SWEEP_BIN_ROW(k)                                                                                     \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 
+/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
+#pragma GCC diagnostic ignored "-Woverride-init"
+
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
 typedef struct {

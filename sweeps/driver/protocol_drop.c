@@ -43,15 +43,17 @@ typedef struct {
 enum { LAW_SLIP_ROLL, LAW_SPRING };
 
 /* clang-format off */
+#define ROW(...)            DEM_NAME_ROW(drop_params, , __VA_ARGS__)
+enum { ROW_mu, ROW_mu_roll };
 static const rp_param schema[] = {
+    DEM_MU_PARAM(ROW)
+    DEM_MU_ROLL_PARAM(ROW)
     {"N", "", RP_INT, AT(N), "968", "[2, 100000]", "disks that are dropped"},
     {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "they fall uniformly over this width; a point's is 1"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
     {"radius_width", "d/2", RP_REAL, AT(radius_width), "0", "[0, 0.2]", "standard deviation of the radii, cut at three of it"},
     {"law", "", RP_CHOICE, AT(law), "spring", "slip_roll | spring", "tangential law: viscous slip under mu N, and wells of the ground; or shear springs, at the ground too"},
     {"restitution", "", RP_REAL, AT(restitution), "0.5", "[0, 1]", "of hard collisions"},
-    {"mu", "", RP_REAL, AT(mu), "0.5", "[0, inf)", "friction, of hard collisions and of contacts"},
-    {"mu_roll", "", RP_REAL, AT(mu_roll), "0.1", "[0, inf)", "rolling resistance"},
     {"eps", "", RP_REAL, AT(eps), "2e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
     {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
     {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "the same for shear and rolling"},
@@ -61,7 +63,9 @@ static const rp_param schema[] = {
     {"rest_force", "m g", RP_REAL, AT(rest_force), "0.2", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
-    {0}};
+    {0},
+    [ROW_mu].fallback = "0.5", /* of hard collisions too; the paper's */
+    [ROW_mu_roll].fallback = "0.1" /* without it disks roll away */};
 /* clang-format on */
 
 /* clang-format off */

@@ -25,13 +25,16 @@ typedef struct {
     long insertions, steps_max, avalanche, draws;
 } flux_params;
 
-#define AT(field) offsetof(flux_params, field)
-#define BOX(...)  SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
+#define AT(field)    offsetof(flux_params, field)
+#define BOX(...)     SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
+#define PHYSICS(...) SWEEP_PHYSICS_ROW(flux_params, __VA_ARGS__)
+#define RADIUS(...)  SWEEP_RADIUS_ROW(flux_params, __VA_ARGS__)
 
 /* clang-format off */
 static const rp_param schema[] = {
+    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
     SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_GRAIN_ROWS(BOX)
+    SWEEP_BOX_WALL_ROWS(BOX)
     {"v_cut", "cm/s", RP_REAL, AT(v_cut), "0.1", "(0, inf)", "the pile is quiet below this speed"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "0", "[0, 100]", "of a new grain, above where it would touch"},
     {"entry_width", "d", RP_REAL, AT(entry_width), "0", "[0, 100]",
@@ -44,7 +47,8 @@ static const rp_param schema[] = {
     {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
     SWEEP_BOX_REST_ROWS(BOX)
     SWEEP_BOX_SURFACE_ROWS(BOX)
-    {0}};
+    {0},
+    SWEEP_BOX_DEFAULTS};
 /* clang-format on */
 
 /* clang-format off */
@@ -118,7 +122,8 @@ static double draw_radius(flux *f)
 
 static dem_grain grain_at(const flux *f, double x, double y, double r)
 {
-    return (dem_grain){.x = x, .y = y, .r = r, .m = dem_mass(f->p.box.shape, f->p.box.density, r)};
+    return (dem_grain){
+        .x = x, .y = y, .r = r, .m = dem_mass(f->p.box.physics.shape, f->p.box.physics.density, r)};
 }
 
 /* Grains from left to right, each on the floor and touching the last, while they end before W. */

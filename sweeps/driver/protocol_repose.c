@@ -25,15 +25,19 @@ typedef struct {
     unsigned measure;
 } repose_params;
 
-#define AT(field) offsetof(repose_params, field)
-#define BOX(...)  SWEEP_BOX_ROW(repose_params, __VA_ARGS__)
+#define AT(field)    offsetof(repose_params, field)
+#define BOX(...)     SWEEP_BOX_ROW(repose_params, __VA_ARGS__)
+#define PHYSICS(...) SWEEP_PHYSICS_ROW(repose_params, __VA_ARGS__)
+#define RADIUS(...)  SWEEP_RADIUS_ROW(repose_params, __VA_ARGS__)
 
 /* clang-format off */
 static const rp_param schema[] = {
+    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
     SWEEP_BOX_WIDTH_ROW(BOX)
     SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_GRAIN_ROWS(BOX)
+    SWEEP_BOX_WALL_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
+    SWEEP_BOX_FLOOR_GRAINS_ROW(BOX)
     {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
      "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
      "would press grains in by half the smallest radius"},
@@ -50,7 +54,8 @@ static const rp_param schema[] = {
      "what turns: gravity, or the walls about the origin, as in the paper"},
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
     SWEEP_BOX_SURFACE_ROWS(BOX)
-    {0}};
+    {0},
+    SWEEP_BOX_DEFAULTS};
 /* clang-format on */
 
 /* The variants of the surface, four slopes each. */
@@ -105,7 +110,7 @@ static rp_status check(const void *params)
     const repose_params *p = params;
     rp_status status = sweep_box_check_fill(&p->box);
     if (status) return status;
-    if (p->stop == STOP_REST && p->box.slip == DEM_TOTAL)
+    if (p->stop == STOP_REST && p->box.physics.slip == DEM_TOTAL)
         return rp_fail(
             RP_BAD_INPUT,
             "slip = \"total\": the untruncated spring never comes to rest; needs stop = \"steps\"");
@@ -133,14 +138,16 @@ static rp_status place_grains(experiment *e)
 }
 
 /* With `auto` gravity grows where the fall from 2 H would press two grains of the mean radius into each other
- * by more than half of the smallest radius: (5 m_eff v^2/(4 k_n))^(2/5), without damping. To the power of
- * five halves, so that no rounding of pow decides. */
+ * by more than half of the smallest radius, without damping: where half m_eff v^2 exceeds the energy of the
+ * spring there. */
 static bool fills_by_ramp(const repose_params *p)
 {
     const sweep_box *b = &p->box;
-    double m_eff = 0.5 * dem_mass(b->shape, b->density, b->radius_mean), most = 0.5 * b->radius_min;
-    double impact = 5.0 * m_eff * (2.0 * b->g * 2.0 * b->H) / (4.0 * b->k_n);
-    return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > most * most * sqrt(most));
+    const double m_eff = 0.5 * dem_mass(b->physics.shape, b->physics.density, b->radius_mean),
+                 impact = m_eff * b->g * 2.0 * b->H,
+                 spring =
+                     dem_normal_descriptors[b->physics.normal].potential(b->physics.k_n, 0.5 * b->radius_min);
+    return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > spring);
 }
 
 static rp_status ramp_gravity(experiment *e, long steps)
@@ -425,17 +432,17 @@ static rp_status fingerprint(char digits[33])
         p[k].measure = MEASURE_THETA_R | MEASURE_THETA_T;
         p[k].tilt_rate_deg = 0.01;
     }
-    p[1].box.slip = DEM_TOTAL;
+    p[1].box.physics.slip = DEM_TOTAL;
     p[1].box.floor = SWEEP_FLOOR_ENDS;
-    p[1].box.shape = DEM_DISK;
-    p[1].box.tension = false;
+    p[1].box.physics.shape = DEM_DISK;
+    p[1].box.physics.tension = false;
     p[1].tilt = TILT_BOX;
-    p[2].box.integrator = DEM_GEAR5;
+    p[2].box.physics.integrator = DEM_GEAR5;
     p[2].box.floor_grains = true;
     p[2].fill = FILL_RAMP;
-    p[3].box.damping = DEM_DAMPING_INSIDE;
-    p[3].box.rotation = true;
-    p[3].box.mu_roll = 0.1;
+    p[3].box.physics.damping = DEM_DAMPING_INSIDE;
+    p[3].box.physics.rotation = true;
+    p[3].box.physics.mu_roll = 0.1;
     for (int k = 0; k < N_RUNS; k++) {
         rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
         if (status) return status;

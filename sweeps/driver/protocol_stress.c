@@ -20,21 +20,26 @@ typedef struct {
     double tilt_rate_deg;
 } stress_params;
 
-#define AT(field) offsetof(stress_params, field)
-#define BOX(...)  SWEEP_BOX_ROW(stress_params, __VA_ARGS__)
+#define AT(field)    offsetof(stress_params, field)
+#define BOX(...)     SWEEP_BOX_ROW(stress_params, __VA_ARGS__)
+#define PHYSICS(...) SWEEP_PHYSICS_ROW(stress_params, __VA_ARGS__)
+#define RADIUS(...)  SWEEP_RADIUS_ROW(stress_params, __VA_ARGS__)
 
 /* clang-format off */
 static const rp_param schema[] = {
+    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
     SWEEP_BOX_WIDTH_ROW(BOX)
     SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_GRAIN_ROWS(BOX)
+    SWEEP_BOX_WALL_ROWS(BOX)
     SWEEP_BOX_OPENING_ROWS(BOX)
     SWEEP_BOX_FILL_STEPS_ROW(BOX)
     SWEEP_BOX_REST_ROWS(BOX)
     SWEEP_BOX_MAX_STEPS_ROW(BOX)
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
     SWEEP_BOX_SURFACE_ROWS(BOX)
-    {0}};
+    {0},
+    SWEEP_BOX_DEFAULTS,
+    [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
 /* clang-format on */
 
 /* Tilts at which the forces are read, degrees; the response is that of the first N_FITTED, or as many as
@@ -95,13 +100,7 @@ typedef struct {
 static rp_status check(const void *params)
 {
     const stress_params *p = params;
-    rp_status status = sweep_box_check_fill(&p->box);
-    if (status) return status;
-    if (p->box.slip == DEM_TOTAL)
-        return rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest");
-    if (p->box.floor_grains)
-        return rp_fail(RP_BAD_INPUT, "floor_grains = true: the forces on a floor are those on a flat one");
-    return RP_OK;
+    return sweep_box_check_fill(&p->box);
 }
 
 static rp_status make_pile(experiment *e)
