@@ -203,12 +203,57 @@ static void observed_force(void)
     }
 }
 
+/* ---- Restitution
+ * -------------------------------------------------------------------------------------------- */
+
+static const double ratios[] = {0.003, 0.04, 0.215, 0.5, 0.7, 0.73, 0.93, 0.999, 1.0, 1.02, 1.7, 4.1};
+enum { RATIOS = sizeof ratios / sizeof *ratios };
+
+/* Closed forms against the solution of the equation of motion, at speeds that differ by far. */
+static void restitution_has_closed_form(void)
+{
+    const double k = 2.385e5, m = 0.00317;
+    for (int law = 0; law < DEM_NORMAL_N; law++) {
+        const dem_normal_descriptor *d = &dem_normal_descriptors[law];
+        for (int i = 0; i < RATIOS * 2 * (d->damping_ratio != NULL); i++) {
+            const double ratio = ratios[i / 2], gamma = ratio / d->damping_ratio(k, 1.0, m);
+            CHECK_NEAR(d->damping_ratio(k, gamma, m), ratio, 1e-14 * ratio);
+            const bool tension = i % 2;
+            if (tension && ratio > 0.99) continue; /* the solver follows no impact that hardly ends */
+            for (double v = 0.13; v < 1e3; v *= 37.0) {
+                dem_collision_result c;
+                CHECK_OK(dem_collision(law, tension, k, gamma, m, v, &c));
+                CHECK_NEAR(c.restitution, dem_restitution(tension, ratio), 1e-10);
+            }
+        }
+    }
+}
+
+static void restitution_is_inverted(void)
+{
+    for (int tension = 0; tension < 2; tension++) {
+        CU_ASSERT(dem_restitution(tension, 0.0) == 1.0 && dem_damping_ratio_of(tension, 1.0) == 0.0);
+        for (double e = 1e-3; e < 1.0; e *= 1.31)
+            CHECK_NEAR(dem_restitution(tension, dem_damping_ratio_of(tension, e)), e, 1e-12);
+        for (int i = 1; i < RATIOS; i++)
+            CU_ASSERT(dem_restitution(tension, ratios[i]) < dem_restitution(tension, ratios[i - 1]) ||
+                      (tension && ratios[i] > 1.0));
+    }
+    /* critical damping: exp(-2); the series about it from both sides */
+    CHECK_NEAR(dem_restitution(false, 1.0), exp(-2.0), 1e-15);
+    CHECK_NEAR(dem_restitution(false, 1.0 - 1e-9), exp(-2.0), 1e-8);
+    CHECK_NEAR(dem_restitution(false, 1.0 + 1e-9), exp(-2.0), 1e-8);
+    CU_ASSERT(dem_restitution(true, 1.0) == 0.0 && dem_restitution(true, 3.0) == 0.0);
+}
+
 void suite_laws(void)
 {
     static const check_case cases[] = {{"each kernel matches the reference loop", kernels_match_reference},
                                        {"springs agree with their descriptors", springs_agree},
                                        {"dashpots agree with their descriptors", dashpots_agree},
                                        {"force that an observer reads", observed_force},
+                                       {"restitution has a closed form", restitution_has_closed_form},
+                                       {"restitution is inverted", restitution_is_inverted},
                                        {NULL, NULL}};
     check_register("laws", cases);
 }

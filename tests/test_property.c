@@ -10,6 +10,7 @@
 #include "statics/equilibrium.h"
 #include "dem/hard.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 #include "tests/property.h"
 
 enum { SEED = 1992 };
@@ -250,7 +251,6 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     const double seed = x[0], c = cos(angle), s = sin(angle), way = 0.15 + 0.04 * x[1];
     dem_definition def = dem_definition_default();
     def.gravity[0] = def.gravity[1] = 0.0;
-    def.normal = (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N);
     def.slip = pick(seed, 1) < 0.5 ? DEM_TRUNCATED : DEM_TOTAL;
     def.damping = pick(seed, 2) < 0.5 ? DEM_DAMPING_OUTSIDE : DEM_DAMPING_INSIDE;
     def.tension = pick(seed, 3) < 0.5;
@@ -259,7 +259,8 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     def.integrator = !def.rotation && pick(seed, 6) < 0.3 ? DEM_GEAR5 : DEM_VERLET;
     def.kernel = pick(seed, 7) < 0.5 ? DEM_REFERENCE : DEM_BASELINE;
     def.dt = 1e-5;
-    def.material = (dem_material){.k_n = 1e5, .gamma_n = 50.0, .k_s = 3e4, .gamma_s = 20.0, .mu = 0.3};
+    def.material = (dem_material){.k_s = 3e4, .gamma_s = 20.0, .mu = 0.3};
+    grains_law(&def, (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N), 1e5, 50.0);
     if (def.rotation && pick(seed, 8) < 0.5) {
         def.material.mu_roll = 0.2;
         def.material.k_roll = 2e4;

@@ -957,7 +957,7 @@ static void box_shapes(void)
                    boxes[i].more);
         const int status = program(
             "sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; printf \"%%s\" \"$1\" >$d/box.cfg; "
-            "\"$0\" run --box $d/box.cfg --row 0 -o $d/out 2>&1' \"$REPOSE\" 'protocol = \"repose\"; "
+            "\"$0\" run $d/box.cfg --row 0 -o $d/out 2>&1' \"$REPOSE\" 'protocol = \"repose\"; "
             "replicas = 1; "
             "seed = 5; fixed = { W = %.6f; H = %.6f; dt = %.9f; %s %s }; grid = { mu = [0.2]; };'",
             boxes[i].W, boxes[i].H, boxes[i].dt, count, boxes[i].more);

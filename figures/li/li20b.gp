@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 20(b), for ensembles: mean pressure on the base of dropped piles, averaged over
-# both sides, with standard errors over piles. D is D_raw of `repose angle dip`; D_excess is its D, the excess over a
+# both sides, with standard errors over piles. D is D_raw of `repose stress dip`; D_excess is its D, the excess over a
 # triangle of the same slopes.
 # tables: continuum_30.tsv li20_broad_dip.tsv li20_broad_dip_raw.tsv li20_broad_profile.tsv li20_hard_dip.tsv
 #    li20_hard_dip_raw.tsv li20_hard_profile.tsv li20_point_dip.tsv li20_point_dip_raw.tsv li20_point_profile.tsv

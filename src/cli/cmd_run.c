@@ -1,4 +1,4 @@
-/* `repose run`: any scene from a file, or one row of a sweep again with its tables. */
+/* `repose run`: any scene from a file, or one run of a sweep again with its tables. */
 #include <math.h>
 #include <signal.h>
 #include <stddef.h>
@@ -7,6 +7,7 @@
 
 #include "cli/cli.h"
 #include "core/clock.h"
+#include "core/config.h"
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
@@ -14,39 +15,41 @@ typedef struct {
     rp_texts set;
     long every, row;
     bool ledger;
-    const char *directory, *box;
+    const char *directory;
 } run_options;
 
 static const rp_param options[] = {
     {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
      "KEY=VALUE or GROUP.KEY=VALUE in place of the file's; may be repeated"},
     {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
-     "write states (with --box: energies) each time; auto: the final state (with --box: every 100)"},
+     "write states (of a sweep's run: energies) at this interval; auto: the final state (energies: 100)"},
     {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
      "folder for tables, instead of standard output"},
     {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
      "where the energy goes, further columns of the energies; as `ledger = true` in a scene"},
-    {"box", "", RP_TEXT, offsetof(run_options, box), "", "",
-     "a sweep file: run one of its rows and write its tables"},
     {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
-     "number of the run within --box, from 0"},
+     "of a sweep file: number of the run, from 0"},
     {0}};
 
 static const cli_command command = {
     "run",
-    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | --box SWEEP.cfg [--row N] -o DIR",
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | SWEEP.cfg [--row N] [--every N] "
+    "[--ledger] "
+    "-o DIR",
     "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y "
     "(cm),\n"
     "angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
     "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
-    "With --box: the box experiment of one row of a sweep, with its grains and contacts when full and at "
-    "the\n"
-    "end, its energies, and scene.cfg, which runs to the same bits. `repose params scene` lists the keys of "
-    "a\n"
-    "scene file.",
+    "A file with the key `protocol` is a sweep: one of its runs is made again, and its results are printed. "
+    "The\n"
+    "folder has its tables: grains and contacts, energies, and of a box scene.cfg, which runs to the same "
+    "bits;\n"
+    "of a static pile disks, contacts, wells and the forces on the base. `repose params scene` lists the "
+    "keys of\n"
+    "a scene file.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     options,
-    0,
+    1,
     1};
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -178,14 +181,16 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     return outputs_close(&out, scene, sim, status);
 }
 
-static rp_status run_box(const run_options *o)
+static rp_status run_row(const char *path, const run_options *o)
 {
-    if (!*o->directory) return rp_fail(RP_USAGE, "--box needs -o DIR, the folder for its tables");
+    if (!*o->directory)
+        return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
+    if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
     const sweep_tables tables = {o->directory, o->every > 0 ? o->every : 100, write_header, o->ledger};
-    rp_status status = sweep_trace(o->box, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
@@ -204,24 +209,38 @@ static rp_status run_box(const run_options *o)
                : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
+static rp_status is_sweep(const char *path, bool *sweep)
+{
+    config_t config;
+    rp_status status = rp_config_read(path, &config);
+    *sweep = !status && config_lookup(&config, "protocol") != NULL;
+    config_destroy(&config);
+    return status;
+}
+
+static rp_status run_file(const char *path, const run_options *o)
+{
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    if (cli_given(&command, "row"))
+        return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
+    rp_status status = dem_scene_read(path, &o->set, &scene);
+    if (o->ledger) scene.def.ledger = true;
+    if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
+    if (!status) status = run_scene(&scene, o, sim);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    return status;
+}
+
 rp_status cmd_run(int argc, char **argv)
 {
     run_options o;
     const char *path;
     int n;
-    bool done;
+    bool done, sweep;
     rp_status status = cli_parse(&command, argc, argv, &o, &path, &n, &done);
     if (status || done) return status;
-    if ((n == 1) == (*o.box != '\0'))
-        return rp_fail(RP_USAGE, "give either a scene file or --box; see repose run --help");
-    if (*o.box) return run_box(&o);
-    dem_scene scene;
-    dem_sim *sim = NULL;
-    status = dem_scene_read(path, &o.set, &scene);
-    if (o.ledger) scene.def.ledger = true;
-    if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
-    if (!status) status = run_scene(&scene, &o, sim);
-    dem_free(sim);
-    dem_scene_free(&scene);
-    return status;
+    status = is_sweep(path, &sweep);
+    return status ? status : sweep ? run_row(path, &o) : run_file(path, &o);
 }

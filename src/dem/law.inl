@@ -102,10 +102,39 @@ static inline double constant_mean_rate(double k_n, double gamma_n, double m_eff
     return gamma_n;
 }
 
+/* with the linear spring */
+static inline double linear_damping_ratio(double k_n, double gamma_n, double m_eff)
+{
+    return 0.5 * gamma_n * sqrt(m_eff / k_n);
+}
+
 /* gamma_n (m_eff/k_n)^(2/5) v^(-1/5) = 1.12799 with Hertz' spring */
 static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_eff)
 {
     return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12799, 5.0);
+}
+
+/* Tsuji, Tanaka & Ishida 1992: c m_eff = gamma_n sqrt(m_eff k_n) x^(1/4), with Hertz' spring, gamma_n
+ * a number. */
+LAW num tsuji_rate(double k_n, double gamma_n, num m_eff, num overlap)
+{
+    return gamma_n * num_sqrt(k_n / m_eff * num_sqrt(overlap));
+}
+
+/* 4/5 (t^5 - s^5)/(t^4 - s^4) of the fourth roots */
+static inline double tsuji_mean_rate(double k_n, double gamma_n, double m_eff, double before, double after)
+{
+    const double s = sqrt(sqrt(before)), t = sqrt(sqrt(after)), s2 = s * s, t2 = t * t;
+    return 0.8 * gamma_n * sqrt(k_n / m_eff) * (before + after + s * t * (s2 + s * t + t2)) /
+           ((s + t) * (s2 + t2));
+}
+
+/* In w = sqrt(4/5) x^(5/4) and the time that runs at x^(1/4) sqrt(5)/2, units of m_eff = k_n = 1, w' = v and
+ * v' = -w - 2 gamma_n/sqrt(5) v: a linear oscillator, whatever the speed. */
+static inline double tsuji_damping_ratio(double k_n, double gamma_n, double m_eff)
+{
+    (void)k_n, (void)m_eff;
+    return gamma_n / sqrt(5.0);
 }
 
 /* ---- Normal laws: a spring and a dashpot, by their rows in laws.h

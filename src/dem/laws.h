@@ -10,7 +10,10 @@
 #define DEM_NORMAL_LAWS(X)                                                                                   \
     X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,        \
       .modulus = hertz_modulus)                                                                              \
-    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true)
+    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true,                     \
+      .damping_ratio = linear_damping_ratio)                                                                 \
+    X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio,               \
+      .modulus = hertz_modulus)
 
 /* Tangential laws: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a
  * spring (Liffman, Chan & Hughes 1992, eqs (27)-(32)). id; word; has friction; has a spring. */
@@ -73,11 +76,18 @@ typedef struct {
     double (*rest_overlap)(double k_n, double force);             /* at which it carries the force */
     double (*damping_rate)(double k_n, double gamma_n, double m_eff, double overlap); /* 1/time */
     bool constant_stiffness;                                                          /* at all overlaps */
-    /* NULL for a law that has none: speed below which two grains whose damping may pull never part; E* of
-     * spheres of radius r */
+    /* NULL for a law that has none: damping over critical damping, where it is the same at all speeds; speed
+     * below which two grains whose damping may pull never part; E* of spheres of radius r */
+    double (*damping_ratio)(double k_n, double gamma_n, double m_eff);
     double (*sticking_speed)(double k_n, double gamma_n, double m_eff);
     double (*modulus)(double k_n, double r);
 } dem_normal_descriptor;
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
+
+/* Restitution of a law with a damping ratio, which may be above 1: of an impact from first touch to where the
+ * overlap, or without tension the force, is 0 again. And the ratio of a restitution in (0, 1]; without
+ * tension to 1e-15 or so of it. */
+double dem_restitution(bool tension, double damping_ratio);
+double dem_damping_ratio_of(bool tension, double restitution);
 
 #endif

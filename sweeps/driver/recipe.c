@@ -24,7 +24,8 @@ static rp_status read_table(const config_setting_t *setting, const char *sweep, 
     if (!table->name || !table->command) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
     if (strncmp(table->name, sweep, length) != 0 || (table->name[length] && table->name[length] != '_') ||
         strchr(table->name, '/'))
-        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name, sweep);
+        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name,
+                              sweep);
     return RP_OK;
 }
 
@@ -37,7 +38,8 @@ static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
     recipe->tables = calloc(n + 1, sizeof *recipe->tables);
     if (!recipe->tables) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
     for (size_t i = 0; !status && i < n; i++)
-        status = read_table(config_setting_get_elem(list, (unsigned)i), recipe->name, &recipe->tables[recipe->n_tables++]);
+        status = read_table(config_setting_get_elem(list, (unsigned)i), recipe->name,
+                            &recipe->tables[recipe->n_tables++]);
     return status;
 }
 
