@@ -464,7 +464,7 @@ REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
 # named by the texts and by the claims, but for those that nothing makes yet: their claims have no data
-UNANSWERED := lh_equal_radii lh_wall_trend_top li20_lines li20_collisions_dip
+UNANSWERED := lh_equal_radii lh_wall_trend_top li20_single li20_lines li20_collisions_dip
 REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large li_size_limit% mutate% $(UNANSWERED),$(shell \
   { grep -ohE '\{\{(value|cell|note|rows) [A-Za-z0-9_.-]+' figures/report/*.md | sed 's/.* //'; \
     awk -F'\t' '!/^\#/ && $$6 !~ /constant|formula|picture|untestable/ { split($$11, a, " "); split($$12, b, " "); print a[1]; if (b[2]) print b[1] }' \
