@@ -640,7 +640,7 @@ static void springs_end_of(bool rolling)
     def.gravity[1] = 0.0;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
-    if (rolling) {          /* turning in place of sliding; too soft to be turned back */
+    if (rolling) {          /* rotation without translation; too soft to reverse it */
         def.rotation = true;
         def.material.mu = def.material.gamma_roll = 0.0;
         def.material.mu_roll = 10.0;
