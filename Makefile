@@ -182,36 +182,34 @@ $(T)/%_compare.tsv: $(T)/%_runs.tsv
 $(T)/%_phi.tsv: $(T)/%_runs.tsv
 	@$(REPOSE) angle phi $< >$@
 $(T)/%_critical.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle critical $< >$@
+	@$(REPOSE) stress critical $< >$@
 # Dropped piles: the dip of the mean pressure on their bases, over a triangle and without one, and that pressure.
 $(T)/%_dip.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle dip $< >$@
+	@$(REPOSE) stress dip $< >$@
 $(T)/%_dip_raw.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle dip $< --against zero >$@
+	@$(REPOSE) stress dip $< --against zero >$@
 # The same for some of the piles: those of one friction of the base; triangles of the hardest disks, by disorder.
-rows_where = awk -F'\t' '/^\#/ { for (i = 1; i <= NF; i++) { name = $$i; sub(/^\# /, "", name); of[name] = i } print; next } $(1)'
 $(T)/li_disorder_mu_%_dip.tsv: $(T)/li_disorder_mu_runs.tsv
-	@$(call rows_where,$$of["mu"] + 0 == $*) $< | $(REPOSE) angle dip - >$@
+	@$(REPOSE) stress dip $< --where mu=$* >$@
 $(T)/li_disorder_%_dip.tsv: $(T)/li_disorder_runs.tsv
-	@$(call rows_where,$$of["inner_deg"] == "auto" && $$of["eps"] < 1e-5 && $$of["disorder"] / $* < 1.5 && $$of["disorder"] / $* > 0.5) $< | \
-	  $(REPOSE) angle dip - >$@
+	@$(REPOSE) stress dip $< --where inner_deg=auto --where 'eps<1e-5' --where disorder=$* >$@
 $(T)/li_disorder_mu_trend.tsv: $(T)/li_disorder_mu_runs.tsv
-	@$(REPOSE) angle trend $< --x mu --y D --pair --margin 0.1 >$@
+	@$(REPOSE) stats trend $< --x mu --y D --pair --margin 0.1 >$@
 $(T)/%_profile.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle dip $< --profile >$@
+	@$(REPOSE) stress dip $< --profile >$@
 $(T)/%_fit_theta_r.tsv: $(T)/%.tsv
-	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
+	@$(REPOSE) stats fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --from 0.05 --to 0.2 >$@
 $(T)/%_fit_theta_t.tsv: $(T)/%.tsv
-	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --from 0.05 --to 0.2 >$@
+	@$(REPOSE) stats fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --from 0.05 --to 0.2 >$@
 
 # Calibration on planted piles; too few intervals that hold the truth (exit status 1) are a result too.
 $(T)/calibrate_verify.tsv: $(T)/calibrate_runs.tsv $(T)/calibrate_planted_runs.tsv
 	@$(REPOSE) calibrate --runs $< --planted $(word 2,$^) --verify 100 >$@ || [ $$? = 1 ]
 
 $(T)/%_linear.tsv: $(T)/%.tsv
-	@$(REPOSE) angle fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --successive >$@
+	@$(REPOSE) stats fit $< --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --successive >$@
 $(T)/%_linear_theta_t.tsv: $(T)/%.tsv
-	@$(REPOSE) angle fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --successive >$@
+	@$(REPOSE) stats fit $< --x mu --y theta_t_displacement_deg_mean --se theta_t_displacement_deg_se --successive >$@
 # Trends of theta_R, and of what else is named, over what a sweep varies; margin 1 degree.
 TREND_lh2a := --x H --by mu
 TREND_lh2b_all := --x W --by mu --power 2
@@ -234,35 +232,35 @@ TREND_val_integrator := --x integrator --pair --margin 0.3
 $(T)/lh2b_all_runs.tsv: $(T)/lh2b_runs.tsv $(T)/lh2b_beyond_runs.tsv
 	@cat $^ >$@
 $(T)/lh5_trend.tsv: $(T)/lh5_runs.tsv
-	@$(REPOSE) angle trend $< --x v_cut --y theta_deg --scale log >$@
+	@$(REPOSE) stats trend $< --x v_cut --y theta_deg --scale log >$@
 $(T)/%_trend.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) >$@
+	@$(REPOSE) stats trend $< --y theta_r3_deg $(TREND_$*) >$@
 $(T)/%_trend_method2.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_r2_deg $(TREND_$*) >$@
+	@$(REPOSE) stats trend $< --y theta_r2_deg $(TREND_$*) >$@
 $(T)/%_trend_r12.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_r12_deg $(TREND_$*) >$@
+	@$(REPOSE) stats trend $< --y theta_r12_deg $(TREND_$*) >$@
 $(T)/%_trend_bottom.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_lower_less_upper_deg $(TREND_$*) >$@
+	@$(REPOSE) stats trend $< --y theta_lower_less_upper_deg $(TREND_$*) >$@
 # Gravity turned against the box turned, and one rate against another, on the same piles.
 $(T)/lh_tilt_trend_%.tsv: $(T)/lh_tilt_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt --by mu,tilt_rate_deg --pair >$@
+	@$(REPOSE) stats trend $< --y theta_t_$*_deg --x tilt --by mu,tilt_rate_deg --pair >$@
 $(T)/lh_tilt_rate_%.tsv: $(T)/lh_tilt_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_t_$*_deg --x tilt_rate_deg --scale log --by mu,tilt --pair >$@
+	@$(REPOSE) stats trend $< --y theta_t_$*_deg --x tilt_rate_deg --scale log --by mu,tilt --pair >$@
 $(T)/%_trend_upper.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
+	@$(REPOSE) stats trend $< --y theta_r3_deg $(TREND_$*) --from $(UPPER_$*) >$@
 # What a standard error of a degree costs.
-$(T)/%_degree.tsv: $(T)/%_runs.tsv sweeps/cost.awk
-	@awk -f sweeps/cost.awk $< >$@
+$(T)/%_degree.tsv: $(T)/%_runs.tsv
+	@$(REPOSE) stats cost $< --y theta_r3_deg --by W,dt,rest_energy --size W >$@
 $(T)/%_size.tsv: $(T)/%_runs.tsv
-	@$(REPOSE) angle size $< --x W --y theta_r3_deg --by mu >$@
+	@$(REPOSE) stats size $< --x W --y theta_r3_deg --by mu >$@
 # Static piles of growing size: the limits of N and H, by straight lines from a base on that is in the name.
 $(T)/li_size_all_runs.tsv: $(T)/li_size_runs.tsv $(T)/li_size_large_runs.tsv
 	@cat $^ >$@
 $(T)/li_size_limit_%.tsv: $(T)/li_size_all_runs.tsv
-	@from=$*; $(REPOSE) angle size $< --x base --y $${from#*_} --by well --from $${from%%_*} >$@
+	@from=$*; $(REPOSE) stats size $< --x base --y $${from#*_} --by well --from $${from%%_*} >$@
 # Does a change shrink with the size of the box?
 $(T)/%_shrink.tsv: $(T)/%_trend.tsv
-	@$(REPOSE) angle fit $< --x W --y change --se change_se >$@
+	@$(REPOSE) stats fit $< --x W --y change --se change_se >$@
 
 # The published numbers, for figures.
 $(T)/published.tsv: figures/claims.tsv $(CODE)
@@ -337,8 +335,7 @@ $(T)/lh5_row%/series.tsv $(T)/lh5_row%.tsv: sweeps/lh/lh5.cfg $(CODE)
 	@$(REPOSE) run $< --row $* -o $(T)/lh5_row$* >$(T)/lh5_row$*.tsv
 # The largest of ten opened boxes whose floor ends: what the maximum of ten angles under flux compares with.
 $(T)/lh_floor_maximum.tsv: $(T)/lh_floor_runs.tsv
-	@awk -F'\t' '/^#/ { for (i = 1; i <= NF; i++) if ($$i == "floor") f = i; print; next } $$f == "ends"' $< | \
-	  $(REPOSE) angle maximum - --column theta_r3_deg --draws 10 >$@
+	@$(REPOSE) stats maximum $< --where floor=ends --column theta_r3_deg --draws 10 >$@
 
 # The stress of 20 piles of mu = 0.2, from their contacts at rest: the field, and the forces on the base.
 STRESS_ROWS := $(shell seq 20 39)
@@ -347,9 +344,9 @@ $(T)/lh_stress_piles: sweeps/studies/lh_stress.cfg $(CODE)
 	@printf "%s\n" $(STRESS_ROWS) | xargs -P $(WORKERS) -I R $(REPOSE) run $< --row R --every 100000 -o $@/R >/dev/null
 	@touch $@
 $(T)/lh_stress_field.tsv: $(T)/lh_stress_piles
-	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@
+	@$(REPOSE) stress field $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@
 $(T)/lh_stress_base.tsv: $(T)/lh_stress_piles
-	@$(REPOSE) angle stress $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 --base >$@
+	@$(REPOSE) stress base $(STRESS_ROWS:%=$</%/tilt_0) --width 4 --cell 0.4 >$@
 
 # Models on paper: the angle, or the tent's outer and inner angle and 100 x_1/B, is in the name.
 $(T)/continuum_%.tsv: $(CODE)
@@ -388,15 +385,16 @@ $(T)/pile_tent_%.tsv: $(CODE)
 	  $(addprefix --well ,$(word 6,$(call pile_words,$*))) >$@
 # One row a pile: the first with its header.
 define one_table
-@awk '/^#/ && rows { next } !/^#/ { rows++ } { print }' $@.rows >$@
+@$(REPOSE) stats select $@.rows >$@
 @rm $@.rows
 endef
-$(T)/pile_eps.tsv: sweeps/slope.awk $(CODE)
+$(T)/pile_eps.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for e in 1e-3 3e-4 1e-4 3e-5 1e-5 1e-6 1e-7 1e-8; do \
 	  $(REPOSE) pile --eps $$e --summary || exit 1; done >$@.rows
-	@awk -f sweeps/slope.awk $@.rows >$@
-	@rm $@.rows
+	$(one_table)
+$(T)/pile_eps_slope.tsv: $(T)/pile_eps.tsv
+	@$(REPOSE) stats fit $< --x eps --y N_error_rms --scale log --where negative_modes=0 >$@
 $(T)/pile_minima.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for k in $$(seq 16); do \
@@ -421,10 +419,10 @@ $(T)/pile_again.tsv: $(CODE)
 	@for a in 30 45 60; do for set in "" "--set-load 1" "--set-again" "--set-load 1 --set-again"; do for mu in $$(seq 0.15 0.01 0.6); do \
 	  $(REPOSE) pile --alpha-deg $$a --well 1 --mu $$mu $$set --summary 2>/dev/null || [ $$? = 1 ] || exit 1; done; done; done >$@.rows
 	$(one_table)
-$(T)/pile_again_threshold.tsv: $(T)/pile_again.tsv sweeps/threshold.awk
-	@awk -v by=alpha_deg,set_load,set_again -f sweeps/threshold.awk $< >$@
-$(T)/li_smooth_threshold.tsv: $(T)/li_smooth_runs.tsv sweeps/threshold.awk
-	@awk -v by=alpha_deg,well -f sweeps/threshold.awk $< >$@
+$(T)/pile_again_threshold.tsv: $(T)/pile_again.tsv
+	@$(REPOSE) stats threshold $< --x mu --by alpha_deg,set_load,set_again --most broken >$@
+$(T)/li_smooth_threshold.tsv: $(T)/li_smooth_runs.tsv
+	@$(REPOSE) stats threshold $< --x mu --by alpha_deg,well --most broken >$@
 $(T)/pile_x0.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for s in "--alpha-deg 30 --well 1" "--alpha-deg 30 --well 100" "--alpha-deg 30 --well 200" "--alpha-deg 60 --well 1" \
@@ -466,7 +464,7 @@ REPORT := figures/paper-repro.md.in
 SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 # what only `make studies` and `make mutate` make is taken as it is there
 # named by the texts and by the claims, but for those that nothing makes yet: their claims have no data
-UNANSWERED := lh_equal_radii lh_wall_trend_top pile_45_60_1e-4_lines li20_lines li20_collisions_dip
+UNANSWERED := lh_equal_radii lh_wall_trend_top li20_single li20_lines li20_collisions_dip
 REPORT_TABLES := $(filter-out lh_forensics% li20% calibrate_planted% calibrate_verify li_size_large li_size_limit% mutate% $(UNANSWERED),$(shell \
   { grep -ohE '\{\{(value|cell|note|rows) [A-Za-z0-9_.-]+' figures/report/*.md | sed 's/.* //'; \
     awk -F'\t' '!/^\#/ && $$6 !~ /constant|formula|picture|untestable/ { split($$11, a, " "); split($$12, b, " "); print a[1]; if (b[2]) print b[1] }' \
@@ -477,10 +475,11 @@ $(T)/run_times.tsv: $(patsubst %,$(T)/%.tsv,$(filter-out run_times bench,$(REPOR
 	  sed -n "s/^# run_time: \([0-9.]*\) s/$$s\tsweep\t\1/p" $(T)/$$s.tsv 2>/dev/null; done >$@.rows
 	@for s in $(patsubst $(B)/validation_%.log,%,$(wildcard $(B)/validation_*.log)); do \
 	  sed -n "s/^Elapsed time = *\([0-9.]*\) seconds/$$s\tvalidation\t\1/p" $(B)/validation_$$s.log; done >>$@.rows
-	@sort -t'	' -k3 -gr $@.rows | awk -F'\t' '{ sum[$$2] += $$3; line[NR] = $$0; if (NR <= 8) most = most (NR > 1 ? ", " : "") $$1 " " int($$3 + 0.5) " s" } \
-	  END { print "# most: " most; for (k in sum) printf "# %s: %.0f s\n", k, sum[k]; print "# units: \t\ts\n# name\tkind\tseconds"; \
-	        for (i = 1; i <= NR; i++) print line[i] }' >$@
-	@rm $@.rows
+	@sort -t'	' -k3 -gr $@.rows >$@.sorted
+	@{ echo "# most: $$(head -8 $@.sorted | awk -F'\t' '{ printf "%s%s %.0f s", (NR > 1 ? ", " : ""), $$1, $$3 }')"; \
+	  for k in sweep validation; do awk -F'\t' -v k=$$k '$$2 == k { s += $$3 } END { printf "# %s: %.0f s\n", k, s }' $@.sorted; done; \
+	  printf '# units: 1\t1\ts\n# name\tkind\tseconds\n'; cat $@.sorted; } >$@
+	@rm $@.rows $@.sorted
 SHOWN_TABLES := $(REPORT_TABLES) $(notdir $(basename $(foreach f,$(FIGURES),$(call figure_tables,$(f)))))
 VALIDATED := $(addprefix $(T)/.,$(sort $(foreach t,$(filter validation_%,$(SHOWN_TABLES)),validation_$(word 2,$(subst _, ,$(t))))))
 # all runs of these sweeps; of lh1 one row is enough

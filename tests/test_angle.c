@@ -16,7 +16,7 @@
 static const double deg = M_PI / 180.0;
 /* a dozen rounded operations on numbers of order 1 */
 static const double tight = 1e-14;
-/* what is promised for theta_T, rad */
+/* accuracy of theta_T, rad */
 static const double root_error = 1e-12;
 /* slopes of order 1: sums of 20 to 50 terms and their cancellation */
 static const double sum_error = 1e-12;
@@ -27,7 +27,7 @@ static const double sigmas = 4.0;
 
 static const double phis_deg[] = {31.7, 44.9, 52.3, 60.0, 73.9};
 static const double mus[] = {0.0371, 0.2, 0.4385, 0.713, 1.931};
-static const double fractions[] = {0.0, 0.137, 0.581, 0.967, 1.0}; /* of the steepest pile that stands */
+static const double fractions[] = {0.0, 0.137, 0.581, 0.967, 1.0}; /* of the steepest stable pile */
 
 /* Every (phi, mu, theta_r) above with theta_r < phi. */
 static void for_each_pile(void (*test)(double phi, double mu, double theta_r))
@@ -76,7 +76,7 @@ static void test_closed_forms(void)
     for_each_pile(closed_forms_of);
 }
 
-/* Each form asks for less friction below theta_t and for more above it, up to the limit. */
+/* Each form requires less friction below theta_t and more above it, up to the limit. */
 static void crossings_of(double phi, double mu, double theta_r)
 {
     ang_tilt_result r;
@@ -102,7 +102,7 @@ static void test_crossings(void)
     for_each_pile(crossings_of);
 }
 
-/* T/N from rays drawn in the frame of gravity and cut with the flank, independent of the library. */
+/* T/N from rays in the frame of gravity, intersected with the flank, independent of the library. */
 static double by_geometry(ang_form form, double phi, double theta_r, double theta)
 {
     double turn = form == ANG_LATTICE ? theta : 0.0; /* rays turn with the pile or not */
@@ -157,7 +157,7 @@ static void test_reference_angles(void)
     }
 }
 
-/* At theta_T = 0 the forms must be (3); the printed one asks for half the friction. */
+/* At theta_T = 0 the forms must equal (3); the printed one requires half the friction. */
 static void test_zero_tilt(void)
 {
     double t = tan(0.3127), mu, third = M_PI / 3.0, theta_ms;
@@ -349,7 +349,7 @@ static void test_exact_lines(void)
             }
 }
 
-/* The paper's way: second derivative of a parabola fitted to the running sum; se: of that fit itself. */
+/* The paper's method: second derivative of a parabola fitted to the running sum; se from that fit. */
 static double fit_running_sum(size_t n, const double h[], double cell, bool origin, double *se)
 {
     size_t p = origin ? 2 : 3;
@@ -413,13 +413,14 @@ static void test_methods(void)
     gsl_rng_free(rng);
 }
 
-/* A cell that is left out counts in the sum as the mean of its neighbours. */
+/* An excluded cell enters the sum as the mean of its neighbours. */
 static void test_gap(void)
 {
     static const size_t column[] = {0, 1, 3, 4, 5, 8, 9};
     static const double h[] = {2.1, 1.7, 1.9, 1.2, 1.3, 0.4, 0.6};
     double full[10] = {2.1, 1.7, 1.8, 1.9, 1.2, 1.3, 0.85, 0.85, 0.4, 0.6};
-    double z3 = 0.0, z2 = 0.0, top = 0.0, norm = 0.0, sum = 0.0; /* parabola through 0 at the places used */
+    double z3 = 0.0, z2 = 0.0, top = 0.0, norm = 0.0,
+           sum = 0.0; /* parabola through 0 at the used positions */
     ang_slope s[ANG_N_METHODS];
     for (int k = 0; k < 7; k++) {
         double z = (double)(column[k] + 1);
@@ -472,7 +473,7 @@ static void test_propagated_errors(void)
     gsl_rng_free(rng);
 }
 
-/* Heaps of random grains below a planted line: every method recovers its slope. */
+/* Piles of random grains below a planted line: every method recovers its slope. */
 static void test_planted_heaps(void)
 {
     enum { N = 3000, PILES = 60 };
@@ -483,7 +484,9 @@ static void test_planted_heaps(void)
     for (int i = 0; i < PILES; i++) {
         ang_surface surface;
         ang_slope s[ANG_N_METHODS];
-        for (int k = 0; k < N;) { /* uniform below the line, so every cell misses it by the same law */
+        for (int k = 0;
+             k <
+             N;) { /* uniform below the line, so that the deviation has the same distribution in every cell */
             x[k] = width * gsl_rng_uniform(rng);
             y[k] = 2.5 * gsl_rng_uniform(rng);
             k += y[k] < 2.5 - slope * x[k];
@@ -654,7 +657,7 @@ static void test_blocking(void)
         CHECK_NEAR(sqrt(variance - se * se) / (0.5 * error * se), 1.0, sigmas / sqrt(2.0 * SERIES) + 0.1);
         CHECK_NEAR(spread / mean_variance(phi, N), 1.0, rough);
         CHECK_NEAR(variance / expected, 1.0, fine);
-        CHECK_NEAR(expected / mean_variance(phi, N), 1.0, 0.1); /* what blocks leave out, 2 tau/B at most */
+        CHECK_NEAR(expected / mean_variance(phi, N), 1.0, 0.1); /* bias of the blocks, 2 tau/B at most */
         CHECK_NEAR(tau / (0.5 * (1.0 + phi) / (1.0 - phi)), 1.0, fine + 0.1);
     }
     gsl_rng_free(rng);
@@ -686,8 +689,8 @@ static void test_level_off(void)
     double v[N];
     size_t from;
     gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
-    /* a straight rise of ten widths, then noise, correlated or not: the cut is found to where the rise is
-     * within a width or two of the level, a tenth or two of its length */
+    /* a linear rise of ten standard deviations, then noise, correlated or not: the cut is where the rise is
+     * within one or two standard deviations of the level, a tenth or two of its length */
     for (double phi = 0.0; phi < 0.9; phi += 0.4) {
         autoregressive(rng, phi, N, v);
         for (int i = 0; i < RISE; i++) v[i] -= 10.0 * (1.0 - (double)i / RISE);
@@ -784,7 +787,7 @@ static void test_compare(void)
     gsl_rng_free(rng);
 }
 
-/* The claim of Fig. 7 in numbers: how much nearer (4) is than (3); and piles that are flat on average. */
+/* The claim of Fig. 7 in numbers: errors of (4) and (3); and piles that are flat on average. */
 static void compare_gain_and_flat_piles(void)
 {
     const double theta_r[4] = {0.301, 0.322, 0.345, 0.318}, theta_t[4] = {0.061, 0.072, 0.049, 0.066};
@@ -957,7 +960,7 @@ static void test_phi_planted(void)
     CHECK_NEAR(chi2_balanced(groups, f->lo) - f->chi2, gsl_cdf_chisq_Pinv(0.95, 1.0), 1e-6);
     CHECK_NEAR(chi2_balanced(groups, f->hi) - f->chi2, gsl_cdf_chisq_Pinv(0.95, 1.0), 1e-6);
 
-    /* no phi serves rays that turn with mu */
+    /* no common phi fits rays that rotate with mu */
     for (int g = 0; g < PHI_GROUPS; g++) phi[g] += (g - 3) * 2.0 * deg;
     plant_piles(phi, 0.15, rng, angles, groups);
     CHECK_OK(ang_phi_fit(PHI_GROUPS, groups, 2, rng, fit));
@@ -971,7 +974,8 @@ static void test_phi_not_identified(void)
     ang_piles piles = {0.2, PHI_PILES, theta_r, theta_t};
     gsl_rng *rng = rp_random_alloc(1993, 2, RP_PURPOSE_TEST);
     ang_phi fit[ANG_N_AGAINST];
-    /* steep rays push least: no balanced pile of mu = 0.2 stands beyond atan mu = 11.3 degrees */
+    /* steep rays give the smallest horizontal force: no balanced pile of mu = 0.2 is stable beyond atan mu
+     * = 11.3 degrees */
     spread_out(1.0 * deg, 0, theta_r);
     spread_out(1.0 * deg, 5, theta_t);
     for (int i = 0; i < PHI_PILES; i++) {
@@ -982,7 +986,7 @@ static void test_phi_not_identified(void)
     CU_ASSERT(fit[ANG_AGAINST_BALANCED].hi_open && !fit[ANG_AGAINST_BALANCED].lo_open);
     CHECK_NEAR(fit[ANG_AGAINST_BALANCED].phi, M_PI_2, 1e-3);
     CU_ASSERT(!fit[ANG_AGAINST_MARGINAL].hi_open && !fit[ANG_AGAINST_MARGINAL].lo_open);
-    /* one stubborn pile: (5.9 +- 3.4) degrees says nothing between 0 and 12 */
+    /* one outlier: (5.9 +- 3.4) degrees does not distinguish 0 from 12 */
     for (int i = 0; i < PHI_PILES; i++) theta_t[i] = (i == 4 ? 70.0 : 2.5) * deg;
     CHECK_OK(ang_phi_fit(1, &piles, 20, rng, fit));
     CU_ASSERT(fit[ANG_AGAINST_BALANCED].hi_open && fit[ANG_AGAINST_BALANCED].lo_open);
@@ -1023,14 +1027,14 @@ void suite_angle(void)
         {"slopes against GSL", test_methods},
         {"cells left out", test_gap},
         {"propagated errors of slopes", test_propagated_errors},
-        {"planted heaps", test_planted_heaps},
+        {"planted piles", test_planted_heaps},
         {"errors of slopes", test_slope_errors},
         {"mean and its interval", test_mean},
         {"paired values", test_paired},
         {"line fit", test_line_fit},
         {"blocking of correlated series", test_blocking},
         {"blocking: short and constant series", test_blocking_small},
-        {"where a series levels off", test_level_off},
+        {"end of the transient of a series", test_level_off},
         {"expected maximum", test_expected_maximum},
         {"piles against theory", test_compare},
         {"compare: gain, flat piles", compare_gain_and_flat_piles},

@@ -1,4 +1,4 @@
-/* Calibration against closed forms, and on piles drawn from responses that are known. */
+/* Calibration against closed forms, and on piles drawn from known responses. */
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "tests/check.h"
 
-/* what the search promises for a parameter, of its range */
+/* accuracy of the search, relative to the range of the parameter */
 static const double search_error = 1e-7;
 /* chi2 of 95 % for one degree of freedom */
 static const double chi2_95 = 3.841458820694124;
@@ -107,8 +107,8 @@ static void test_line(void)
     stats_calibration_free(&c);
 }
 
-/* Points that zigzag about a line by more than their errors: the errors of the line grow, and what the form
- * cannot follow is added. */
+/* Points that scatter about a line by more than their errors: the errors of the line grow, and the lack of
+ * fit is added. */
 static void test_lack_of_fit(void)
 {
     const double e = 0.1;
@@ -136,11 +136,11 @@ static void test_lack_of_fit(void)
     stats_calibration_free(&c);
 }
 
-/* Two angles of the same piles that agree in their noise weigh less than two that do not: for equal lines
+/* Two angles with correlated noise weigh less than two independent ones: for equal lines
  * and errors the variance is (1 + r)/2 of one angle's. */
 static void test_correlated(void)
 {
-    const double e = 5.0; /* far above the response's error */
+    const double e = 5.0; /* far above the error of the response */
     double se[2];
     for (int opposed = 0; opposed <= 1; opposed++) {
         stats_calibration c;
@@ -252,11 +252,11 @@ static void test_two_parameters(void)
         CHECK_NEAR((r[p].solutions[0].upper - r[p].solutions[0].lower) / (3.92 * r[p].se), 1.0, 0.02);
     }
     stats_calibration_free(&c);
-    piles.n_angles = 1; /* one angle knows a line in the plane, and limits from its ends */
+    piles.n_angles = 1; /* one angle determines a line in the plane, and limits from its ends */
     CU_ASSERT(invert_status(m) == STATS_CALIBRATED_UNDERDETERMINED);
 }
 
-/* ---- what the piles do not say ---- */
+/* ---- parameters that the piles do not identify ---- */
 
 static void test_unidentified(void)
 {
@@ -278,7 +278,7 @@ static void test_unidentified(void)
     CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
     stats_calibration_free(&c);
 
-    start(1, 1); /* a summit: the angle is met on both flanks, and none above it */
+    start(1, 1); /* a maximum: both flanks match an angle, none matches above it */
     for (int g = 0; g < 9; g++) add_four(0.1 * g, 0.0, 30.0 - 100.0 * pow(0.1 * g - 0.385, 2), 0.5);
     CHECK_OK(stats_calibration_fit(&piles, &c));
     CU_ASSERT(!c.response[0].monotone);
@@ -291,7 +291,7 @@ static void test_unidentified(void)
     CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
     stats_calibration_free(&c);
 
-    start(1, 2); /* both angles rise, the first says 0.2, the second 0.4 */
+    start(1, 2); /* both angles rise; the first gives 0.2, the second 0.4 */
     for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
@@ -309,7 +309,7 @@ static double truth_t(double x)
     return 2.0 + 14.0 * x;
 }
 
-/* Piles as they may come: scatter that grows with x, and the second angle of each correlated with the first.
+/* Realistic piles: scatter that grows with x, and second angles correlated with the first.
  */
 static void draw_piles(gsl_rng *rng, size_t n_angles)
 {
@@ -347,7 +347,7 @@ static size_t count_covered(size_t n_angles, size_t n_cases)
     return covered;
 }
 
-/* Of n intervals 95 % +- 4 standard errors hold the truth, and at most 2 % more for the allowance for lack of
+/* The truth lies in 95 % +- 4 standard errors of n intervals, plus at most 2 % for the allowance for lack of
  * fit. */
 static void test_coverage(void)
 {
@@ -383,7 +383,7 @@ static void test_planted(void)
     CU_ASSERT(cases[0].covered[0] && cases[1].covered[0]);
     add(0.9, 0.0, 20.0, 0.0);
     CHECK_FAILS(stats_calibration_planted(&c, &piles, N, cases, &n), RP_BAD_INPUT, "planted parameter = 0.9");
-    /* angles that belong to other parameters are not covered */
+    /* angles of other parameters are not covered */
     start(1, 1);
     for (int k = 0; k < 8; k++) add(0.15 + 0.03 * k, 0.0, truth_r(0.5), 0.0);
     CHECK_OK(stats_calibration_planted(&c, &piles, N, cases, &n));
@@ -444,7 +444,7 @@ void suite_calibrate(void)
                                        {"correlated angles", test_correlated},
                                        {"saturating responses", test_saturating},
                                        {"two parameters, two angles", test_two_parameters},
-                                       {"what piles do not say", test_unidentified},
+                                       {"parameters not identified", test_unidentified},
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
                                        {"errors", test_errors},

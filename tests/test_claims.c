@@ -59,6 +59,7 @@ static void test_readings(void)
 static void test_inequalities(void)
 {
     IS(stats_exceed(number(30.0, 3.0), number(20.0, 4.0), 1), "undecided");
+    IS(stats_exceed(number(10.0, 3.0), number(20.0, 4.0), 1), "undecided");
     IS(stats_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "reproduced");
     IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "not reproduced");
     IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1), "reproduced");
@@ -85,7 +86,7 @@ static void test_changes(void)
 {
     const stats_change inside = {-0.5, 0.9, 0.4}, edge = {-0.5, 1.0, 0.4}, low = {-1.0, 0.5, 0.4},
                        rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
-                       small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN};
+                       small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN}, p_alone = {NAN, NAN, 0.001};
     IS(stats_equivalent(&inside, 1.0), "reproduced");
     IS(stats_equivalent(&edge, 1.0), "undecided");
     IS(stats_equivalent(&low, 1.0), "undecided");
@@ -101,6 +102,7 @@ static void test_changes(void)
     IS(stats_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
     IS(stats_trends(&edge, 1, 1.0), "undecided");
     IS(stats_trends(&none, 1, 1.0), "undecided");
+    IS(stats_trends(&p_alone, 1, 1.0), "undecided");
 }
 
 /* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */

@@ -188,10 +188,10 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",      "--set ",      "--reduce ",    "--base ",    "--pair ",   "--successive ",
-    "-o ",          "--runs ",     "--missing ",   "--outline ", "--disks ",  "--linear ",
-    "--set-again ", "--summary ",  "--threshold ", "--map ",     "--ledger ", "--profile ",
-    "--start ",     "--variants ", "--published ", "--needs ",   NULL};
+    "--help ",       "--where ",     "--bare ",      "--set ",     "--reduce ",  "--base ",    "--pair ",
+    "--successive ", "-o ",          "--runs ",      "--missing ", "--outline ", "--disks ",   "--linear ",
+    "--set-again ",  "--summary ",   "--threshold ", "--map ",     "--ledger ",  "--profile ", "--start ",
+    "--variants ",   "--published ", "--needs ",     NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -357,8 +357,8 @@ static void test_bad_values(void)
          "angle tilt --mu 1 --theta-r-deg 3 --form frob"},
         {65, "none.tsv: cannot read", "angle slope none.tsv --width 4"},
         {65, "none.tsv: cannot read", "angle compare none.tsv"},
-        {65, "none.tsv: cannot read", "angle fit none.tsv -x a -y b --se c"},
-        {65, "--draws = 0: out of range", "angle maximum none.tsv --column a --draws 0"},
+        {65, "none.tsv: cannot read", "stats fit none.tsv -x a -y b --se c"},
+        {65, "--draws = 0: out of range", "stats maximum none.tsv --column a --draws 0"},
         {65, "short.tsv:2", "angle slope short.tsv --width 4"},
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
@@ -642,21 +642,21 @@ static void test_angle_tables(void)
     FAILS(1, "occupied", "angle slope pile.tsv --width 4");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
-    GOOD("angle fit line.tsv -x mu -y theta --se se");
+    GOOD("stats fit line.tsv -x mu -y theta --se se");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
     CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     rp_table_free(&t);
-    GOOD("angle maximum line.tsv --column theta --draws 2");
+    GOOD("stats maximum line.tsv --column theta --draws 2");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "maximum"), (2.5 + 4.5 + 4.5) / 3.0, 1e-15); /* of the three pairs */
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     /* the standard deviation over the 27 resamples of 1.5, 2.5, 4.5 is 8/9; 2000 of them give it to 1.6 % */
     CHECK_NEAR(cell(&t, 0, "maximum_se"), 8.0 / 9.0, 5.0 * 0.016);
     rp_table_free(&t);
-    FAILS(1, "too few for a maximum of 4", "angle maximum line.tsv --column theta --draws 4");
-    FAILS(65, "no column \"theta_r3_deg\"", "angle maximum line.tsv --column theta_r3_deg --draws 2");
+    FAILS(1, "too few for a maximum of 4", "stats maximum line.tsv --column theta --draws 4");
+    FAILS(65, "no column \"theta_r3_deg\"", "stats maximum line.tsv --column theta_r3_deg --draws 2");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
     FAILS(65, "no column \"theta_r3_deg\"", "angle phi line.tsv");
     path_of("runs.tsv", path);
@@ -705,7 +705,7 @@ static void test_stress_tables(void)
                "0\t2\t0.1\t0.1\t0\t0.1\t490.5\t0\n0\t1\t0.7\t0.1\t0.7\t0\t490.5\t0\n"
                "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
-    GOOD("angle stress p --width 1.2 --cell 0.2 --base");
+    GOOD("stress base p --width 1.2 --cell 0.2");
     rp_table t = read_table("out");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++) {
@@ -715,7 +715,7 @@ static void test_stress_tables(void)
         CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
     }
     rp_table_free(&t);
-    GOOD("angle stress p p --width 1.2 --cell 1.2");
+    GOOD("stress field p p --width 1.2 --cell 1.2");
     t = read_table("out");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */
@@ -723,9 +723,9 @@ static void test_stress_tables(void)
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
     rp_table_free(&t);
-    FAILS(65, "q_contacts.tsv: cannot read", "angle stress q --width 4");
+    FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
-    FAILS(65, "no column \"id_b\"", "angle stress r --width 4");
+    FAILS(65, "no column \"id_b\"", "stress field r --width 4");
     write_text("runs.tsv",
                "# mu\tn_0\tn_1\th_0\th_1\tsxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\t"
                "theta_t_displacement_deg\tstatus\n"
@@ -733,7 +733,7 @@ static void test_stress_tables(void)
                "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t6\tok\n"
                "0.2\t1\t0\t0.4\t1\t1\t0\t0\t1\t0\t1\t1\t0\t9\tno_response\n"
                "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t7\tok\n");
-    GOOD("angle critical runs.tsv");
+    GOOD("stress critical runs.tsv");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
@@ -742,7 +742,7 @@ static void test_stress_tables(void)
     CHECK_NEAR(cell(&t, 0, "floor_less_deg"), atan(0.1) / deg - 6.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "floor_friction_t"), 0.1 + tan(6.0 * deg), 1e-12);
     rp_table_free(&t);
-    FAILS(65, "no column \"mu\"", "angle critical p_grains.tsv");
+    FAILS(65, "no column \"mu\"", "stress critical p_grains.tsv");
     leave();
 }
 
@@ -751,7 +751,7 @@ static void test_stress_tables(void)
 /* A flat profile, against the continuum under 30 degrees: N rises to x = B/3 and is constant to the middle.
  * On the base with 98 % of the load the outer sixth of the ring is on the rise, and D = 1/10 exactly, within
  * the resolution of 2000 strips. */
-static void test_angle_dip(void)
+static void test_stress_dip(void)
 {
     enter();
     char path[256];
@@ -765,14 +765,14 @@ static void test_angle_dip(void)
         for (int k = 0; k < 20; k++) fprintf(file, "\t1");
     }
     fclose(file);
-    GOOD("angle dip piles.tsv");
+    GOOD("stress dip piles.tsv");
     rp_table t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "D_raw"), 0.0, 1e-15);
     CHECK_NEAR(cell(&t, 0, "D_reference"), 0.1, 1.0 / 2000);
     CHECK_NEAR(cell(&t, 0, "D"), -0.1, 1.0 / 2000);
     rp_table_free(&t);
-    GOOD("angle dip piles.tsv --against zero");
+    GOOD("stress dip piles.tsv --against zero");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "D_reference"), 0.0, 1e-15);
     CHECK_NEAR(cell(&t, 0, "n"), 5.0, 0.0); /* no slope requested */
@@ -802,12 +802,12 @@ static void test_cut_drops(void)
     t = read_table("runs.tsv");
     for (size_t k = 3; k < 9; k++) CU_ASSERT(cell(&t, k, "capped") > 0.0 && isfinite(cell(&t, k, "dip")));
     rp_table_free(&t);
-    GOOD("angle dip runs.tsv");
+    GOOD("stress dip runs.tsv");
     CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
     leave();
 }
 
-static void test_angle_trends(void)
+static void test_stats_trends(void)
 {
     enter();
     char path[256];
@@ -822,7 +822,7 @@ static void test_angle_trends(void)
     fprintf(file, "0.1\t2\t1e4\t99\t9\tnot_at_rest\n0.1\t2\t1e4\tnan\t9\tok\n0.3\t2\t1e4\tnan\t9\tok\n"
                   "0.2\t80\t1e4\t99\t9\tok\n");
     fclose(file);
-    GOOD("angle size runs.tsv -x W -y theta --by mu --to 6");
+    GOOD("stats size runs.tsv -x W -y theta --by mu --to 6");
     rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 1, "limit"), 18.05, 1e-12);
@@ -831,7 +831,7 @@ static void test_angle_trends(void)
     CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
-    GOOD("angle trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
+    GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "slope"), -1.5 - 0.5, 1e-12); /* 3/W falls by 1 as well */
@@ -843,13 +843,13 @@ static void test_angle_trends(void)
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
-    FAILS(65, "no column \"frob\"", "angle trend runs.tsv -x W -y theta --by frob");
-    FAILS(65, "pile 0: two values", "angle trend runs.tsv -x W -y theta --pair");
-    FAILS(1, "at 1 different x", "angle trend runs.tsv -x W -y theta --to 3");
+    FAILS(65, "no column \"frob\"", "stats trend runs.tsv -x W -y theta --by frob");
+    FAILS(65, "pile 0: two values", "stats trend runs.tsv -x W -y theta --pair");
+    FAILS(1, "at 1 different x", "stats trend runs.tsv -x W -y theta --to 3");
     write_text("runs.tsv",
                "# law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
                "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
-    GOOD("angle trend runs.tsv -x law -y y --by a,b --pair");
+    GOOD("stats trend runs.tsv -x law -y y --by a,b --pair");
     CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
     t = read_table("out");
     CU_ASSERT(t.n_rows == 2);
@@ -860,14 +860,14 @@ static void test_angle_trends(void)
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
     rp_table_free(&t);
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
-    FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "angle trend runs.tsv -x x -y y --scale log");
-    FAILS(65, "no column \"pile\"", "angle trend runs.tsv -x x -y y --pair");
-    FAILS(64, "not both", "angle trend runs.tsv -x x -y y --scale log --power 2");
-    FAILS(65, "x = 0: out of range for weights", "angle trend runs.tsv -x x -y y --power 2");
-    GOOD("angle trend runs.tsv -x x -y y"); /* without status every row counts */
+    FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
+    FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
+    FAILS(64, "not both", "stats trend runs.tsv -x x -y y --scale log --power 2");
+    FAILS(65, "x = 0: out of range for weights", "stats trend runs.tsv -x x -y y --power 2");
+    GOOD("stats trend runs.tsv -x x -y y"); /* without status every row counts */
     write_text("bent.tsv",
                "# x\ty\tse\n4\t1.9\t0.01\n1\t1\t0.01\n2\t1.2\t0.01\n5\t2.0\t0.01\n3\t1.4\t0.01\n");
-    GOOD("angle fit bent.tsv -x x -y y --se se --successive");
+    GOOD("stats fit bent.tsv -x x -y y --se se --successive");
     CU_ASSERT(strstr(out, "# linear_to: 3\n# bend_free_to: 3\n") != NULL);
     t = read_table("out");
     CU_ASSERT(t.n_rows == 3);
@@ -877,7 +877,60 @@ static void test_angle_trends(void)
     CHECK_NEAR(cell(&t, 1, "bend"), 0.075, 1e-12);
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "curved");
     rp_table_free(&t);
-    FAILS(1, "2 points", "angle fit bent.tsv -x x -y y --se se --successive --to 2");
+    FAILS(1, "2 points", "stats fit bent.tsv -x x -y y --se se --successive --to 2");
+    leave();
+}
+
+static void test_stats_settings(void)
+{
+    enter();
+    write_text("a.tsv", "# units: 1\tcm\t1\t1\n# law\tx\tb\tstatus\nold\t1\t1e-3\tok\nnew\t2\t2e-3\tok\n"
+                        "# law\tx\tb\tstatus\nold\t10\tnan\tfell\nnew\t-3\t7\tok\n");
+    GOOD("stats select a.tsv --where 'x>=2' --where law=new --columns b,x --bare");
+    CU_ASSERT_STRING_EQUAL(out, "2e-3\t2\n");
+    GOOD("stats select a.tsv --where 'x<1.5' --where 'b!=0.001'"); /* as numbers: 1e-3 is 0.001 */
+    CU_ASSERT(strstr(out, "# units: 1\tcm\t1\t1\n# law\tx\tb\tstatus\nnew\t-3\t7\tok\n") != NULL);
+    GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
+    CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
+    FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
+    FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
+    FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
+    GOOD("stats threshold a.tsv -x x --by law --most b");
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 2 && strstr(out, "# law\tn\tfalls_x\tstands_x\tmixed\tb\n") != NULL);
+    CU_ASSERT(strstr(out, "# units: 1\t1\tcm\tcm\t1\t1\n") != NULL);
+    CHECK_NEAR(cell(&t, 0, "falls_x"), 10.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "stands_x"), 1.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "mixed"), 1.0, 0.0);
+    CU_ASSERT(isnan(cell(&t, 1, "falls_x")) && cell(&t, 1, "stands_x") == -3.0 && cell(&t, 1, "b") == 7.0);
+    rp_table_free(&t);
+    write_text("c.tsv",
+               "# W\tdt\treplica\ty\tseconds\tsteps\tstatus\n1\t2\t0\t11\t4\t10\tok\n1\t2\t1\t15\t9\t30\tok\n"
+               "1\t1\t0\t12\t20\t40\tok\n1\t1\t1\t13\t20\t40\tok\n1\t1\t2\t99\t1\t40\tfell\n");
+    GOOD("stats cost c.tsv -y y --by W,dt --size W");
+    t = read_table("out");
+    /* the least time of a step is 9/30 s; sd^2 = 8, bias mean of -1 and 2 */
+    CHECK_NEAR(cell(&t, 0, "seconds"), 20.0 * 0.3, 1e-14);
+    CHECK_NEAR(cell(&t, 0, "cost"), 8.0 * 20.0 * 0.3, 1e-13);
+    CHECK_NEAR(cell(&t, 0, "bias"), 0.5, 1e-15);
+    CHECK_NEAR(cell(&t, 0, "bias_se"), 1.5, 1e-14);
+    CHECK_NEAR(cell(&t, 1, "cost"), 0.5 * 40.0 * 0.3, 1e-14);
+    CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "front") == 0.0 && cell(&t, 1, "front") == 1.0);
+    rp_table_free(&t);
+    FAILS(1, "no row with status ok", "stats cost c.tsv -y y --by W --where status=fell");
+    write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
+    GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 1);
+    CHECK_NEAR(cell(&t, 0, "slope"), 1.0, 1e-12);
+    CHECK_NEAR(cell(&t, 0, "intercept"), log(2.0), 1e-11);
+    CHECK_NEAR(cell(&t, 0, "x_from"), 1e-8, 1e-20);
+    CHECK_NEAR(cell(&t, 0, "x_to"), 1e-4, 1e-16);
+    rp_table_free(&t);
+    write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
+    FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
+    FAILS(64, "needs --se", "stats fit p.tsv -x eps -y e --successive");
+    FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
     leave();
 }
 
@@ -1478,14 +1531,15 @@ void suite_cli(void)
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},
-                                       {"angle slope, fit, phi", test_angle_tables},
-                                       {"angle stress, critical", test_stress_tables},
+                                       {"angle slope, phi; stats fit, maximum", test_angle_tables},
+                                       {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
-                                       {"angle dip", test_angle_dip},
+                                       {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
-                                       {"angle trend, size, fit --successive", test_angle_trends},
+                                       {"stats trend, size, fit --successive", test_stats_trends},
+                                       {"stats select, threshold, cost, --where", test_stats_settings},
                                        {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},
                                        {"calibrate: sweep to answer", test_calibrate_sweep},

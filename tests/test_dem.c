@@ -31,7 +31,7 @@ static double distance(const dem_sim *a, const dem_sim *b)
     for (size_t i = 0; i < n; i++) {
         double d =
             fabs(s[i].x - t[i].x) + fabs(s[i].y - t[i].y) + fabs(s[i].vx - t[i].vx) + fabs(s[i].vy - t[i].vy);
-        if (!(d <= most)) most = d; /* NaN wins */
+        if (!(d <= most)) most = d; /* NaN if either is NaN */
     }
     free(s);
     return most;
@@ -42,7 +42,7 @@ static double angular_momentum(const dem_definition *def, const dem_state *s)
     return s->m * (s->x * s->vy - s->y * s->vx) + dem_inertia(def->shape, s->m, s->r) * s->omega;
 }
 
-/* Momentum, and with rotation angular momentum, of a cloud that falls together. */
+/* Momentum, and with rotation angular momentum, of a collapsing cloud. */
 static void momentum_of(bool rotation)
 {
     dem_grain *grains;
@@ -73,7 +73,7 @@ static void momentum_of(bool rotation)
         l1 += angular_momentum(&def, &s[i]);
         touched += s[i].contacts > 0 || fabs(s[i].vx - grains[i].vx) > 1e-9;
     }
-    CU_ASSERT(touched > 30); /* else nothing was tested */
+    CU_ASSERT(touched > 30); /* otherwise no contact was tested */
     /* round-off of 4000 additions a grain, random signs: sqrt(4000 * 60) eps */
     CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
     CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
@@ -88,7 +88,7 @@ static void momentum(void)
     momentum_of(true);
 }
 
-/* A mirrored box, and one with its grains numbered backwards, follow the same course. Round-off grows in
+/* A mirrored box, and one with reversed grain numbers, have the same trajectories. Round-off grows in
  * an avalanche, so the comparison ends while the grains settle. */
 static void mirror_and_relabel_of(bool rotation)
 {
@@ -141,7 +141,7 @@ static void mirror_and_relabel(void)
     mirror_and_relabel_of(true);
 }
 
-/* The list finds every touching pair, through an avalanche. */
+/* The neighbour list has every touching pair throughout an avalanche. */
 static void list_is_complete_of(double speed, long steps)
 {
     dem_grain *grains;
@@ -176,7 +176,7 @@ static void list_is_complete(void)
     list_is_complete_of(300.0, 7);
 }
 
-/* What is taken out of a list that goes on leaves it as a rebuilding would, but for the order of sums. */
+/* Removal of grains from a continued list equals a rebuild, except for the order of sums. */
 static void leaving_of(bool rotation)
 {
     dem_grain *grains;
@@ -209,7 +209,7 @@ static void leaving_of(bool rotation)
     free(grains);
 }
 
-/* Grains that take the places of two that left keep their contacts with walls, and how far they may go. */
+/* Grains moved to the indices of removed ones keep their wall contacts and margins. */
 static void leaving_below_others(void)
 {
     const double r = 0.1, m = 0.0042, sinks = 1e-4;
@@ -230,7 +230,7 @@ static void leaving_below_others(void)
     }
     dem_sim *sim = grains_start(&def);
     dem_state s[5];
-    CHECK_OK(dem_run(sim, 3000)); /* it takes 0.9 of these for the fall */
+    CHECK_OK(dem_run(sim, 3000)); /* the fall uses 0.9 of them */
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), 3);
     dem_states(sim, s);
     CU_ASSERT(s[0].contacts > 0 && s[0].y < 1.0 + r && s[0].y > 1.0);
@@ -312,8 +312,8 @@ static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
     return memcmp(f, g, sizeof f) == 0;
 }
 
-/* Where grains go on behind the pair loop against where all wait for all forces: filling, a wall that opens,
- * cells that wrap around, grains that leave a list that goes on, fixed grains in between. */
+/* Integration right behind the pair loop against integration after all forces: filling, an opened wall, cells
+ * that wrap around, grains removed from a continued list, fixed grains in between. */
 static void avalanche_in_chunks(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
@@ -355,7 +355,7 @@ static void avalanche_in_chunks(bool rotation)
     free(grains);
 }
 
-/* A fault is found at the same step, with the same words. */
+/* A fault is found at the same step, with the same message. */
 static void faults_in_chunks(bool wall)
 {
     dem_grain *grains;
@@ -385,13 +385,13 @@ static void chunks(void)
     faults_in_chunks(true);
 }
 
-/* How often within so many steps a grain is beyond its margin of the list, or its group's slack more than is
- * left of that. */
+/* Number of steps with a grain beyond its Verlet margin, or with a bound of its group above the remaining
+ * margin. */
 static long beyond_margins(dem_sim *sim, int steps)
 {
     long beyond = 0;
     for (int k = 0; k < steps; k++) {
-        sim->pairs.n_chunks = 1; /* as if the pile were large */
+        sim->pairs.n_chunks = 1; /* as in a large pile */
         CHECK_OK(dem_run(sim, 1));
         for (size_t i = 0; i < sim->grains.n; i++) {
             const dem_vec way = sim->grains.motion[i].x - sim->grains.listed_x[i];
@@ -426,7 +426,7 @@ static void margins_of(bool hard, int kernel)
     free(grains);
 }
 
-/* Two that stop one another at one or another time between two rebuildings. */
+/* Two grains that stop one another at different times between two rebuilds. */
 static void margins_of_two(void)
 {
     for (int k = 0; k < 60; k++) {
@@ -445,7 +445,7 @@ static void margins_of_two(void)
     }
 }
 
-/* Disks at rest, each hit hard in the same step: those that have then gone beyond their margin get new ones.
+/* Disks at rest, each hit by a hard collision in the same step: disks beyond their margins get new ones.
  */
 static void margins_of_many_hit(size_t pairs)
 {
@@ -491,8 +491,8 @@ static void margins(void)
         for (int hard = 0; hard < 2 && dem_kernel_runs(kernel); hard++) margins_of(hard, kernel);
 }
 
-/* The same bits however the steps are cut, from a copy, with the wall opened by the definition or by a
- * call, and with observers looking on. */
+/* The same bits for any division of the steps, from a clone, with the wall opened by the definition or by a
+ * call, and with observation. */
 static void determinism_of(bool rotation)
 {
     dem_grain *grains;
@@ -535,7 +535,7 @@ static void determinism(void)
     determinism_of(true);
 }
 
-/* The turn of gravity keeps its length and adds up to the angle. */
+/* The rotation of gravity keeps its length and accumulates to the angle. */
 static void gravity_turns(void)
 {
     dem_grain grain = {0.0, 0.0, 0.1, 0.004, 0.0, 0.0};
@@ -558,8 +558,8 @@ static void gravity_turns(void)
     dem_free(sim);
 }
 
-/* A smooth undamped grain slides off a floor that ends, over the corner, and under it: energy is kept, the
- * force turns continuously, and no leak is seen. */
+/* A frictionless undamped grain slides off a finite floor, around the corner and below: energy is conserved,
+ * the direction of the force is continuous, and no leak is reported. */
 static void floor_that_ends(void)
 {
     const double r = 0.1, m = 0.0042, g = 981.0, k = 2e6;
@@ -592,7 +592,7 @@ static void floor_that_ends(void)
     CU_ASSERT(lowest < -0.3);
     CHECK_NEAR(most, 0.0, 1e-4 * m * g * 0.4); /* second order in dt at the soft corner */
     dem_free(sim);
-    /* blown back under the floor, it bounces off the underside and is no leak */
+    /* thrown back under the floor, it bounces off the underside without a reported leak */
     grain = (dem_grain){1.09, -0.15, r, m, -30.0, 20.0};
     sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 300));
@@ -601,7 +601,8 @@ static void floor_that_ends(void)
     dem_free(sim);
 }
 
-/* The same within one life of the neighbour list: past the corner the grain is below, not through the floor.
+/* The same without a rebuild of the neighbour list: past the corner the grain is below the floor, not through
+ * it.
  */
 static void corner_without_rebuild(void)
 {
@@ -631,7 +632,7 @@ static void corner_without_rebuild(void)
 }
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
- * slowly, starts each touch with what it slides in a step, not with the spring of the touch before. */
+ * slowly, starts each contact with the displacement of one step, not with the former spring. */
 static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
@@ -670,7 +671,7 @@ static void springs_end_of(bool rolling)
         free(c);
     }
     CU_ASSERT(touches >= 10);
-    CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* a spring that was not ended would have shown */
+    CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* detects a spring that did not end */
     dem_free(sim);
 }
 
@@ -680,7 +681,7 @@ static void springs_end(void)
     springs_end_of(true);
 }
 
-/* The couple of two unequal grains that turn against each other without friction: displacement R_eff (omega_a
+/* The couple of two unequal counter-rotating grains without friction: displacement R_eff (omega_a
  * - omega_b) dt after a step, R_eff = r_a r_b/(r_a + r_b). */
 static void rolling_couple(void)
 {
@@ -713,13 +714,13 @@ static void rolling_couple(void)
 
 enum { SPINNING = 80 };
 
-/* Contacts as reported against net forces and torques; how many of them slide. */
+/* Reported contacts against net forces and torques; number of sliding contacts. */
 static size_t sliding_of_sums(const dem_sim *sim)
 {
     enum { N = SPINNING };
     dem_contact *c;
     dem_state s[N];
-    double sums[N + 1][3] = {{0.0}}; /* of each id: force, torque; 0 takes what the walls get */
+    double sums[N + 1][3] = {{0.0}}; /* per id: force, torque; id 0 for the walls */
     size_t n, sliding = 0;
     CHECK_OK(dem_contacts(sim, &c, &n));
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), N);
@@ -747,7 +748,7 @@ static size_t sliding_of_sums(const dem_sim *sim)
     return sliding;
 }
 
-/* In an avalanche of spinning grains, and with the box turning besides. */
+/* In an avalanche of spinning grains, and also in a rotating box. */
 static void contacts_add_up(void)
 {
     enum { N = SPINNING };
@@ -769,7 +770,7 @@ static void contacts_add_up(void)
     free(grains);
 }
 
-/* A wall that is lifted drags a grain that touches it, upward. */
+/* A lifted wall drags a touching grain upwards. */
 static void lifted_wall_drags(void)
 {
     dem_grain grain = {0.9003, 0.5, 0.1, 0.0042, 0.0, 0.0};
@@ -791,7 +792,7 @@ static void lifted_wall_drags(void)
     dem_free(sim);
 }
 
-/* A grain is taken out at the step at which its centre passes x_max or y_min, and the others go on. */
+/* A grain is removed at the step at which its centre passes x_max or y_min; the others continue. */
 static void outlet(void)
 {
     dem_grain grains[3] = {{0.0, 3.0, 0.1, 0.0042, 10.0, 0.0},
@@ -826,7 +827,7 @@ static void outlet(void)
     dem_free(sim);
 }
 
-/* A wall that is lifted lets grains out below, and holds those above. */
+/* A lifted wall releases grains below, and holds those above. */
 static void lifted_wall(void)
 {
     dem_grain grains[2] = {{0.9, 0.1, 0.1, 0.0042, 0.0, 0.0}, {0.9, 0.8, 0.1, 0.0042, 50.0, 0.0}};
@@ -855,8 +856,7 @@ static void lifted_wall(void)
     CU_ASSERT(s[0].x > 1.2);
     CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
     dem_free(sim);
-    def.walls[0].extent[1] =
-        -0.1; /* soon lifted past its upper end: no corner is left to hit a grain above */
+    def.walls[0].extent[1] = -0.1; /* lifted past its upper end: no corner remains for a grain above */
     grains[0] = (dem_grain){1.0, 0.5, 0.1, 0.0042, 0.0, 0.0};
     sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 700));
@@ -881,7 +881,8 @@ static void filling(void)
         CHECK_NEAR(a[i].m, 1.3 * M_PI * a[i].r * a[i].r, 1e-15);
         for (int j = 0; j < i; j++) CU_ASSERT(hypot(a[i].x - a[j].x, a[i].y - a[j].y) >= a[i].r + a[j].r);
     }
-    /* a Gaussian cut at +-1.5 widths has the variance 1 - 2 c phi(c)/(2 Phi(c) - 1) = 0.5515 of the whole */
+    /* a Gaussian truncated at +-1.5 standard deviations has the variance 1 - 2 c phi(c)/(2 Phi(c) - 1) =
+     * 0.5515 of the whole */
     CHECK_NEAR(mean, 0.1, 4.0 * 0.02 * sqrt(0.5515 / 500.0));
     CHECK_NEAR((square - mean * mean) / 4e-4, 0.5515, 4.0 * 0.5515 * sqrt(2.0 / 500.0));
     dem_fill other = fill;
@@ -893,8 +894,8 @@ static void filling(void)
     CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "no room for grain");
 }
 
-/* A grain put in far away changes no bit of the others, but for the list's rebuilding; a large one that is
- * refused changes not even the cells, and so the order of the sums. */
+/* A distant added grain changes no bit of the others, except through the rebuild of the list. A refused large
+ * grain does not change the cells, nor the order of sums. */
 static void check_added_far_away(bool rotation)
 {
     dem_grain *grains;
@@ -929,8 +930,8 @@ static void added_far_away(void)
     check_added_far_away(true);
 }
 
-/* Grains put in one by one at the start are those of the definition, whatever room and cells they need; and
- * one that is put in later falls as a parabola, which the leapfrog has exactly. */
+/* Grains added one by one at the start equal those of the definition, for any capacity and cells; a grain
+ * added later falls on a parabola, exact in leapfrog. */
 static void added_one_by_one(void)
 {
     enum { N = 300, FALL = 400 };
@@ -945,7 +946,7 @@ static void added_one_by_one(void)
     }
     CHECK_OK(dem_run(all, 1000));
     CHECK_OK(dem_run(sim, 1000));
-    CU_ASSERT(distance(all, sim) < 1e-9); /* another order of the cells: round-off */
+    CU_ASSERT(distance(all, sim) < 1e-9); /* different order of the cells: round-off */
     CHECK_OK(dem_run(sim, 5000));         /* settled */
     const double y = 6.0, r = 0.5, vx = 0.3, g = 981.0, t = FALL * def.dt;
     CHECK_OK(dem_add(sim, &(dem_grain){1.5, y, r, 0.1, vx, -1.0}, NULL));
@@ -965,7 +966,7 @@ static void added_one_by_one(void)
     CU_ASSERT(touching > N / 2 && fastest > 0.0 && dem_contact_count(sim, N + 2) == 0);
     CHECK_NEAR(dem_largest_speed(sim, 0.8, 1.4), fastest, 1e-15 * fastest);
     CHECK_NEAR(dem_largest_speed(sim, 0.0, 3.0), hypot(s[N].vx, s[N].vy), 1e-9);
-    /* it is larger than any before, so that the cells grow: no contact is missed */
+    /* the new grain is the largest, so that the cells grow: no contact is missed */
     CHECK_OK(dem_run(sim, 5000));
     CHECK_OK(dem_states(sim, s));
     int near = 0;
@@ -976,7 +977,7 @@ static void added_one_by_one(void)
     free(grains);
 }
 
-/* By Gear's scheme the parabola is exact too; where grains rotate, the new one keeps its spin. */
+/* Gear's scheme gives the exact parabola too; with rotation the new grain keeps its spin. */
 static void added_by_either_scheme(void)
 {
     const double g = 981.0;
@@ -1006,7 +1007,7 @@ static void added_by_either_scheme(void)
     }
 }
 
-/* Names are not given twice, and a grain that can't be put in leaves all as it was. */
+/* Ids are unique, and a refused grain leaves the simulation unchanged. */
 static void added_names_and_errors(void)
 {
     dem_grain one = {0.0, 1.0, 0.1, 0.004, 0.0, 0.0};
@@ -1021,7 +1022,7 @@ static void added_names_and_errors(void)
     dem_sim *sim = grains_start(&def), *same;
     uint32_t id;
     CHECK_OK(dem_add(sim, &(dem_grain){2.0, -0.4, 0.1, 0.004, 0.0, 0.0}, &id));
-    CHECK_OK(dem_run(sim, 40000)); /* that one falls out, the first comes to rest */
+    CHECK_OK(dem_run(sim, 40000)); /* the last grain falls out, the first comes to rest */
     CU_ASSERT(dem_count(sim) == 1);
     CHECK_OK(dem_clone(sim, &same));
 #define REFUSES(text, ...) CHECK_FAILS(dem_add(sim, &(dem_grain){__VA_ARGS__}, &id), RP_BAD_INPUT, text)
@@ -1045,7 +1046,7 @@ static void added_names_and_errors(void)
     dem_free(same);
 }
 
-/* Grains that cannot be followed stop the run, with step and grain. */
+/* Faults of grains stop the run with a message that has step and grain. */
 static void faults(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
@@ -1140,11 +1141,11 @@ static void bad_definitions(void)
     REFUSES(bad.gravity[0] = NAN, "gravity");
     REFUSES(bad.skin = -1.0, "skin");
     REFUSES(bad.x_max = -0.1, "starts beyond x_max");
-    REFUSES((grains[0].y = 0.72, bad.gravity[1] = 0.0, bad.dt = 3e-4), "an overlap of the start");
+    REFUSES((grains[0].y = 0.72, bad.gravity[1] = 0.0, bad.dt = 3e-4), "an initial overlap");
 #undef REFUSES
 }
 
-/* The limit of dt is on the safe side of blowing up: a box at the limit settles. */
+/* The limit of dt is below instability: a box at the limit settles. */
 static void time_step_limit(void)
 {
     dem_grain *grains;
@@ -1167,15 +1168,15 @@ static void time_step_limit(void)
     def.material.k_n *= 32.0;
     double stiff = dem_time_step_limit(&def, NULL);
     CU_ASSERT(stiff < limit / 3.8 && stiff > limit / 4.2);
-    /* with damping alone a packing asks for gamma dt below 2/3, of which 0.85 are allowed; the second of the
-     * lightest is a little larger, and has room for 1 % more neighbours */
+    /* damping alone limits gamma dt of a packing to 2/3, of which 0.85 is allowed; the second of the lightest
+     * grains is slightly larger, with 1 % more neighbours */
     def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * 2.0 / 3.0 / 3e5, 1e-2 * 0.85 * 2.0 / 3.0 / 3e5);
     free(grains);
 }
 
-/* A fall from a height counts as its speed at the floor, beside twice the speed of the start. */
+/* The limit uses the speed of a fall at the floor, and twice the initial speed. */
 static void limit_of_a_fall(void)
 {
     for (int law = 0; law < DEM_NORMAL_N; law++)
@@ -1203,7 +1204,7 @@ static void limit_of_a_fall(void)
         }
 }
 
-/* Of several grains the highest, the fastest and the lightest count, wherever they stand in the list. */
+/* The highest, the fastest and the lightest grain set the limit, at any index. */
 static void limit_of_several(void)
 {
     const dem_grain plain = {.x = 0.3, .y = 0.5, .r = 0.1, .m = 0.004};
@@ -1229,11 +1230,11 @@ static void limit_of_several(void)
     }
 }
 
-/* A wall along gravity has no height, wherever its point is; the same scene in another place and
+/* A wall along gravity has no height, for any position of its point; the same scene at another position and
  * direction. */
 static void limit_in_any_direction(void)
 {
-    const double round_off = 1e-13; /* of heights, ten times the place */
+    const double round_off = 1e-13; /* of heights, ten times the position */
     double upright = NAN;
     for (int k = 0; k < 5; k++) {
         const double turn = 0.37 * k, c = cos(turn), s = sin(turn), left = 0.7 * k, down = -1.3 * k;
@@ -1261,8 +1262,8 @@ static void limit_in_any_direction(void)
     }
 }
 
-/* The limit of dt for an overlap d of the start is 0.85 of 4/sqrt(12 k/m_eff), k = 3/2 k_n sqrt(d), of the
- * pair itself whatever else is there; a fixed grain and a wall are infinite masses. The energy is 2/5 k_n
+/* The limit of dt for an initial overlap d is 0.85 of 4/sqrt(12 k/m_eff), k = 3/2 k_n sqrt(d), of the pair
+ * itself, independent of other grains; a fixed grain and a wall are infinite masses. The energy is 2/5 k_n
  * d^(5/2), and k_n d^2/2 of the linear law. */
 static void overlap_of_the_start(void)
 {
@@ -1275,8 +1276,7 @@ static void overlap_of_the_start(void)
         if (k == 1) grains[0].m = m[1], grains[1].m = m[0];
         if (k == 2 || k == 3) grains[k - 2].fixed = true;
         if (k == 4) grains[1].x = 1.2;
-        if (k == 5)
-            grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has room for pi/asin(1/4) neighbours, not 6 */
+        if (k == 5) grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has up to pi/asin(1/4) neighbours, not 6 */
         def.gravity[1] = 0.0;
         def.material.gamma_n = def.material.mu = 0.0;
         def.tangential = DEM_NONE;
@@ -1293,7 +1293,7 @@ static void overlap_of_the_start(void)
         dem_sim *sim = NULL;
         dem_energy energy;
         def.dt = 1.0001 * limit;
-        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an overlap of the start");
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
         def.dt = 0.9999 * limit;
         sim = grains_start(&def);
         dem_energies(sim, &energy);
@@ -1310,8 +1310,8 @@ static void overlap_of_the_start(void)
     }
 }
 
-/* A spring of the untruncated law, longer than Coulomb's limit: it pulls with p = mu N, N >= 0, from there
- * on, and holds p ds - p^2/(2 k_s). */
+/* A spring of the untruncated law, longer than Coulomb's limit: its force is p = mu N, N >= 0, beyond the
+ * limit, and its energy p ds - p^2/(2 k_s). */
 static void energy_of_a_long_spring(void)
 {
     static const double speeds[] = {0.0, 400.0, -300.0}; /* together; apart: N would be below 0 */
@@ -1343,8 +1343,8 @@ static void energy_of_a_long_spring(void)
     }
 }
 
-/* Grains that all turn alike are the fastest where shear springs are the stiffest: J (2 k_s + k_roll), J =
- * 5/2 of spheres; k_roll counts where there is a resistance to rolling. */
+/* Grains with equal rotation have the fastest mode for stiff shear springs: J (2 k_s + k_roll), J =
+ * 5/2 of spheres; k_roll enters with rolling resistance. */
 static void limit_of_rotation(void)
 {
     const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004},
@@ -1363,8 +1363,8 @@ static void limit_of_rotation(void)
     }
 }
 
-/* What a table's header says of a scene of unequal grains that fly: of the mean grain, at twice the largest
- * speed. */
+/* Header of a table for a scene of unequal free grains: values of the mean grain, at twice the largest speed.
+ */
 static void header_notes(void)
 {
     const dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 30.0},
@@ -1399,8 +1399,8 @@ static void header_notes(void)
     dem_free(sim);
 }
 
-/* What is read of grains near rest, against what they are given: in the frame of a box that turns, of the
- * grains within, without those that are fixed; and the largest force of those that touch something. */
+/* State near rest against the given velocities: in the frame of a rotating box, for the grains inside,
+ * without fixed ones; largest force of the grains in contact. */
 static void state_near_rest(void)
 {
     const double turn = 1e-3, dt = 5e-5;
@@ -1426,11 +1426,11 @@ static void state_near_rest(void)
     sim = grains_start(&def);
     CHECK_OK(dem_run(sim, 1));
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
-    /* the box's point came to the grain's place along a chord; its spin is clockwise */
+    /* the point of the box reached the grain's position along a chord; its spin is clockwise */
     const double chord = hypot(0.5, 0.6) * 2.0 * sin(0.5 * turn) / dt, spin = 3.0 + sin(turn) / dt;
     CHECK_NEAR(rest.kinetic_energy, 0.5 * 0.004 * chord * chord + 0.5 * inertia * spin * spin, 1e-10);
     dem_free(sim);
-    /* one on a floor, which carries half of its weight, and one that falls */
+    /* one on a floor that carries half of its weight, and one in free fall */
     dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
     def = dem_definition_default();
     two[0].y = 0.1 - pow(0.5 * 0.004 * 981.0 / (2.0 * def.material.k_n), 2.0 / 3.0);
@@ -1452,9 +1452,9 @@ void suite_dem(void)
                                        {"neighbour list finds every contact", list_is_complete},
                                        {"grains leave the list", leaving},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
-                                       {"grains that go on behind the pair loop", chunks},
-                                       {"margins of the list", margins},
-                                       {"same bits however it is run", determinism},
+                                       {"integration behind the pair loop", chunks},
+                                       {"Verlet margins", margins},
+                                       {"same bits for any division of the run", determinism},
                                        {"gravity turns", gravity_turns},
                                        {"floor that ends", floor_that_ends},
                                        {"corner without a rebuild", corner_without_rebuild},
@@ -1465,10 +1465,10 @@ void suite_dem(void)
                                        {"lifted wall drags", lifted_wall_drags},
                                        {"outlet", outlet},
                                        {"random filling", filling},
-                                       {"a grain put in far away", added_far_away},
-                                       {"grains put in one by one", added_one_by_one},
-                                       {"a grain put in by either scheme", added_by_either_scheme},
-                                       {"names and errors of a grain put in", added_names_and_errors},
+                                       {"a distant added grain", added_far_away},
+                                       {"grains added one by one", added_one_by_one},
+                                       {"a grain added with each integrator", added_by_either_scheme},
+                                       {"ids and errors of an added grain", added_names_and_errors},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},
@@ -1476,7 +1476,7 @@ void suite_dem(void)
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},
                                        {"limit of rotation", limit_of_rotation},
-                                       {"an overlap of the start", overlap_of_the_start},
+                                       {"initial overlap", overlap_of_the_start},
                                        {"energy of a long spring", energy_of_a_long_spring},
                                        {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},

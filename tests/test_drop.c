@@ -187,11 +187,11 @@ static void planted_dips(void)
     for (int e = 0; e < ENSEMBLES; e++) {
         stress_dips d;
         draw_profiles(rng, PILES, 0.0, profiles);
-        CHECK_OK(stress_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        CHECK_OK(stress_dip_ensemble(PILES, profiles, NULL, 0.1, RESAMPLES, rng, means, &d));
         false_dips += d.p_value < 0.05;
         none += d.p_margin < 0.05;
         draw_profiles(rng, PILES, -0.1, profiles);
-        CHECK_OK(stress_dip_ensemble(PILES, profiles, 0.1, RESAMPLES, rng, means, &d));
+        CHECK_OK(stress_dip_ensemble(PILES, profiles, NULL, 0.1, RESAMPLES, rng, means, &d));
         /* the mean falls with the dip: D = -0.1/0.98 */
         missed += !(d.dip.lo <= -0.1 / 0.98 && -0.1 / 0.98 <= d.dip.hi);
         found += d.p_value < 0.05 && d.dip.mean < 0.0 && d.p_dip < 0.05;
@@ -212,15 +212,16 @@ static void dip_of_an_ensemble(void)
     for (int i = 0; i < 4 * STRESS_DIP_BINS; i++) /* two rise to the right, two to the left: 0.5 to 1.5 */
         profiles[i] =
             1.0 + (i / STRESS_DIP_BINS % 2 ? 1.0 : -1.0) * ((i % STRESS_DIP_BINS + 0.5) / 20.0 - 0.5);
-    CHECK_OK(stress_dip_ensemble(4, profiles, 0.1, 50, rng, means, &d));
+    CHECK_OK(stress_dip_ensemble(4, profiles, NULL, 0.1, 50, rng, means, &d));
     CHECK_NEAR(d.dip.mean, 0.0, 1e-14);
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         CHECK_NEAR(d.N[k], 1.0, 1e-14);
         CHECK_NEAR(d.N_se[k], 0.0, 1e-14);
     }
-    CHECK_FAILS(stress_dip_ensemble(2, profiles, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
-    CHECK_FAILS(stress_dip_ensemble(4, profiles, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(stress_dip_ensemble(4, profiles, 0.1, 1, rng, means, &d), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(stress_dip_ensemble(2, profiles, NULL, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.1, 1, rng, means, &d), RP_BAD_INPUT,
+                "resamples = 1");
     gsl_rng_free(rng);
 }
 

@@ -410,6 +410,45 @@ static void test_primary(void)
     free_pile(&h);
 }
 
+/* (47), (48), disk by disk: of the two forces from above, the one from the side of the axis is the stronger,
+ * and on the axis both are equal. All disks but those of the two slopes have both. */
+static void test_stronger_diagonals(void)
+{
+    enum { LAYERS = 45, DISKS = LAYERS * (LAYERS + 1) / 2 };
+    static double left[DISKS], right[DISKS], x[DISKS];
+    test_pile h = make_disks(LAYERS, 60, 0);
+    statics_contact *contacts;
+    size_t n, both = 0, right_ones = 0;
+    CU_ASSERT_FATAL(h.n == DISKS);
+    CHECK_OK(solve(&h, soft(1e-4)));
+    CHECK_OK(statics_contacts(h.pile, &contacts, &n));
+    memset(left, 0, sizeof left);
+    memset(right, 0, sizeof right);
+    for (size_t k = 0; k < n; k++) {
+        const statics_contact *c = &contacts[k];
+        const bool a_lower = c->y < c->y_b, from_left = a_lower ? c->x_b < c->x : c->x < c->x_b;
+        const size_t lower = a_lower ? c->a : c->b;
+        (from_left ? left : right)[lower] = c->force;
+        x[lower] = a_lower ? c->x : c->x_b;
+    }
+    double axis = 0.0;
+    for (size_t i = 0; i < DISKS; i++)
+        if (left[i] > 0.0 && right[i] > 0.0) both++, axis += x[i];
+    axis /= (double)both;
+    for (size_t i = 0; i < DISKS; i++) {
+        if (!(left[i] > 0.0 && right[i] > 0.0)) continue;
+        /* neighbours of the axis are 0.5 sigma from it, and differ by a disk's weight */
+        if (fabs(x[i] - axis) < 0.25)
+            right_ones += fabs(left[i] - right[i]) < 1e-6;
+        else
+            right_ones += (left[i] > right[i]) == (x[i] > axis);
+    }
+    CU_ASSERT(both == (LAYERS - 1) * (LAYERS - 2) / 2);
+    CU_ASSERT(right_ones == both);
+    free(contacts);
+    free_pile(&h);
+}
+
 /* A branch that ends under load: the pile jumps to another branch once, at full load. */
 static void test_jump(void)
 {
@@ -1299,6 +1338,7 @@ void suite_equilibrium(void)
                                        {"linearised piles against diagonals alone", test_linearised},
                                        {"soft wells", test_soft_wells},
                                        {"45 layers: primary state", test_primary},
+                                       {"(47), (48) by counting", test_stronger_diagonals},
                                        {"45 layers: minimum", test_minimum},
                                        {"a branch that ends", test_jump},
                                        {"a large soft pile", test_large_soft},

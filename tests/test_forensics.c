@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "tests/check.h"
 
-/* A claim whose model error swamps the published one has the normal density, whatever the scale. */
+/* A claim whose model error far exceeds the published error has the normal density, at any scale. */
 static void test_likelihood(void)
 {
     const stats_claim value = {STATS_CLAIM_VALUE, 2.385, 1e-9}, falls = {STATS_CLAIM_SIGN, -1.0, 1e-9};
@@ -24,14 +24,14 @@ static void test_likelihood(void)
         double s = 0.2 * pow(10.0, (i + 0.5) / fine), v = 0.25 * s * s;
         sum += exp(-0.5 * (off - 1.0) * (off - 1.0) / v) / sqrt(v);
     }
-    /* the mid-point rule with 13 scales is good to a per cent */
+    /* the mid-point rule with 13 scales is accurate to one per cent */
     CHECK_NEAR(stats_claims_log_likelihood(1, &loose, &off, &exact), log(sum / fine), 0.01);
 }
 
 enum { N_CLAIMS = 4, N_COMBINATIONS = 5 };
 
-/* Publications drawn from combination 0 exclude it as often as `level` says, and the far one nearly always;
- * one without a number is never judged. */
+/* Publications drawn from combination 0 exclude it with probability `level`, and the distant combination
+ * nearly always; a combination without a number is not judged. */
 static void test_judge(void)
 {
     const double level = 0.1;
@@ -61,7 +61,7 @@ static void test_judge(void)
         far += a[1].excluded;
         CU_ASSERT(!a[2].complete && a[2].excluded && isnan(a[2].p_value));
         CU_ASSERT(a[0].excluded == (a[0].log_likelihood < a[0].limit));
-        /* p-value and limit are of the same draws */
+        /* p-value and limit come from the same draws */
         CU_ASSERT(!a[0].excluded || a[0].p_value <= level + 0.01);
     }
     /* four standard errors of a binomial count, and the limit's own error from 200 draws */
@@ -71,7 +71,7 @@ static void test_judge(void)
     gsl_rng_free(rng);
 }
 
-/* A sign needs no error of its own, a number does. */
+/* A sign needs no error, a number does. */
 static void test_errors_of_claims(void)
 {
     const stats_claim falls = {STATS_CLAIM_SIGN, -1.0, 0.0}, value = {STATS_CLAIM_VALUE, -1.0, 0.0};
@@ -88,7 +88,7 @@ static void test_errors_of_claims(void)
     gsl_rng_free(rng);
 }
 
-/* Combinations that all say the same pass by chance as often as true ones; without draws there is no count.
+/* Equal combinations pass by chance as often as true ones; without draws there is no count.
  */
 static void test_chance(void)
 {
@@ -123,7 +123,7 @@ static void make_design(size_t level[])
     }
 }
 
-/* Without noise the effects come out; with noise the intervals cover them as they say. */
+/* Without noise the effects are exact; with noise the intervals have their coverage. */
 static void test_effects(void)
 {
     const double planted[4] = {-1.7, 0.6, 2.2, 0.05};

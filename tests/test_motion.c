@@ -1,4 +1,4 @@
-/* How grains and walls move: the Gear scheme, the box that turns, fixed grains, gravity that is set. */
+/* Motion of grains and walls: the Gear scheme, the rotating box, fixed grains, gravity set by a call. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "tests/check.h"
 #include "tests/grains.h"
 
-static const double R = 0.1, M = 0.0042; /* of a lone grain */
+static const double R = 0.1, M = 0.0042; /* of a single grain */
 static const int integrators[2] = {DEM_VERLET, DEM_GEAR5};
 
 /* One grain above a floor through the origin. */
@@ -19,8 +19,8 @@ static dem_definition one_on_floor(const dem_grain *grain)
     return def;
 }
 
-/* A grain on a floor through the origin that turns clockwise by `rate` a step, written out for one grain with
- * the functions of the C library: what the simulator does is compared with it. */
+/* Reference: one grain on a floor through the origin that rotates clockwise by `rate` per step, written out
+ * with the functions of the C library. */
 typedef struct {
     const dem_definition *def;
     double rate, spring, force[2];
@@ -33,7 +33,8 @@ static void naive_force(naive *p, const double x[2], const double v[2], const do
     const double a = p->rate * (double)step, before = a - (step > 0 ? p->rate : 0.0);
     const double n[2] = {sin(a), cos(a)}, s[2] = {cos(a), -sin(a)};
     const double height = x[0] * n[0] + x[1] * n[1], along = x[0] * s[0] + x[1] * s[1];
-    const double wall[2] = {along * (s[0] - cos(before)), along * (s[1] + sin(before))}; /* its way */
+    const double wall[2] = {along * (s[0] - cos(before)),
+                            along * (s[1] + sin(before))}; /* its displacement */
     const double overlap = R - height, dt = p->def->dt;
     p->force[0] = p->force[1] = 0.0;
     if (overlap <= 0.0) {
@@ -109,7 +110,7 @@ static void naive_gear(naive *p, double x[2], double v[2], long steps)
     }
 }
 
-/* The scheme that the simulator is compared with is of fifth order: x'' = -x - 0.2 x', from exact
+/* The reference scheme is of fifth order: x'' = -x - 0.2 x', from exact
  * derivatives, against exp(-0.1 t) cos(w t), w^2 = 0.99. */
 static void gear_order(void)
 {
@@ -130,7 +131,7 @@ static void gear_order(void)
     for (int k = 0; k < 2; k++) CHECK_NEAR(log2(error[k] / error[k + 1]), 5.0, 0.5);
 }
 
-/* Bounces with friction and damping that end in rest, on a floor that stands or turns. */
+/* Bounces with friction and damping to rest, on a fixed or rotating floor. */
 static void matches_naive_program(void)
 {
     static const double rates[3] = {0.0, 2.385e-5, -2e-4};
@@ -160,7 +161,7 @@ static void matches_naive_program(void)
     }
 }
 
-/* Without contacts every integrator is exact, also where gravity changes between steps. */
+/* Without contacts every integrator is exact, also if gravity changes between steps. */
 static void free_flight(void)
 {
     const long steps = 1000;
@@ -190,7 +191,7 @@ static void free_flight(void)
         CHECK_NEAR(after.x, s.x + 12.0 * t + 150.0 * t * t, 4e-12);
         CHECK_NEAR(after.y, s.y + s.vy * t + 50.0 * t * t, 4e-12);
         CHECK_NEAR(after.vx, 12.0 + 300.0 * t, 1e-10);
-        /* a turn goes on from it, and keeps its length */
+        /* a rotation continues from it, and keeps its length */
         double now[2];
         dem_gravity_turn(sim, 1e-4);
         CHECK_OK(dem_run(sim, steps));
@@ -201,7 +202,7 @@ static void free_flight(void)
     }
 }
 
-/* Root mean square, over phases of the touch within a step, of an elastic impact's relative error in energy.
+/* Relative energy error of an elastic impact, root mean square over phases of contact within a step.
  */
 static double impact_error(int integrator, double dt)
 {
@@ -226,8 +227,8 @@ static double impact_error(int integrator, double dt)
     return sqrt(sum / PHASES);
 }
 
-/* A Hertz force starts as overlap^(3/2): its kinks at touch and release make an error of dt^(5/2) whatever
- * the scheme's own order, and the same for both schemes. */
+/* A Hertz force starts as overlap^(3/2): its kinks at contact and separation cause an error of dt^(5/2),
+ * equal for both schemes at any order of the scheme. */
 static void impact_order(void)
 {
     double error[2][3];
@@ -239,10 +240,10 @@ static void impact_order(void)
     CHECK_NEAR(error[1][0], error[0][0], 0.05 * error[0][0]);
 }
 
-/* A sticking contact without damping rings on, at a wall, and between two grains of which one is fixed and
- * nearly flat. At omega dt = 0.2 Verlet's energy swings by (omega dt)^2/4 and Gear's falls by 2.2e-5 a period
- * (its own damping, 0.1 (omega dt)^5). Were a spring to grow by velocities ahead, the energy would fall by
- * exp(-k_s dt t/(2 m)): 1e-100 at the end. */
+/* A sticking contact without damping oscillates for ever, at a wall, and between two grains of which one is
+ * fixed and nearly flat. At omega dt = 0.2 Verlet's energy oscillates by (omega dt)^2/4, and Gear's falls
+ * by 2.2e-5 per period (numerical damping 0.1 (omega dt)^5). A spring that grows by predicted velocities
+ * would damp the energy by exp(-k_s dt t/(2 m)): 1e-100 at the end. */
 static void sticking_contact_rings(void)
 {
     const double k_n = 1e6, g = 981.0, flat = 10.0, dt = 4e-5, omega = 0.2 / dt, v = 1e-5 * omega;
@@ -268,7 +269,7 @@ static void sticking_contact_rings(void)
     }
 }
 
-/* A box comes to rest with either scheme, and does so at the largest time step that is allowed. */
+/* A box comes to rest with either scheme, also at the largest allowed time step. */
 static void gear_settles(void)
 {
     dem_grain *grains;
@@ -286,15 +287,15 @@ static void gear_settles(void)
     dem_free(sim);
     def.dt *= 1.001;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
-    /* damping alone: the predictor's limit, three contacts a grain */
+    /* damping alone: limit of the predictor, three contacts per grain */
     def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 90.0 / 551.0 / 3.0 / 3e5, 1e-3 / 3e5);
     free(grains);
 }
 
-/* The same bits however the steps are cut, from a copy, after the list was renewed many times, while the box
- * or gravity turns. */
+/* The same bits for any division of the steps, from a clone, after many rebuilds of the list, while the box
+ * or gravity rotates. */
 static void determinism(void)
 {
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
@@ -334,7 +335,7 @@ static void determinism(void)
     }
 }
 
-/* The angle adds up, the frame turns with the walls, and both stay when the box stops. */
+/* The angle accumulates, the frame rotates with the walls, and both stay when the box stops. */
 static void box_angle(void)
 {
     const double rate = -2.385e-4, a = 4000 * rate;
@@ -356,8 +357,8 @@ static void box_angle(void)
     dem_free(sim);
 }
 
-/* A smooth grain on a floor that turns from rest about the grain's foot: x'' = w^2 x + g sin(w t) in the
- * box's frame, from x' = -w R, the box's velocity at the grain's centre. */
+/* A frictionless grain on a floor that starts to rotate about the contact point: x'' = w^2 x + g sin(w t) in
+ * the box's frame, from x' = -w R, the box's velocity at the grain's centre. */
 static void slides_in_turning_box(void)
 {
     const double rate = 1e-4, k_n = 1e6, g = 981.0, depth = pow(M * g / k_n, 2.0 / 3.0);
@@ -377,8 +378,8 @@ static void slides_in_turning_box(void)
             const double t = (double)steps * def.dt;
             const double c = -(R - depth) + 0.5 * g / (w * w); /* of sinh */
             const double x = c * sinh(w * t) - 0.5 * g / (w * w) * sin(w * t);
-            /* x is of second order in dt in all terms but the depth, which Coriolis and centrifugal forces
-             * and cos(w t) change by a part of itself: 2 w y' moves x by less than 2 w t depth */
+            /* x is of second order in dt, except for the overlap, which Coriolis and centrifugal forces and
+             * cos(w t) change slightly: 2 w y' moves x by less than 2 w t times the overlap */
             CHECK_NEAR(s.x, x, 2.0 * w * t * depth);
             CHECK_NEAR(s.y, R, 3.0 * depth);
         }
@@ -386,8 +387,8 @@ static void slides_in_turning_box(void)
     }
 }
 
-/* Slowly turned to the same angle, smooth grains stand the same in the box's frame whether the box or gravity
- * has turned; on the walls the forces are the same there too. */
+/* After slow rotation to the same angle, frictionless grains have the same positions in the frame of the box
+ * for rotated box and rotated gravity; wall forces agree too. */
 static void box_against_gravity(void)
 {
     const double angle = 0.1;
@@ -409,7 +410,7 @@ static void box_against_gravity(void)
         (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
         CHECK_OK(dem_run(sim, steps));
         (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
-        CHECK_OK(dem_run(sim, 40000)); /* the box's halt jolts the column, which creeps back */
+        CHECK_OK(dem_run(sim, 40000)); /* the stop of the box disturbs the column, which creeps back */
         CHECK_OK(dem_states(sim, s[k]));
         dem_wall_forces(sim, forces[k]);
         for (int i = 0; i < 5; i++) dem_box_frame(sim, &s[k][i].x, &s[k][i].y);
@@ -423,10 +424,11 @@ static void box_against_gravity(void)
         CHECK_NEAR(hypot(s[1][i].vx, s[1][i].vy), 0.0, 1e-7);
     }
     for (int w = 0; w < 6; w++) CHECK_NEAR(forces[0][w], forces[1][w], 1e-5 * M * 981.0);
-    CU_ASSERT(fabs(forces[0][5 - 1]) > M * 981.0 * sin(angle)); /* they do lean on the side wall */
+    CU_ASSERT(fabs(forces[0][5 - 1]) > M * 981.0 * sin(angle)); /* the grains press on the side wall */
 }
 
-/* Momentum gained is the walls' and gravity's impulse, while the box turns fast enough to throw grains. */
+/* The gain of momentum is the impulse of walls and gravity, while the box rotates fast enough to throw
+ * grains. */
 static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };
@@ -462,7 +464,7 @@ static void wall_ledger(void)
     free(grains);
 }
 
-/* Walls that sweep up far grains at rest: as with a list renewed at every step. */
+/* Walls that sweep up distant grains at rest: the same as with a list rebuilt at every step. */
 static void list_follows_turning_walls(void)
 {
     for (int k = 0; k < DEM_INTEGRATORS; k++) {
@@ -493,7 +495,7 @@ static void list_follows_turning_walls(void)
     }
 }
 
-/* x_max and y_min turn with the box: a grain at rest in the laboratory is taken out when they reach it. */
+/* x_max and y_min rotate with the box: a grain at rest in the laboratory is removed when they reach it. */
 static void outlet_turns(void)
 {
     dem_grain grains[2] = {{2.0, 5.0, R, M, 0.0, 0.0}, {-4.0, 0.5, R, M, 0.0, 0.0}};
@@ -523,8 +525,8 @@ static void outlet_turns(void)
     dem_free(sim);
 }
 
-/* A fixed grain is a wall with a round face: head-on the same course, and the same mass in the damping. With
- * gravity down and up, so that either of the two comes first in the list. */
+/* A fixed grain is a round wall: the same head-on trajectory, and the same mass in the damping. With gravity
+ * down and up, so that each of the two grains comes first in the list once. */
 static void fixed_is_a_wall(void)
 {
     for (int k = 0; k < 4; k++) {
@@ -563,7 +565,8 @@ static void fixed_is_a_wall(void)
     }
 }
 
-/* Rolling resistance is against the box: without other friction a grain takes over the box's spin. */
+/* Rolling resistance acts relative to the box: without other friction a grain assumes the rotation of the
+ * box. */
 static void rolls_with_box(void)
 {
     const double rate = 2e-5, depth = pow(M * 981.0 / 1e6, 2.0 / 3.0);
@@ -581,8 +584,9 @@ static void rolls_with_box(void)
     dem_free(sim);
 }
 
-/* A rough floor below the floor's line, its grains overlapping: nothing of it moves while a box empties over
- * it, none of its grains meets another or a wall, and grains are taken out and sorted anew. */
+/* A rough floor of overlapping fixed grains below the floor's line. While a box empties over it, the grains
+ * of the floor stay fixed, without contacts to one another or to walls, and other grains are removed and
+ * sorted. */
 static void fixed_stay(void)
 {
     enum { N = 60, FIXED = 18 };
@@ -664,7 +668,7 @@ static void refusals(void)
     def.integrator = DEM_GEAR5;
     grain.y = 0.09;
     def.dt = 9e-5; /* at this overlap Verlet allows it */
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an overlap of the start");
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an initial overlap");
     def.rotation = true;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "need the integrator verlet");
     def.rotation = false;
@@ -684,17 +688,17 @@ void suite_motion(void)
 {
     static const check_case cases[] = {{"bounces match a program for one grain", matches_naive_program},
                                        {"Gear's order", gear_order},
-                                       {"free flight, gravity that is set", free_flight},
+                                       {"free flight, gravity set by a call", free_flight},
                                        {"order of an elastic impact", impact_order},
-                                       {"a sticking contact rings", sticking_contact_rings},
+                                       {"a sticking contact oscillates", sticking_contact_rings},
                                        {"Gear: settling and the limit of the time step", gear_settles},
-                                       {"same bits however it is run", determinism},
+                                       {"same bits for any division of the run", determinism},
                                        {"angle and frame of the box", box_angle},
-                                       {"smooth grain in a turning box", slides_in_turning_box},
-                                       {"box turned against gravity turned", box_against_gravity},
-                                       {"impulse of turning walls", wall_ledger},
-                                       {"list follows turning walls", list_follows_turning_walls},
-                                       {"outlet turns with the box", outlet_turns},
+                                       {"frictionless grain in a rotating box", slides_in_turning_box},
+                                       {"rotated box against rotated gravity", box_against_gravity},
+                                       {"impulse of rotating walls", wall_ledger},
+                                       {"list follows rotating walls", list_follows_turning_walls},
+                                       {"outlet rotates with the box", outlet_turns},
                                        {"rolling with the box", rolls_with_box},
                                        {"a fixed grain is a wall", fixed_is_a_wall},
                                        {"fixed grains stay", fixed_stay},

@@ -1,4 +1,4 @@
-/* Protocol `repose`: its scene, and its outputs computed a second way from the tables that a run leaves. */
+/* Protocol `repose`: its scene, and its outputs by a second method from the tables of a run. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
-/* Angles that the same numbers give by another order of additions: some ulp of 30 degrees. */
+/* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */
 static const double ANGLE_TOLERANCE_DEG = 1e-10;
 
 static const double RADIAN_DEG = 180.0 / 3.14159265358979323846;
@@ -108,7 +108,7 @@ static double line_deg(int n, const double h[], double cell)
     return -atan((n * sjh - sj * sh) / (n * sjj - sj * sj) / cell) * RADIAN_DEG;
 }
 
-/* Highest centres less d/2 in 11 cells of 0.2; straight lines through the 5 on either side of the middle one.
+/* Highest centres minus d/2 in 11 cells of 0.2; straight lines through the 5 on each side of the middle one.
  */
 static void check_halves(const grains *g, const sweep_result *result)
 {
@@ -134,8 +134,8 @@ static void check_variant(const grains *g, const sweep_result *result, const cha
     }
 }
 
-/* Names are spelled out here, so that a list in another order than the places shows. Few grains leave
- * empty cells, so that the six surfaces differ. */
+/* Explicit names detect a list in another order than the values. Few grains leave empty cells, so that the
+ * six surfaces differ. */
 static void test_surfaces(void)
 {
     sweep_result result;
@@ -177,7 +177,7 @@ static void test_surfaces(void)
     clean();
 }
 
-/* What the floor's friction is when some of the three are given. */
+/* Friction of the floor when some of the three coefficients are given. */
 static void test_frictions(void)
 {
     static const struct {
@@ -211,7 +211,7 @@ static void test_frictions(void)
     }
 }
 
-/* The pile's grains that `scene` makes are those of the run's table, in every bit. */
+/* The grains of the pile from `scene` equal those of the run's table in every bit. */
 static void check_scene(dem_scene *scene, dem_sim **sim)
 {
     dem_state states[256];
@@ -231,7 +231,7 @@ static void check_scene(dem_scene *scene, dem_sim **sim)
     rp_table_free(&t);
 }
 
-/* The choices of contact law as the scene has them. */
+/* The choices of contact law in the scene. */
 static void test_contact_choices(void)
 {
     sweep_result result;
@@ -265,7 +265,7 @@ static void test_contact_choices(void)
     clean();
 }
 
-/* Few grains without any friction: the row of 11 holds some of them, and is no part of the pile itself. */
+/* Few grains without friction: the row of 11 retains some of them, and does not belong to the pile itself. */
 static void test_floor_of_grains(void)
 {
     sweep_result result;
@@ -307,12 +307,12 @@ static void test_floor_of_grains(void)
     dem_free(sim);
     dem_scene_free(&scene);
     clean();
-    /* to 3 W where the floor goes on */
+    /* to 3 W where the floor extends */
     CU_ASSERT(sweep_box_floor(&(sweep_box){.W = 2.2, .radius_mean = 0.1, .floor_grains = true}, NULL) == 33);
 }
 
-/* Gravity grows as t/T to t = T, and stays to 2 T: a grain falls by (1/6 + 1/2 + 1/2) g T^2. Steps of T/400
- * take gravity at their end. */
+/* Gravity grows as t/T until t = T, and is constant until 2 T: a grain falls by (1/6 + 1/2 + 1/2) g T^2.
+ * Steps of T/400 take gravity at their end. */
 static void test_ramp(void)
 {
     sweep_result result;
@@ -362,8 +362,9 @@ static void test_ramp_where_soft(void)
     }
 }
 
-/* A grain at rest in a box that turns: its velocity there is the angular velocity times its distance from the
- * origin, it spins, and its place, after a quarter turn clockwise, has x and y exchanged. */
+/* A grain at rest in the laboratory, seen from a rotating box: its velocity is the angular velocity times its
+ * distance from the origin, it spins, and after a quarter turn clockwise its position has x and y exchanged.
+ */
 static void test_rest_in_turning_box(void)
 {
     dem_definition def = dem_definition_default();
@@ -405,7 +406,7 @@ static size_t read_column(const char *file, const char *column, double values[10
     return n;
 }
 
-/* Contacts a grain with 0 < x < W, from the tables of a stage; their number. */
+/* Contacts per grain with 0 < x < W, from the tables of a stage; number of these grains. */
 static double contact_number(const char *stage, double W, size_t *n_pile)
 {
     char file[64];
@@ -425,7 +426,7 @@ static double contact_number(const char *stage, double W, size_t *n_pile)
     return count / (double)*n_pile;
 }
 
-/* Outputs of the pile again, from its tables. */
+/* Outputs of the pile, computed from its tables. */
 static void check_pile(const sweep_result *result, double W)
 {
     double x[1024], y[1024], vx[1024], vy[1024], fx[1024], fy[1024], m[1024], touching[1024], step[1024];
@@ -471,8 +472,8 @@ static void check_pile(const sweep_result *result, double W)
     ang_surface_free(&s);
 }
 
-/* Grains of the pile, at[] of it, that are farther than `reach` from their places in the box, which has
- * turned by `angle`, and have so many contacts; or that are gone. */
+/* Number of grains of the pile, at[], that are farther than `reach` from their positions in the box, rotated
+ * by `angle`, with the given number of contacts; or that are gone. */
 static size_t moved(const dem_sim *sim, size_t n, const dem_state at[], double W, double angle, double reach,
                     int contacts, size_t *n_pile)
 {
@@ -505,8 +506,8 @@ static void turn(dem_sim *sim, const tilting *t, double deg_per_step)
     (t->box ? dem_box_turn : dem_gravity_turn)(sim, deg_per_step / RADIAN_DEG);
 }
 
-/* The tilts at which 5 % of the pile have moved 0.1 d, and at which it has ten times the energy of the first
- * half degree and 1e-5 m g d. */
+/* The tilts at which 5 % of the grains have moved by 0.1 d, and at which the energy exceeds that of the first
+ * half degree tenfold and 1e-5 m g d. */
 static void onset(dem_sim *sim, const tilting *t, double *displacement, double *energy)
 {
     dem_state at[256];
@@ -533,7 +534,8 @@ static void onset(dem_sim *sim, const tilting *t, double *displacement, double *
     }
 }
 
-/* The last tenth of a degree before one of two contacts or more has moved 0.5 d, with rest after each. */
+/* The last tenth of a degree before a grain with two contacts or more has moved by 0.5 d, with rest after
+ * each tenth. */
 static double static_onset(dem_sim *sim, const tilting *t)
 {
     dem_state at[256];
@@ -557,7 +559,7 @@ static double static_onset(dem_sim *sim, const tilting *t)
     return NAN;
 }
 
-/* All outputs again: of the pile from its tables, of the tilts from its scene. */
+/* All outputs by a second method: of the pile from its tables, of the tilts from its scene. */
 static void test_outputs(void)
 {
     static const tilting cases[] = {{1.4, 1e-2, true}, {1.0, 5e-4, false}};
@@ -593,7 +595,7 @@ static void test_outputs(void)
     }
 }
 
-/* Grains on a row of fixed ones, so rough that they sway at most: tilted by 60 degrees in steps of 0.01, or
+/* Grains on a row of fixed ones, so rough that they only oscillate: tilted by 60 degrees in steps of 0.01, or
  * by tenths with rest of at least 5000 steps after each. */
 static void test_stands(void)
 {
@@ -626,7 +628,7 @@ static void test_stands(void)
     }
 }
 
-/* A slide that is not over after max_steps ends a tilt from rest to rest, with the angle all the same. */
+/* A slide longer than max_steps ends a quasi-static tilt; the angle is kept. */
 static void test_restless(void)
 {
     double theta[2];
@@ -676,16 +678,16 @@ static void test_refusals(void)
 
 void suite_repose(void)
 {
-    static const check_case cases[] = {{"every reading of a surface", test_surfaces},
+    static const check_case cases[] = {{"every variant of the surface", test_surfaces},
                                        {"friction of the floor", test_frictions},
                                        {"choices of contact", test_contact_choices},
                                        {"floor of grains", test_floor_of_grains},
                                        {"ramp of gravity", test_ramp},
                                        {"ramp where grains are soft", test_ramp_where_soft},
-                                       {"rest in a turning box", test_rest_in_turning_box},
-                                       {"all outputs a second way", test_outputs},
-                                       {"a pile that stands", test_stands},
-                                       {"a slide that goes on", test_restless},
+                                       {"rest in a rotating box", test_rest_in_turning_box},
+                                       {"all outputs by a second method", test_outputs},
+                                       {"a stable pile", test_stands},
+                                       {"an unfinished slide", test_restless},
                                        {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);

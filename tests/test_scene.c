@@ -1,4 +1,4 @@
-/* Scene files: what they say, what they refuse, and that what is written reads back to the same bits. */
+/* Scene files: contents, refused input, and written scenes that read back to the same bits. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -36,10 +36,10 @@ static void example(void)
               s.def.tension);
     CU_ASSERT(s.def.material.k_n == 1e6 && s.def.material.gamma_s == 5.0 && s.def.material.mu == 0.2);
     CU_ASSERT(s.def.n_walls == 1 && s.def.walls[0].direction[1] == 1.0 && isinf(s.def.walls[0].extent[1]));
-    /* what the wall leaves out */
+    /* defaults of the wall */
     CU_ASSERT(s.def.walls[0].material.gamma_n == 500.0 && s.def.walls[0].material.k_s == 1e4);
     CU_ASSERT(s.def.walls[0].open_at_step == -1);
-    /* nothing rotates; rolling resistance, if it were on, would take stiffness and damping of the shear */
+    /* no rotation; rolling resistance would use stiffness and damping of the shear spring */
     CU_ASSERT(!s.def.rotation && s.def.damping == DEM_DAMPING_OUTSIDE && s.def.material.mu_roll == 0.0);
     CU_ASSERT(s.def.material.k_roll == 1e4 && s.def.walls[0].material.gamma_roll == 5.0);
     CU_ASSERT(s.def.n_grains == 2 && s.grains[0].m == 1.0 && s.grains[0].vy == -1.0);

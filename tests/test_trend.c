@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "tests/check.h"
 
-/* sums of some 30 terms of order 1 to 10 and what cancels in them */
+/* sums of some 30 terms of order 1 to 10, with cancellation */
 static const double sum_error = 1e-12;
 /* a share of planted cases against its expectation: 4 of its standard errors; seeds are fixed */
 static const double sigmas = 4.0;
@@ -23,7 +23,7 @@ enum { N = 11 };
 static const double xs[N] = {1.5, 2.385, 2.5, 3.1, 3.485, 4.0, 4.77, 5.1, 6.2, 7.31, 8.0};
 static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 15.1, 16.4, 15.9};
 
-/* One value an x: the textbook's straight line and parabola. */
+/* One value per x: straight line and parabola of the textbook. */
 static void test_single_values(void)
 {
     stats_trend t;
@@ -72,7 +72,7 @@ static void test_single_values(void)
     gsl_matrix_free(cov);
 }
 
-/* Two x: Welch's test, and the paired one. The order of the values plays no part. */
+/* Two x: Welch's test, and the paired one. The order of the values does not matter. */
 static void test_two_x(void)
 {
     const double x[] = {4, 2, 4, 2, 2, 4, 2}, y[] = {18.1, 17.2, 19.9, 16.1, 18.4, 18.8, 19.3};
@@ -104,7 +104,7 @@ static void test_two_x(void)
     CU_ASSERT(t.n == 6);
 }
 
-/* TOST and the interval of 90 % are one thing. */
+/* TOST is equivalent to the 90 % interval. */
 static void test_tost_is_interval(void)
 {
     for (double value = -2.1; value < 2.1; value += 0.0385)
@@ -170,7 +170,7 @@ static void test_coverage(void)
     gsl_rng_free(rng);
 }
 
-/* The largest of all pairs counts, wherever it is, and its sign is that of the larger x. */
+/* The result is the largest difference of all pairs, with the sign for increasing x. */
 static void test_pairs(void)
 {
     const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
@@ -262,10 +262,73 @@ static void test_trend_errors(void)
     CHECK_FAILS(stats_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
 }
 
+/* ---- settings compared ---- */
+
+static void test_threshold(void)
+{
+    const double x[] = {0.3, 0.5, 0.1, 0.4, 0.2};
+    const bool holds[] = {true, true, false, false, true}, none[] = {false, false, false, false, false};
+    stats_threshold t;
+    stats_threshold_find(5, x, holds, &t);
+    CU_ASSERT(t.n == 5 && t.fails_to == 0.4 && t.holds_from == 0.2 && t.mixed == 2);
+    stats_threshold_find(5, x, none, &t);
+    CU_ASSERT(t.fails_to == 0.5 && isnan(t.holds_from) && t.mixed == 0);
+    stats_threshold_find(0, x, none, &t);
+    CU_ASSERT(t.n == 0 && isnan(t.fails_to) && isnan(t.holds_from));
+}
+
+/* Random points: what is on the front is dominated by nothing, what is off it by something on it. */
+static void test_front(void)
+{
+    enum { POINTS = 60 };
+    double a[POINTS], b[POINTS];
+    bool front[POINTS];
+    gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_TEST);
+    for (int i = 0; i < POINTS; i++) {
+        a[i] = gsl_rng_uniform(rng);
+        b[i] = gsl_rng_uniform(rng);
+    }
+    a[7] = NAN;
+    stats_front(POINTS, a, b, front);
+    CU_ASSERT(!front[7]);
+    for (int i = 0; i < POINTS; i++) {
+        bool dominated = false;
+        for (int j = 0; j < POINTS; j++) dominated = dominated || (front[j] && a[j] < a[i] && b[j] < b[i]);
+        if (i != 7) CU_ASSERT(front[i] == !dominated);
+    }
+    gsl_rng_free(rng);
+    stats_front(3, (double[]){1, 1, 2}, (double[]){2, 2, 2}, front); /* ties stay */
+    CU_ASSERT(front[0] && front[1] && front[2]);
+}
+
+static void test_costs(void)
+{
+    /* setting, size, replica, y, seconds, steps: by hand */
+    stats_cost_run runs[] = {{0, 0, 0, 11, 4, 10},
+                             {0, 0, 1, 15, 9, 30},
+                             {1, 0, 0, 12, 20, 40},
+                             {1, 0, 1, 13, 20, 40},
+                             {1, 1, 5, 14, 1, 40}};
+    stats_cost c[3];
+    CHECK_OK(stats_costs(5, runs, 3, 1, c));
+    CU_ASSERT(c[0].n == 2 && c[1].n == 3 && c[2].n == 0 && isnan(c[2].cost) && !c[2].front);
+    CHECK_NEAR(c[0].mean, 13.0, sum_error);
+    CHECK_NEAR(c[0].sd, sqrt(8.0), sum_error);
+    CHECK_NEAR(c[0].bias, 0.5, sum_error);
+    CHECK_NEAR(c[0].bias_se, 1.5, sum_error);
+    CHECK_NEAR(c[0].seconds, 0.3 * 20.0, sum_error);
+    CHECK_NEAR(c[0].cost, 8.0 * 6.0, sum_error);
+    CHECK_NEAR(c[1].bias, 0.0, 0.0);
+    CHECK_NEAR(c[1].seconds, 40.0 / 40.0, sum_error); /* a step of the other size takes 1/40 s */
+    CU_ASSERT(!c[0].front && c[1].front);
+    runs[2].steps = 0.0;
+    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 3: 20 s, 0 steps");
+}
+
 void suite_trend(void)
 {
     static const check_case cases[] = {
-        {"one value an x, against GSL", test_single_values},
+        {"one value per x, against GSL", test_single_values},
         {"two x: Welch and paired", test_two_x},
         {"TOST is an interval", test_tost_is_interval},
         {"planted trends: coverage, false alarms", test_coverage},
@@ -274,6 +337,9 @@ void suite_trend(void)
         {"Holm's correction", test_holm},
         {"verdicts", test_words},
         {"errors of trends", test_trend_errors},
+        {"threshold", test_threshold},
+        {"Pareto front", test_front},
+        {"cost of an error bar", test_costs},
         {NULL, NULL},
     };
     check_register("trend", cases);

@@ -4,8 +4,10 @@
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
-# t('continuum_32.6.tsv') t('pile_45_32.6_1e-4.tsv')
+# t('published.tsv') t('continuum_32.6.tsv') t('pile_45_32.6_1e-4.tsv')
 soft = 'pile_45_32.6_1e-4.tsv'
+small = published('li17-small', 'published')
+large = published('li17-large', 'published')
 set multiplot layout 1, 2
 set xlabel '{/:Italic x / B}'
 set xrange [0:1]
@@ -21,6 +23,6 @@ do for [q in 'H N'] {
     plot t('continuum_32.6.tsv') using (column('x/B')):(column(col)/S_max) with lines lw 1.5 lc 1 title 'continuum', \
          t(soft) using (column('x/B')):(column(col)/S_max) with points pt 6 ps 0.6 lc 7 title note(soft, 'n_disks').' soft disks', \
          t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone', \
-         '+' using (q eq 'N' ? 0.5 : NaN):(0.7):(0):(0.1) every ::0::0 with vectors heads size 0.012,90 lw 2 lc 2 title (q eq 'N' ? 'experiment, at the centre only' : '')
+         '+' using (q eq 'N' ? 0.5 : NaN):(1 - large):(0):(large - small) every ::0::0 with vectors heads size 0.012,90 lw 2 lc 2 title (q eq 'N' ? 'experiment, at the centre only' : '')
 }
 unset multiplot

@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 20(b), for ensembles: mean pressure on the base of dropped piles, averaged over
-# both sides, with standard errors over piles. D is D_raw of `repose angle dip`; D_excess is its D, the excess over a
+# both sides, with standard errors over piles. D is D_raw of `repose stress dip`; D_excess is its D, the excess over a
 # triangle of the same slopes.
 load 'figures/style.gp'
 set xlabel 'distance from the centroid of the load / {/:Italic B}'

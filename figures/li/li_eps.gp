@@ -5,9 +5,11 @@ set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
 set format xy '10^{%T}'
 set key top left Left reverse
+# t('pile_eps_slope.tsv')
+slope = system("grep -v '^#' ".T."pile_eps_slope.tsv | cut -f 1 | xargs printf %.4f")
 from = real(pick('pile_eps.tsv', 'eps', '1e-6', 'N_error_rms'))
 plot [5e-9:2e-3] from*x/1e-6 with lines lc rgb '#888888' dt 2 title 'proportional to ε', \
-     t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square: slope '.note('pile_eps.tsv', 'slope').' where stable', \
+     t('pile_eps.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square: slope '.slope.' where stable', \
      t('pile_eps.tsv') using (column('eps')):(column('N_error_max')) with points pt 8 ps 0.8 lc 3 title 'largest', \
      t('pile_eps.tsv') using (column('negative_modes') > 0 ? column('eps') : NaN):(column('N_error_rms')) \
        with points pt 6 ps 1.6 lc 7 title 'unstable'

@@ -13,7 +13,7 @@ set xrange [0.7:100]
 set key bottom right Left reverse font ',7' samplen 1
 set xzeroaxis lt 1 lw 0.5 lc rgb '#808080'
 plot for [w = 1:3] for [r = 1:3] for [d = 1:2] data using \
-       (of(real(word(widths, w)), 5e-5/d, rests[r], 'seconds_per_degree')): \
+       (of(real(word(widths, w)), 5e-5/d, rests[r], 'cost')): \
        (of(real(word(widths, w)), 5e-5/d, rests[r], 'bias')):(column('bias_se')) \
        with yerrorbars pt int(word('6 7 4 5 8 9', 2*r - 2 + d)) ps 0.8 lw 0.7 lc int(word('2 3 7', w)) notitle, \
      for [w = 1:3] NaN with points pt 7 ps 0.8 lc int(word('2 3 7', w)) title sprintf('{/:Italic W} = {/:Italic H} = %s cm', word(widths, w)), \

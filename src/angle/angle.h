@@ -200,4 +200,10 @@ const char *ang_against_word(ang_against against);
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
                       ang_phi fit[ANG_N_AGAINST]);
 
+/* The measured angle that an equation is fitted to, theta_r + theta_t for (3) and theta_t for (4), and
+ * given[k], the equation's angle at the mean theta_r and phi[k]. `against` is an equation, no difference.
+ * Errors: those of stats_mean and ang_tilt. */
+rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, const double phi[],
+                         stats_summary *measured, double given[]);
+
 #endif

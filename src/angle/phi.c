@@ -307,3 +307,21 @@ rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamp
     free(q.group);
     return status;
 }
+
+rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, const double phi[],
+                         stats_summary *measured, double given[])
+{
+    const bool marginal = against == ANG_AGAINST_MARGINAL;
+    const ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
+    stats_summary theta_r;
+    rp_status status = stats_mean(piles->n, piles->theta_r, &theta_r);
+    if (!status)
+        status = stats_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0,
+                              marginal ? piles->theta_r : NULL, measured);
+    for (size_t k = 0; k < n && !status; k++) {
+        ang_tilt_result tilt;
+        status = ang_tilt(form, piles->mu, theta_r.mean, phi[k], &tilt);
+        given[k] = marginal ? tilt.theta_ms : tilt.theta_t;
+    }
+    return status;
+}

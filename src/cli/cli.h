@@ -34,8 +34,19 @@ bool cli_given(const cli_command *command, const char *name);
 rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,
                     rp_status (*act)(const void *values));
 
-/* A command on one table: parse, read the table that the argument names, act on it with the options `values`,
- * free it. Errors: those of cli_parse and rp_table_read, and the action's own. */
+/* The option --where of commands on tables, in a field rp_texts `where` of the structure T. */
+#define CLI_WHERE(T)                                                                                         \
+    {                                                                                                        \
+        "where", "", RP_TEXTS, offsetof(T, where), "", "",                                                   \
+            "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold"               \
+    }
+
+/* Read a table, and keep the rows that meet the option --where of the command's options `values`, if it has
+ * one. Free with rp_table_free, also after an error. Errors: those of rp_table_read and rp_table_where. */
+rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
+
+/* A command on one table: parse, cli_table_read of the table that the argument names, act on it with the
+ * options `values`, free it. Errors: those of cli_parse and cli_table_read, and the action's own. */
 rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
                          rp_status (*act)(rp_table *table, const void *values));
 
@@ -56,6 +67,36 @@ rp_status cli_find_columns(const rp_table *table, size_t n, const char *const na
 rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
                            double **block);
 
+/* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
+typedef struct {
+    size_t n_groups;
+    size_t *of_row;
+    const char *
+        *words; /* of the groups, in the order in which they appear: their cells, joined by the separator */
+    char *labels;
+} cli_groups;
+
+/* Free with cli_groups_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status cli_group_rows(const rp_table *table, const char *by, char separator, cli_groups *groups);
+void cli_groups_free(cli_groups *groups);
+
+/* The unit of a column as the table's header has it, "1" where it has none. */
+void cli_column_unit(const rp_table *table, int column, char unit[32]);
+
+/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
+rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
+
+/* A group of commands such as `repose angle`. */
+typedef struct {
+    const char *name;
+    rp_status (*function)(int, char **);
+    const char *summary;
+} cli_subcommand;
+
+/* Run the command that argv[1] names out of a list that ends with {0}, or print the list. Errors: RP_USAGE.
+ */
+rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc, char **argv);
+
 /* The subcommands: name, function, summary. The dispatcher and the overview read this list. */
 #define CLI_COMMANDS(X)                                                                                      \
     X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \
@@ -63,6 +104,8 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     X("tent", cmd_tent, "forces on the base of a tent-shaped pile")                                          \
     X("pile", cmd_pile, "static equilibrium of a close-packed pile of soft disks")                           \
     X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
+    X("stress", cmd_stress, "stress in piles, forces and dip of pressure on their base")                     \
+    X("stats", cmd_stats, "lines, trends, thresholds and costs from tables of runs")                         \
     X("run", cmd_run, "simulate any scene, described in a file")                                             \
     X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
     X("calibrate", cmd_calibrate, "friction that gives a measured angle of repose, with its interval")       \

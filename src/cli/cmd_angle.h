@@ -2,17 +2,19 @@
 #ifndef CMD_ANGLE_H
 #define CMD_ANGLE_H
 
+#include "core/params.h"
 #include "core/status.h"
 
-/* cmd_angle_trend.c */
-rp_status cmd_angle_trend(int argc, char **argv);
-rp_status cmd_angle_size(int argc, char **argv);
+#define PHI_PARAM(T)                                                                                         \
+    {                                                                                                        \
+        "phi-deg", "deg", RP_REAL, offsetof(T, phi_deg), "60", "(0, 90)", "inclination of the rays of force" \
+    }
 
-/* cmd_angle_stress.c */
-rp_status cmd_angle_stress(int argc, char **argv);
-rp_status cmd_angle_critical(int argc, char **argv);
+/* cmd_angle_slope.c */
+rp_status cmd_angle_slope(int argc, char **argv);
 
-/* cmd_angle_dip.c */
-rp_status cmd_angle_dip(int argc, char **argv);
+/* cmd_angle_compare.c */
+rp_status cmd_angle_compare(int argc, char **argv);
+rp_status cmd_angle_phi(int argc, char **argv);
 
 #endif

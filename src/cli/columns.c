@@ -1,5 +1,6 @@
-/* Columns of a table as arrays of numbers; see cli.h. */
+/* Columns of a table as arrays of numbers, groups of rows; see cli.h. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli/cli.h"
 
@@ -23,4 +24,68 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
             if (status) return status;
         }
     return RP_OK;
+}
+
+enum { MOST_BY = 16 };
+
+rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
+{
+    *n = 0;
+    for (const char *name = names; *name; name += strcspn(name, ","), name += *name == ',') {
+        char word[64];
+        if (*n == most) return rp_fail(RP_BAD_INPUT, "\"%s\": at most %zu columns", names, most);
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(name, ","), name);
+        rp_status status = cli_find_columns(table, 1, (const char *const[]){word}, &columns[(*n)++]);
+        if (status) return status;
+    }
+    return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
+}
+
+void cli_column_unit(const rp_table *table, int column, char unit[32])
+{
+    const char *units = rp_table_find_note(table, "units");
+    for (int c = 0; units && c < column; c++) units = (units = strchr(units, '\t')) ? units + 1 : NULL;
+    const int length = units ? (int)strcspn(units, "\t\r") : 0;
+    snprintf(unit, 32, "%.*s", length ? length : 1, length ? units : "1");
+}
+
+rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
+{
+    const bool grouped = strcmp(by, "none") != 0;
+    size_t n_by = 0, length = 1;
+    int columns[MOST_BY];
+    *g = (cli_groups){0};
+    rp_status status = grouped ? cli_column_list(t, by, MOST_BY, &n_by, columns) : RP_OK;
+    if (status) return status;
+    for (size_t i = 0; i < t->n_rows; i++)
+        for (size_t k = 0; k < n_by; k++)
+            length += strlen(t->cells[i * t->n_columns + (size_t)columns[k]]) + 1;
+    g->labels = malloc(length + t->n_rows);
+    g->of_row = malloc((t->n_rows + 1) * sizeof *g->of_row);
+    g->words = malloc((t->n_rows + 1) * sizeof *g->words);
+    if (!(g->labels && g->of_row && g->words)) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    char *label = g->labels;
+    for (size_t i = 0; i < t->n_rows; i++) {
+        char *end = label;
+        *end = '\0';
+        for (size_t k = 0; k < n_by; k++) {
+            if (k) *end++ = separator;
+            end = stpcpy(end, t->cells[i * t->n_columns + (size_t)columns[k]]);
+        }
+        size_t group = 0;
+        while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
+        g->of_row[i] = group;
+        if (group < g->n_groups) continue; /* the label's bytes are used again */
+        g->words[g->n_groups++] = label;
+        label = end + 1;
+    }
+    return RP_OK;
+}
+
+void cli_groups_free(cli_groups *g)
+{
+    free(g->labels);
+    free(g->of_row);
+    free(g->words);
+    *g = (cli_groups){0};
 }

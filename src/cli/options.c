@@ -109,6 +109,17 @@ rp_status cli_plain(const cli_command *command, int argc, char **argv, void *val
     return status || done ? status : act(values);
 }
 
+rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table)
+{
+    const rp_param *where = rp_params_find(command->options, "where");
+    rp_status status = rp_table_read(path, table);
+    if (!where) return status;
+    const rp_texts *conditions = (const rp_texts *)((const char *)values + where->offset);
+    for (size_t i = 0; i < conditions->n && !status; i++)
+        status = rp_table_where(table, conditions->items[i]);
+    return status;
+}
+
 rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
                          rp_status (*act)(rp_table *table, const void *values))
 {
@@ -118,7 +129,7 @@ rp_status cli_with_table(const cli_command *command, int argc, char **argv, void
     rp_table table;
     rp_status status = cli_parse(command, argc, argv, values, &file, &n, &done);
     if (status || done) return status;
-    status = rp_table_read(file, &table);
+    status = cli_table_read(command, values, file, &table);
     if (!status) status = act(&table, values);
     rp_table_free(&table);
     return status;
@@ -150,5 +161,17 @@ rp_status cli_numbers(const char *option, const char *text, double **numbers, si
         }
         text = end + (*end == ',');
     }
+    return RP_OK;
+}
+
+rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc, char **argv)
+{
+    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group);
+    for (const cli_subcommand *c = list; c->name; c++)
+        if (strcmp(argv[1], c->name) == 0) return c->function(argc - 1, argv + 1);
+    if (strcmp(argv[1], "--help") != 0)
+        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group);
+    printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group, group);
+    for (const cli_subcommand *c = list; c->name; c++) printf("  %-10s %s\n", c->name, c->summary);
     return RP_OK;
 }

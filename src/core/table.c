@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -235,12 +236,58 @@ int rp_table_column(const rp_table *table, const char *name)
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
     const size_t n = strlen(key);
-    if (table->n_rows == 0) return NULL;
+    if (!table->cells) return NULL;
     for (const char *line = table->text; *line == '#'; line += strlen(line) + 1)
         if (strncmp(line, "# ", 2) == 0 && strncmp(line + 2, key, n) == 0 &&
             strncmp(line + 2 + n, ": ", 2) == 0)
             return line + n + 4;
     return NULL;
+}
+
+static bool as_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end;
+}
+
+/* Does `cell` meet the comparison with `value`? */
+static bool meets(const char *cell, const char *op, const char *value)
+{
+    double a, b;
+    const bool numbers = as_number(cell, &a) & as_number(value, &b);
+    const bool equal = numbers ? a == b || (isnan(a) && isnan(b)) : strcmp(cell, value) == 0;
+    if (*op == '=') return equal;
+    if (*op == '!') return !equal;
+    if (!numbers) return false;
+    return (op[1] == '=' && equal) || (*op == '<' ? a < b : a > b);
+}
+
+rp_status rp_table_where(rp_table *table, const char *condition)
+{
+    static const char *const operators[] = {"<=", ">=", "!=", "<", ">", "="};
+    char name[64];
+    double number;
+    const size_t length = strcspn(condition, "<>=!"), columns = table->n_columns;
+    const char *op = NULL;
+    for (size_t i = 0; i < sizeof operators / sizeof *operators && !op; i++)
+        if (strncmp(condition + length, operators[i], strlen(operators[i])) == 0) op = operators[i];
+    if (!op || length == 0 || length >= sizeof name)
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", condition);
+    snprintf(name, sizeof name, "%.*s", (int)length, condition);
+    const char *value = condition + length + strlen(op);
+    const int column = rp_table_column(table, name);
+    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, name);
+    if (strchr("<>", *op) && !as_number(value, &number))
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", condition, value);
+    size_t kept = 0;
+    for (size_t i = 0; i < table->n_rows; i++) {
+        if (!meets(table->cells[i * columns + (size_t)column], op, value)) continue;
+        memmove(table->cells + kept * columns, table->cells + i * columns, columns * sizeof *table->cells);
+        table->lines[kept++] = table->lines[i];
+    }
+    table->n_rows = kept;
+    return RP_OK;
 }
 
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)

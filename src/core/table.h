@@ -59,6 +59,11 @@ int rp_table_column(const rp_table *table, const char *name);
 /* The text of the header line "# key: text", or NULL. Only for tables with rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
 
+/* Keep the rows that meet a condition: a column's name, one of = != < <= > >=, a value, as in "floor=ends" or
+ * "eps<1e-5". Numbers are compared as numbers; words by = and != only, and a word or nan is neither below nor
+ * above a number. Errors: RP_BAD_INPUT (no such column, no operator, an order of words). */
+rp_status rp_table_where(rp_table *table, const char *condition);
+
 /* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
  * line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);

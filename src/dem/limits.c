@@ -205,6 +205,6 @@ rp_status dem_check_start_overlaps(const dem_sim *sim)
     }
     return sim->def.dt <= limit
                ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an overlap of the start, the limit is %.3g",
+               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g",
                          sim->def.dt, limit);
 }

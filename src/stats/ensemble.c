@@ -1,8 +1,8 @@
-/* Moments of an ensemble and straight lines; see stats.h. */
+/* Moments of an ensemble, and its expected maximum; see stats.h. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_fit.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
 #include "stats/stats.h"
 
@@ -44,43 +44,39 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
     return stats_paired(n, v, 0.0, NULL, stats);
 }
 
-static rp_status check_points(size_t n, const double x[], const double y[], const double se[], bool origin)
+rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
 {
-    bool spread = false;
-    for (size_t i = 0; i < n; i++) {
-        if (!isfinite(x[i]) || !isfinite(y[i]))
-            return rp_fail(RP_BAD_INPUT, "point %zu: (%g, %g): finite numbers expected", i + 1, x[i], y[i]);
-        if (se && !(se[i] > 0.0 && isfinite(se[i])))
-            return rp_fail(RP_BAD_INPUT, "point %zu: standard error = %g: out of range, allowed: (0, inf)",
-                           i + 1, se[i]);
-        spread = spread || x[i] != (origin ? 0.0 : x[0]);
+    *maximum = NAN;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(v[i])) return rp_fail(RP_BAD_INPUT, "value %zu = %g: not finite", i + 1, v[i]);
+    if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
+    if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
+    memcpy(work, v, n * sizeof *work);
+    gsl_sort(work, 1, n);
+    /* the value of rank i is the largest of the sample with chance C(i - 1, draws - 1)/C(n, draws) */
+    double chance = (double)draws / (double)n, sum = 0.0;
+    for (size_t i = n; i >= draws; i--) {
+        sum += chance * work[i - 1];
+        if (i > 1) chance *= (double)(i - draws) / (double)(i - 1);
     }
-    if (spread) return RP_OK; /* two different x are two points */
-    return rp_fail(RP_NO_RESULT, "no line: %zu points without %s", n,
-                   origin ? "an x other than 0" : "two different x");
+    *maximum = sum;
+    return RP_OK;
 }
 
-rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
-                         stats_line *line)
+rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
+                              double work[], double *se)
 {
-    *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    rp_status status = check_points(n, x, y, se, origin);
-    if (status) return status;
-    double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
-    if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
-    for (size_t i = 0; i < n; i++) w[i] = se ? 1.0 / (se[i] * se[i]) : 1.0;
-    line->intercept = line->covariance = 0.0;
-    if (origin)
-        gsl_fit_wmul(x, 1, w, 1, y, 1, n, &line->slope, &slope_variance, &line->chi2);
-    else
-        gsl_fit_wlinear(x, 1, w, 1, y, 1, n, &line->intercept, &line->slope, &variance, &line->covariance,
-                        &slope_variance, &line->chi2);
-    free(w);
-    line->dof = n - (origin ? 1 : 2);
-    const double scale = se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
-    line->covariance *= scale;
-    line->slope_se = sqrt(slope_variance * scale);
-    line->intercept_se = origin ? 0.0 : sqrt(variance * scale);
-    line->p_value = se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
-    return RP_OK;
+    double *sample = work + n, *maxima = sample + n;
+    stats_summary spread;
+    *se = NAN;
+    if (n_resamples < 2)
+        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+    rp_status status = RP_OK;
+    for (size_t b = 0; b < n_resamples && !status; b++) {
+        for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
+        status = stats_expected_maximum(n, sample, draws, work, &maxima[b]);
+    }
+    if (!status) status = stats_mean(n_resamples, maxima, &spread);
+    if (!status) *se = spread.sd;
+    return status;
 }

@@ -1,5 +1,4 @@
 /* Statistics of one series in time, whose values are correlated; see stats.h. */
-#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <string.h>
 
@@ -73,23 +72,4 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from)
                                    "the series of %zu values has not levelled off before its "
                                    "second half",
                                    n);
-}
-
-rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
-{
-    *maximum = NAN;
-    rp_status status = check_finite(n, v);
-    if (status) return status;
-    if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
-    if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
-    memcpy(work, v, n * sizeof *work);
-    gsl_sort(work, 1, n);
-    /* the value at place i is the largest of the sample with chance C(i - 1, draws - 1)/C(n, draws) */
-    double chance = (double)draws / (double)n, sum = 0.0;
-    for (size_t i = n; i >= draws; i--) {
-        sum += chance * work[i - 1];
-        if (i > 1) chance *= (double)(i - draws) / (double)(i - 1);
-    }
-    *maximum = sum;
-    return RP_OK;
 }

@@ -23,19 +23,15 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
 /* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats);
 
-/* y = intercept + slope x. chi2: sum of squared residuals over se^2, or over 1 without se.
- * p_value: chance of a larger chi2; NaN without se or degrees of freedom. */
-typedef struct {
-    size_t n, dof;
-    double slope, intercept, slope_se, intercept_se, covariance, chi2, p_value;
-} stats_line;
+/* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
+ * values, so that ensembles of different size can be compared. work[n] is work space.
+ * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
+rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
 
-/* Straight line by least squares, or with `origin` the line through (0, 0), whose intercept and its errors
- * are 0. Weights 1/se^2, se > 0; errors follow from se and are not rescaled. With se NULL all weights are
- * equal, and errors follow from the scatter about the line. Errors: RP_NO_RESULT for fewer points than
- * coefficients or no spread in x, RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
-                         stats_line *line);
+/* Standard error of that, by bootstrap over the values. work: 2 n + n_resamples values; n_resamples >= 2.
+ * Errors: those of stats_expected_maximum. */
+rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
+                              double work[], double *se);
 
 /* ---- one series in time (series.c) ---- */
 
@@ -59,11 +55,6 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
  * the rest smallest as if it were uncorrelated, sum (v - mean)^2/(n - from)^2 (MSER, White 1997).
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for n < 4, and for one that still goes at half its length. */
 rp_status stats_level_off(size_t n, const double v[], size_t *from);
-
-/* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
- * values, so that ensembles of different size can be compared. work[n] is work space.
- * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
-rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
 
 /* ---- trends, and that there is none (trend.c) ---- */
 
@@ -114,8 +105,73 @@ const char *stats_trend_word(const stats_trend *trend, double p_value, double le
 /* Holm's correction for n tests; NaN is no test. */
 void stats_holm(size_t n, const double p[], double corrected[]);
 
+/* ---- straight lines (lines.c) ---- */
+
+/* y = intercept + slope x. chi2: sum of squared residuals over se^2, or over 1 without se.
+ * p_value: chance of a larger chi2; NaN without se or degrees of freedom. */
+typedef struct {
+    size_t n, dof;
+    double slope, intercept, slope_se, intercept_se, covariance, chi2, p_value;
+} stats_line;
+
+/* Straight line by least squares, or with `origin` the line through (0, 0), whose intercept and its errors
+ * are 0. Weights 1/se^2, se > 0; errors follow from se and are not rescaled. With se NULL all weights are
+ * equal, and errors follow from the scatter about the line. Errors: RP_NO_RESULT for fewer points than
+ * coefficients or no spread in x, RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
+                         stats_line *line);
+
 /* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
  * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */
 rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend);
+
+/* The line and the bend of the first points of a series. */
+typedef struct {
+    stats_line line;
+    stats_contrast bend;
+    double p_bend; /* two-sided */
+} stats_prefix;
+
+/* Where linearity ends, of n points in order of x: prefixes[k] is of the first k + 3 points, n - 2 of them.
+ * *linear_to, *bend_free_to: largest x up to which every line has p_value, or p_bend, of at least `level`;
+ * NaN if there is none. Errors: those of stats_bend; RP_NO_RESULT for n < 3. */
+rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
+                           stats_prefix prefixes[], double *linear_to, double *bend_free_to);
+
+/* ---- settings compared by runs (settings.c) ---- */
+
+/* Where an outcome turns as x grows. */
+typedef struct {
+    size_t n;
+    double fails_to, holds_from; /* largest x at which it fails, smallest at which it holds; NaN if none */
+    size_t mixed;                /* values that hold below fails_to */
+} stats_threshold;
+
+void stats_threshold_find(size_t n, const double x[], const bool holds[], stats_threshold *threshold);
+
+/* Pareto front: front[i] is true where no other point is smaller in both a and b. NaN is not on it. */
+void stats_front(size_t n, const double a[], const double b[], bool front[]);
+
+/* One run of a setting. Runs of equal `replica` start from the same state; a step takes the same time in all
+ * runs of equal `size`. */
+typedef struct {
+    size_t setting, size;
+    double replica, y, seconds, steps;
+} stats_cost_run;
+
+typedef struct {
+    size_t n;
+    double mean, sd; /* of y */
+    double bias,
+        bias_se;    /* mean difference to the reference setting, replica by replica; NaN without pairs */
+    double seconds; /* of a mean run: its steps times the least time that a step took at that size */
+    double cost;    /* sd^2 seconds: time that a standard error of 1 takes */
+    bool front;     /* on the Pareto front of cost and |bias| */
+} stats_cost;
+
+/* Costs of settings 0 to n_settings - 1, compared with `reference`.
+ * Errors: RP_BAD_INPUT (a value that is not finite, steps <= 0), RP_NO_MEMORY. */
+rp_status stats_costs(size_t n, const stats_cost_run runs[], size_t n_settings, size_t reference,
+                      stats_cost costs[]);
 
 #endif

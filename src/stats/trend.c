@@ -1,9 +1,6 @@
 /* Trends over a parameter, and tests that there is none; see stats.h. Every quantity is a contrast: a linear
  * combination of the means at the different x, with Student's t. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_math.h>
-#include <gsl/gsl_multifit.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -285,43 +282,4 @@ const char *stats_trend_word(const stats_trend *trend, double p_value, double le
     if (moves && small) return falls ? "falls_within_margin" : "rises_within_margin";
     if (moves) return falls ? "falls" : "rises";
     return small ? "no_dependence_within_margin" : "undecided";
-}
-
-/* x about its first value in units of the range, so that the columns are of one size. */
-rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend)
-{
-    enum { TERMS = 3 };
-    stats_line line;
-    *bend = (stats_contrast){NAN, NAN, NAN};
-    rp_status status = stats_line_fit(n, x, y, se, false, &line); /* checks the points */
-    if (status) return status;
-    double lo, hi, chi2;
-    size_t rank = 0;
-    gsl_stats_minmax(&lo, &hi, x, 1, n);
-    if (n >= TERMS) {
-        gsl_matrix *X = gsl_matrix_alloc(n, TERMS), *covariance = gsl_matrix_alloc(TERMS, TERMS);
-        gsl_vector *w = gsl_vector_alloc(n), *c = gsl_vector_alloc(TERMS);
-        gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, TERMS);
-        gsl_vector_const_view values = gsl_vector_const_view_array(y, n);
-        if (X && covariance && w && c && work) {
-            for (size_t i = 0; i < n; i++) {
-                const double u = (x[i] - lo) / (hi - lo);
-                gsl_vector_set(w, i, 1.0 / (se[i] * se[i]));
-                for (size_t k = 0; k < TERMS; k++) gsl_matrix_set(X, i, k, gsl_pow_int(u, (int)k));
-            }
-            if (gsl_multifit_wlinear_tsvd(X, w, &values.vector, 1e-10, c, covariance, &chi2, &rank, work))
-                rank = 0;
-            const double scale = 1.0 / ((hi - lo) * (hi - lo));
-            if (rank == TERMS)
-                *bend = (stats_contrast){gsl_vector_get(c, 2) * scale,
-                                         sqrt(gsl_matrix_get(covariance, 2, 2)) * scale, INFINITY};
-        } else {
-            status = rp_fail(RP_NO_MEMORY, "parabola: out of memory");
-        }
-        gsl_matrix_free(X), gsl_matrix_free(covariance), gsl_vector_free(w), gsl_vector_free(c);
-        if (work) gsl_multifit_linear_free(work);
-    }
-    if (!status && rank < TERMS) /* two of three columns are the same where there are two x only */
-        status = rp_fail(RP_NO_RESULT, "no parabola: %zu points, at least 3 different x needed", n);
-    return status;
 }

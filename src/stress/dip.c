@@ -1,10 +1,10 @@
 /* Pressure on the base of piles; see dip.h. */
 #include "stress/dip.h"
 
-#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 typedef struct {
@@ -114,18 +114,11 @@ static rp_status dip_statistics(size_t n, const double profiles[], stats_summary
     return status;
 }
 
-rp_status stress_dip_ensemble(size_t n, const double profiles[], double margin, size_t resamples,
-                              gsl_rng *rng, double means[], stress_dips *dips)
+/* Mean D under the null distribution, in order. */
+static void resample(size_t n, const double profiles[], size_t resamples, gsl_rng *rng, double means[],
+                     stress_dips *dips)
 {
-    *dips = (stress_dips){0};
-    if (n < 3) return rp_fail(RP_NO_RESULT, "dip: %zu piles, at least 3 expected", n);
-    if (!(margin > 0.0)) return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
-    if (resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", resamples);
-    rp_status status = dip_statistics(n, profiles, &dips->dip);
-    if (!status) status = mean_profile(n, profiles, dips);
-    if (status) return status;
-    const double mean = dips->dip.mean, se = dips->dip.se, dof = (double)n - 1.0;
+    const double mean = dips->dip.mean;
     double low = 0.0, far = 0.0;
     for (size_t b = 0; b < resamples; b++) {
         means[b] = resampled_dip(n, profiles, rng) - mean;
@@ -137,7 +130,36 @@ rp_status stress_dip_ensemble(size_t n, const double profiles[], double margin, 
     dips->null_hi = gsl_stats_quantile_from_sorted_data(means, 1, resamples, 0.975);
     dips->p_dip = (low + 1.0) / ((double)resamples + 1.0);
     dips->p_value = (far + 1.0) / ((double)resamples + 1.0);
-    dips->p_margin =
-        fmax(gsl_cdf_tdist_Q((mean + margin) / se, dof), gsl_cdf_tdist_P((mean - margin) / se, dof));
-    return RP_OK;
+}
+
+rp_status stress_dip_ensemble(size_t n, const double profiles[], const double without[], double margin,
+                              size_t resamples, gsl_rng *rng, double means[], stress_dips *dips)
+{
+    *dips = (stress_dips){0};
+    if (n < 3) return rp_fail(RP_NO_RESULT, "dip: %zu piles, at least 3 expected", n);
+    if (!(margin > 0.0)) return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
+    if (resamples < 2)
+        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", resamples);
+    double *excess = malloc(n * STRESS_DIP_BINS * sizeof *excess);
+    if (!excess) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
+    for (size_t i = 0; i < n * STRESS_DIP_BINS; i++)
+        excess[i] = profiles[i] + (without ? 1.0 - without[i] : 0.0);
+    for (size_t i = 0; i < n; i++) dips->raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
+    rp_status status = dip_statistics(n, excess, &dips->dip);
+    if (!status) status = mean_profile(n, profiles, dips);
+    if (!status) {
+        resample(n, excess, resamples, rng, means, dips);
+        dips->p_margin =
+            stats_contrast_p_margin(&(stats_contrast){dips->dip.mean, dips->dip.se, (double)n - 1.0}, margin);
+    }
+    free(excess);
+    return status;
+}
+
+const char *stress_dip_word(const stress_dips *d, double level)
+{
+    const bool differs = d->p_value < level, within = d->p_margin < level;
+    if (!differs) return within ? "none_within_margin" : "undecided";
+    if (d->dip.mean < 0.0) return within ? "dip_within_margin" : "dip";
+    return within ? "peak_within_margin" : "peak";
 }

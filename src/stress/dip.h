@@ -30,9 +30,10 @@ rp_status stress_base_profile(size_t n, const double x[], const double r[], cons
  */
 double stress_dip(const double N[STRESS_DIP_BINS]);
 
-/* What an ensemble of piles says of the dip. */
+/* D of an ensemble of piles. */
 typedef struct {
-    stats_summary dip;             /* of D, pile by pile */
+    double raw;                    /* mean D of the profiles */
+    stats_summary dip;             /* pile by pile: D, or its excess over that of the profile without dip */
     double null_lo, null_hi;       /* 95 % of the mean D of as many piles without dip */
     double p_value, p_dip;         /* chance of a mean D as far from 0, and as low, without dip */
     double p_margin;               /* TOST: largest chance of so small a |mean D| if it were the margin */
@@ -40,11 +41,17 @@ typedef struct {
     double N_se[STRESS_DIP_BINS / 2];
 } stress_dips;
 
-/* From n profiles one after the other, STRESS_DIP_BINS each. The null distribution is that of the same piles,
- * drawn with replacement, each mirrored or not at random, with their mean D taken off; mirrored, for the mean
- * profile that they stand for has two equal sides. `resamples` values of `means` are work space.
- * Errors: RP_BAD_INPUT (margin, resamples, a number), RP_NO_RESULT (fewer than three piles). */
-rp_status stress_dip_ensemble(size_t n, const double profiles[], double margin, size_t resamples,
-                              gsl_rng *rng, double means[], stress_dips *dips);
+/* From n profiles one after the other, STRESS_DIP_BINS each, and what each pile would have without a dip
+ * (NULL: a flat profile). D is linear in the profile: the excess is D of the difference about the same mean.
+ * The null distribution is that of the same piles, drawn with replacement, each mirrored or not at random,
+ * with their mean D taken off; mirrored, for the mean profile that they stand for has two equal sides.
+ * `resamples` values of `means` are work space. Errors: RP_BAD_INPUT (margin, resamples, a number),
+ * RP_NO_RESULT (fewer than three piles), RP_NO_MEMORY. */
+rp_status stress_dip_ensemble(size_t n, const double profiles[], const double without[], double margin,
+                              size_t resamples, gsl_rng *rng, double means[], stress_dips *dips);
+
+/* dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
+ * peak_within_margin if both; undecided. */
+const char *stress_dip_word(const stress_dips *dips, double level);
 
 #endif

@@ -1,4 +1,4 @@
-/* Stress in a pile from its contacts, and the tilt at which Coulomb's law is reached; see angle.h.
+/* Stress in a pile from its contacts, and the tilt at which Coulomb's law is reached; see stress.h.
  *
  * Cells. Force f on grain a along the branch l from b to a: s_ab = (1/area) sum f_a l_b w, w the part of the
  * branch in the cell. A contact then carries its force along its branch, so that the force through a line is

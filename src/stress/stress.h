@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "core/status.h"
+#include "stats/stats.h"
 
 /* The force (fx, fy) on a grain with centre (x, y), by a grain with centre (x_b, y_b) or at that point of a
  * wall. */
@@ -43,6 +44,45 @@ typedef struct {
                          a plane pulls, NaN without stress */
 } stress_circle;
 stress_circle stress_mohr(const stress_tensor *stress);
+
+/* ---- ensembles of piles (piles.c) ---- */
+
+/* A pile at rest. Lengths, masses and forces in one system of units. */
+typedef struct {
+    size_t n, n_grains;
+    stress_contact *contacts; /* n of them */
+    bool *floor;              /* of each: is it with the floor? */
+    double *x, *y, *m;        /* of the grains: centres, masses */
+} stress_pile;
+
+/* Square cells, round(width/cell) of them to a box 0 < x < width, up to the highest grain. */
+stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, double cell);
+
+/* Mean of stress_cells over n piles. Errors: those of stress_cells; RP_NO_MEMORY. */
+rp_status stress_mean_cells(size_t n, const stress_pile piles[], const stress_grid *grid,
+                            stress_tensor mean[]);
+
+/* Force/length in a column of width `size`, mean over piles without tilt. */
+typedef struct {
+    stats_summary n, h; /* forces of the pile on the floor; h away from the wall at x = 0 */
+    double weight;      /* of the grains in the column */
+    double through;     /* vertical force on it through its sides */
+    double imbalance;   /* n - weight - through: 0 at rest */
+} stress_floor;
+
+/* Number of columns from x = 0 to beyond the last grain; *size: width/round(width/cell). */
+size_t stress_floor_cells(size_t n, const stress_pile piles[], double width, double cell, double *size);
+
+/* The columns' forces at gravity g. Errors: those of stats_mean; RP_NO_MEMORY. */
+rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, double g, size_t cells,
+                              stress_floor forces[]);
+
+/* Forces that rays of inclination phi put on the floor of a wedge of this slope (Lee & Herrmann 1993, section
+ * 6), where the column above weighs `weight`: n = weight/(1 - t^2/k) and h = n t/k, t = tan slope, k = tan^2
+ * phi. Angles in rad. */
+void stress_wedge(double weight, double slope, double phi, double *n, double *h);
+
+/* ---- tilt (stress.c) ---- */
 
 /* Response of a pile to tilt, per weight of the pile normal to the floor. With t = tan of the tilt: floor
  * forces n[0] + n[1] t (normal) and h[0] + h[1] t (along it, by the pile, down the tilt), and the stress

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/random.h"
 
@@ -135,6 +136,24 @@ rp_status sweep_outline_base(size_t k, const double x[], const double N[], stres
     for (size_t i = 0; i < k; i++) r[i] = 0.5;
     rp_status status = stress_base_profile(k, x, r, N, base);
     free(r);
+    return status;
+}
+
+rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS])
+{
+    enum { POINTS = 2000 };
+    double x[POINTS], r[POINTS], pressure[POINTS];
+    for (int i = 0; i < POINTS; i++) {
+        an_force force;
+        x[i] = (i + 0.5) / POINTS;
+        r[i] = 0.5 / POINTS;
+        rp_status status = an_continuum(alpha, x[i], &force);
+        if (status) return status;
+        pressure[i] = force.N;
+    }
+    stress_base base;
+    rp_status status = stress_base_profile(POINTS, x, r, pressure, &base);
+    if (!status) memcpy(N, base.N, sizeof base.N);
     return status;
 }
 

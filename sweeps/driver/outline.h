@@ -44,6 +44,10 @@ sweep_outline_error sweep_outline_compare(const sweep_outline *heap, const doubl
  * Errors: those of stress_base_profile; RP_NO_MEMORY. */
 rp_status sweep_outline_base(size_t k, const double x[], const double N[], stress_base *base);
 
+/* Profile of the continuum triangle of slope alpha, eqs (50), (54), over the base that holds 98 % of its
+ * load. alpha in (0, pi/3). Errors: those of an_continuum and stress_base_profile. */
+rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
+
 /* N of the middle of the base, of the two there if k is even, over the largest. */
 double sweep_outline_centre(size_t k, const double N[]);
 

@@ -24,7 +24,7 @@ typedef struct {
 #define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
 #define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
 
-/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose angle dip` reads. */
+/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose stress dip` reads. */
 #define SWEEP_BIN_INDEX(k) OUT_n_##k,
 #define SWEEP_BIN_ROW(k)                                                                                     \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},

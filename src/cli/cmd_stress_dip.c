@@ -1,12 +1,11 @@
-/* repose angle dip: does the pressure on the base of dropped piles dip in the middle? */
+/* repose stress dip: does the pressure on the base of dropped piles dip in the middle? */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "analytic/analytic.h"
-#include "stress/dip.h"
+#include "sweeps/driver/outline.h"
 #include "cli/cli.h"
-#include "cli/cmd_angle.h"
+#include "cli/cmd_stress.h"
 #include "core/random.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
@@ -16,6 +15,7 @@ typedef struct {
     long resamples, seed;
     int against;
     bool profile;
+    rp_texts where;
 } options;
 
 enum { TRIANGLE, ZERO };
@@ -28,10 +28,11 @@ static const rp_param params[] = {
     {"against", "", RP_CHOICE, offsetof(options, against), "triangle", "triangle | zero",
      "what a pile without a dip has"},
     {"profile", "", RP_BOOL, offsetof(options, profile), "false", "", "print the mean profile"},
+    CLI_WHERE(options),
     {0}};
 
 static const cli_command command = {
-    "angle dip",
+    "stress dip",
     "TABLE [options]",
     "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B,\n"
     "over the mean N; the report's D, and the dip or D of a table of runs. It reaches down the flanks,\n"
@@ -46,29 +47,10 @@ static const cli_command command = {
     "n_20, left_deg, right_deg, status, as repose sweep export writes for protocols drop and pile; rows\n"
     "whose status is not ok are left out, and against the triangle those whose mean slope is not in (0,\n"
     "60).",
-    "repose angle dip build/tables/li20_point_runs.tsv",
+    "repose stress dip build/tables/li20_point_runs.tsv",
     params,
     1,
     1};
-
-/* Profile of the continuum triangle of slope alpha, eqs (50), (54), over its own B. */
-static rp_status triangle_profile(double alpha, double N[STRESS_DIP_BINS])
-{
-    enum { POINTS = 2000 };
-    static double x[POINTS], r[POINTS], pressure[POINTS];
-    for (int i = 0; i < POINTS; i++) {
-        an_force force;
-        x[i] = (i + 0.5) / POINTS;
-        r[i] = 0.5 / POINTS;
-        rp_status status = an_continuum(alpha, x[i], &force);
-        if (status) return status;
-        pressure[i] = force.N;
-    }
-    stress_base base;
-    rp_status status = stress_base_profile(POINTS, x, r, pressure, &base);
-    for (int k = 0; k < STRESS_DIP_BINS && !status; k++) N[k] = base.N[k];
-    return status;
-}
 
 enum { LEFT = STRESS_DIP_BINS, RIGHT, COLUMNS };
 
@@ -93,7 +75,7 @@ static rp_status read_profiles(const rp_table *t, int against, double **profiles
         const double slope = 0.5 * (block[LEFT * t->n_rows + i] + block[RIGHT * t->n_rows + i]);
         if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
         for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
-        if (against == TRIANGLE) status = triangle_profile(slope * (M_PI / 180), flat);
+        if (against == TRIANGLE) status = sweep_outline_triangle(slope * (M_PI / 180), flat);
         if (status) rp_prefix(status, "%s:%zu: ", t->path, t->lines[i]);
         ++*n;
     }
@@ -101,15 +83,7 @@ static rp_status read_profiles(const rp_table *t, int against, double **profiles
     return status;
 }
 
-static const char *verdict(const stress_dips *d, double level)
-{
-    const bool differs = d->p_value < level, within = d->p_margin < level;
-    if (!differs) return within ? "none_within_margin" : "undecided";
-    if (d->dip.mean < 0.0) return within ? "dip_within_margin" : "dip";
-    return within ? "peak_within_margin" : "peak";
-}
-
-static void print_dip(const stress_dips *d, double raw, const options *o)
+static void print_dip(const stress_dips *d, const options *o)
 {
     static const char *const columns[][2] = {
         {"n", ""},       {"D_raw", ""}, {"D_reference", ""}, {"D", ""},       {"D_se", ""},
@@ -121,10 +95,10 @@ static void print_dip(const stress_dips *d, double raw, const options *o)
                       : "D_raw, with nothing taken off");
     rp_table_columns(stdout, N_OF(columns), columns);
     rp_table_row_word(stdout, N_OF(columns) - 1,
-                      (double[]){(double)d->dip.n, raw, raw - d->dip.mean, d->dip.mean, d->dip.se, d->dip.sd,
-                                 d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
-                                 d->p_margin},
-                      verdict(d, o->level));
+                      (double[]){(double)d->dip.n, d->raw, d->raw - d->dip.mean, d->dip.mean, d->dip.se,
+                                 d->dip.sd, d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value,
+                                 d->p_dip, d->p_margin},
+                      stress_dip_word(d, o->level));
 }
 
 static void print_profile(const stress_dips *d)
@@ -135,17 +109,14 @@ static void print_profile(const stress_dips *d)
         rp_table_row(stdout, 3, (double[]){(k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]});
 }
 
-/* D is linear in the profile: that of the excess over a profile without dip, about the same mean of 1. */
-static rp_status measure(const options *o, size_t n, double profiles[], const double without[], double *raw,
+static rp_status measure(const options *o, size_t n, const double profiles[], const double without[],
                          stress_dips *dips)
 {
     double *means = malloc((size_t)o->resamples * sizeof *means);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
     rp_status status = means && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "dip: out of memory");
-    *raw = 0.0;
-    for (size_t i = 0; i < n; i++) *raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
-    for (size_t k = 0; k < n * STRESS_DIP_BINS && !o->profile; k++) profiles[k] += 1.0 - without[k];
-    if (!status) status = stress_dip_ensemble(n, profiles, o->margin, (size_t)o->resamples, rng, means, dips);
+    if (!status)
+        status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples, rng, means, dips);
     if (rng) gsl_rng_free(rng);
     free(means);
     return status;
@@ -154,12 +125,12 @@ static rp_status measure(const options *o, size_t n, double profiles[], const do
 static rp_status dip_of_table(rp_table *table, const void *values)
 {
     const options *o = values;
-    double *profiles = NULL, *without = NULL, raw;
+    double *profiles = NULL, *without = NULL;
     size_t n;
     stress_dips dips;
     rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
     if (!status) {
-        status = measure(o, n, profiles, without, &raw, &dips);
+        status = measure(o, n, profiles, without, &dips);
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     if (!status) {
@@ -168,14 +139,14 @@ static rp_status dip_of_table(rp_table *table, const void *values)
         if (o->profile)
             print_profile(&dips);
         else
-            print_dip(&dips, raw, o);
+            print_dip(&dips, o);
     }
     free(profiles);
     free(without);
     return status;
 }
 
-rp_status cmd_angle_dip(int argc, char **argv)
+rp_status cmd_stress_dip(int argc, char **argv)
 {
     options o;
     return cli_with_table(&command, argc, argv, &o, dip_of_table);

@@ -1,11 +1,11 @@
-/* repose angle trend, repose angle size: how a column of a table of runs depends on another. */
+/* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/cmd_angle.h"
+#include "cli/cmd_stats.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
@@ -16,6 +16,7 @@ typedef struct {
     double from, to, margin, level, power;
     int scale;
     bool pair;
+    rp_texts where;
 } options;
 
 /* clang-format off */
@@ -27,7 +28,8 @@ typedef struct {
     {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
     {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
     {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
-     "weights x^power: 2 where scatter falls as 1/x"}
+     "weights x^power: 2 where scatter falls as 1/x"},                                                       \
+    CLI_WHERE(options)
 
 #define TABLE_HELP                                                                                           \
     "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if\n"    \
@@ -46,7 +48,7 @@ static const rp_param trend_params[] = {
     {0}};
 
 static const cli_command trend_command = {
-    "angle trend",
+    "stats trend",
     "TABLE --x COLUMN --y COLUMN [options]",
     "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
     "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as they "
@@ -59,7 +61,7 @@ static const cli_command trend_command = {
     "the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for far more.\n"
     "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
     "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
-    "repose angle trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
+    "repose stats trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
     trend_params,
     1,
     1};
@@ -67,14 +69,14 @@ static const cli_command trend_command = {
 static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
 
 static const cli_command size_command = {
-    "angle size",
+    "stats size",
     "TABLE --x COLUMN --y COLUMN [options]",
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at "
     "each\n"
     "x; lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number "
     "of\n"
     "groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n" TABLE_HELP,
-    "repose angle size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
+    "repose stats size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
     size_params,
     1,
     1};
@@ -97,23 +99,19 @@ static bool grouped(const options *o)
     return strcmp(o->by, "none") != 0;
 }
 
-enum { LABEL = 96 };
-
 /* The rows that count, ordered by group. */
 typedef struct {
-    size_t n, n_failed, n_nan, n_outside, n_groups;
+    cli_groups groups; /* of all rows */
+    size_t n, n_failed, n_nan, n_outside;
     double *block, *x, *y, *pile; /* in order of the groups; pile is NULL if piles are not compared */
-    char *labels;                 /* of the table's rows, LABEL bytes each: their cells in the columns `by` */
-    const char **words;           /* of the groups */
     size_t *first;                /* of the rows of each group; n_groups + 1 of them */
     char x_words[256];            /* what the numbers of x stand for; empty if they are numbers */
 } rows;
 
 static void rows_free(rows *r)
 {
+    cli_groups_free(&r->groups);
     free(r->block);
-    free(r->labels);
-    free(r->words);
     free(r->first);
 }
 
@@ -133,55 +131,21 @@ static bool left_out(rows *r, const char *word, double x, double y, double pile,
     return failed || missing || outside;
 }
 
-static size_t find_group(rows *r, const char *word)
-{
-    size_t g = 0;
-    while (g < r->n_groups && strcmp(r->words[g], word) != 0) g++;
-    if (g == r->n_groups) r->words[r->n_groups++] = word;
-    return g;
-}
-
-/* Join each row's cells in the columns of the list `by` with commas. */
-static rp_status label_rows(const rp_table *t, const options *o, rows *r)
-{
-    r->labels = calloc(t->n_rows + 1, LABEL);
-    if (!r->labels) return rp_fail(RP_NO_MEMORY, "trend: out of memory");
-    for (const char *name = o->by; grouped(o) && name; name = strchr(name, ',')) {
-        char column_name[64];
-        name += *name == ',';
-        snprintf(column_name, sizeof column_name, "%.*s", (int)strcspn(name, ","), name);
-        int column;
-        rp_status status = cli_find_columns(t, 1, (const char *const[]){column_name}, &column);
-        if (status) return status;
-        for (size_t i = 0; i < t->n_rows; i++) {
-            char *label = r->labels + i * LABEL;
-            size_t used = strlen(label);
-            snprintf(label + used, LABEL - used, "%s%s", used ? "," : "",
-                     t->cells[i * t->n_columns + (size_t)column]);
-        }
-    }
-    return RP_OK;
-}
-
-/* Cells of the columns x, y, pile, status; status may be -1. Groups are numbered as they appear, also those
- * without a row that counts. */
+/* Cells of the columns x, y, pile, status; status may be -1. */
 static rp_status select_rows(const rp_table *t, const double *cells, const int columns[4], const options *o,
                              rows *r)
 {
-    const size_t n = t->n_rows;
-    size_t *group = malloc((n + 1) * sizeof *group);
+    const size_t n = t->n_rows, n_groups = r->groups.n_groups;
+    size_t *group = r->groups.of_row;
     r->block = malloc((3 * n + 1) * sizeof *r->block);
-    r->words = malloc((n + 1) * sizeof *r->words);
-    r->first = calloc(n + 2, sizeof *r->first);
-    rp_status status =
-        group && r->block && r->words && r->first ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    r->first = calloc(n_groups + 1, sizeof *r->first);
+    rp_status status = r->block && r->first ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory");
     for (size_t i = 0; i < n && !status; i++) {
         const double x = cells[i];
         char **words = t->cells + i * t->n_columns;
-        group[i] = find_group(r, r->labels + i * LABEL);
         if (left_out(r, columns[3] < 0 ? "ok" : words[columns[3]], x, cells[n + i],
                      o->pair ? cells[2 * n + i] : 0.0, o))
-            group[i] = n; /* no group */
+            group[i] = n_groups; /* no group */
         else if (o->scale != SCALE_LINEAR && !(x > 0.0))
             status = rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
                              t->path, t->lines[i], o->x, x);
@@ -189,7 +153,7 @@ static rp_status select_rows(const rp_table *t, const double *cells, const int c
     r->x = r->block;
     r->y = r->block + n;
     r->pile = o->pair ? r->block + 2 * n : NULL;
-    for (size_t g = 0; g < r->n_groups && !status; g++) {
+    for (size_t g = 0; g < n_groups && !status; g++) {
         r->first[g] = r->n;
         for (size_t i = 0; i < n; i++) {
             if (group[i] != g) continue;
@@ -199,8 +163,7 @@ static rp_status select_rows(const rp_table *t, const double *cells, const int c
             r->n++;
         }
     }
-    if (!status) r->first[r->n_groups] = r->n;
-    free(group);
+    if (!status) r->first[n_groups] = r->n;
     return status;
 }
 
@@ -211,7 +174,7 @@ static rp_status load_rows(const rp_table *t, const options *o, rows *r)
     double *cells = NULL;
     rp_status status = cli_find_columns(t, N_OF(names), names, columns);
     columns[3] = rp_table_column(t, "status");
-    if (!status) status = label_rows(t, o, r);
+    if (!status) status = cli_group_rows(t, o->by, ',', &r->groups);
     if (!status) status = cli_read_columns(t, 3, columns, 1, &cells);
     if (!status) status = select_rows(t, cells, columns, o, r);
     free(cells);
@@ -285,11 +248,11 @@ static void print_header(const rows *r, const options *o, bool size)
 
 static rp_status fit_groups(const rows *r, const options *o, bool size)
 {
-    stats_trend *trends = malloc((r->n_groups + 1) * sizeof *trends);
-    double *p = malloc((2 * r->n_groups + 1) * sizeof *p);
+    stats_trend *trends = malloc((r->groups.n_groups + 1) * sizeof *trends);
+    double *p = malloc((2 * r->groups.n_groups + 1) * sizeof *p);
     rp_status status = trends && p ? RP_OK : rp_fail(RP_NO_MEMORY, "trend: out of memory"), group = RP_OK;
     size_t with_result = 0;
-    for (size_t g = 0; g < r->n_groups && !status; g++) {
+    for (size_t g = 0; g < r->groups.n_groups && !status; g++) {
         const size_t first = r->first[g];
         group = stats_trend_fit(r->first[g + 1] - first, r->x + first, r->y + first,
                                 r->pile ? r->pile + first : NULL, size ? -o->power : o->power, o->margin,
@@ -297,19 +260,19 @@ static rp_status fit_groups(const rows *r, const options *o, bool size)
         with_result += group == RP_OK;
         p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
-            status = rp_prefix(group, "%s%s", r->words[g], grouped(o) ? ": " : "");
+            status = rp_prefix(group, "%s%s", r->groups.words[g], grouped(o) ? ": " : "");
     }
-    if (!status && with_result == 0) status = r->n_groups ? group : rp_fail(RP_NO_RESULT, "no rows");
+    if (!status && with_result == 0) status = r->groups.n_groups ? group : rp_fail(RP_NO_RESULT, "no rows");
     if (!status) {
-        stats_holm(r->n_groups, p, p + r->n_groups);
+        stats_holm(r->groups.n_groups, p, p + r->groups.n_groups);
         print_header(r, o, size);
     }
-    for (size_t g = 0; g < r->n_groups && !status; g++) {
-        if (grouped(o)) printf("%s\t", r->words[g]);
+    for (size_t g = 0; g < r->groups.n_groups && !status; g++) {
+        if (grouped(o)) printf("%s\t", r->groups.words[g]);
         if (size)
-            print_size(&trends[g], p[r->n_groups + g]);
+            print_size(&trends[g], p[r->groups.n_groups + g]);
         else
-            print_trend(&trends[g], r->first[g + 1] - r->first[g], p[r->n_groups + g], o);
+            print_trend(&trends[g], r->first[g + 1] - r->first[g], p[r->groups.n_groups + g], o);
     }
     free(trends);
     free(p);
@@ -363,7 +326,7 @@ static rp_status run(const cli_command *command, int argc, char **argv, bool siz
         o.scale = SCALE_INVERSE;
         o.margin = 1.0; /* of a test that is not printed */
     }
-    status = rp_table_read(file, &table);
+    status = cli_table_read(command, &o, file, &table);
     if (!status) status = number_words(&table, &o, r.x_words);
     if (!status) status = load_rows(&table, &o, &r);
     if (!status) {
@@ -375,12 +338,12 @@ static rp_status run(const cli_command *command, int argc, char **argv, bool siz
     return status;
 }
 
-rp_status cmd_angle_trend(int argc, char **argv)
+rp_status cmd_stats_trend(int argc, char **argv)
 {
     return run(&trend_command, argc, argv, false);
 }
 
-rp_status cmd_angle_size(int argc, char **argv)
+rp_status cmd_stats_size(int argc, char **argv)
 {
     return run(&size_command, argc, argv, true);
 }

@@ -1,0 +1,351 @@
+/* repose angle compare, repose angle phi: measured piles against (3) and (4). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "cli/cli.h"
+#include "cli/cmd_angle.h"
+#include "core/random.h"
+
+static const double deg = M_PI / 180.0;
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+
+/* ---- compare ---- */
+
+typedef struct {
+    double phi_deg;
+    long bootstrap, seed;
+    rp_texts where;
+} compare_options;
+
+static const rp_param compare_params[] = {
+    PHI_PARAM(compare_options),
+    {"bootstrap", "", RP_INT, offsetof(compare_options, bootstrap), "2000", "[2, 10000000]",
+     "resamples of the piles"},
+    {"seed", "", RP_INT, offsetof(compare_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    CLI_WHERE(compare_options),
+    {0}};
+
+static const cli_command compare_command = {
+    "angle compare",
+    "FILE [options]",
+    "Measured piles against (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
+    "FILE (- for standard input): one row a pile, columns mu theta_r3_deg theta_t_displacement_deg status, "
+    "as\n"
+    "repose sweep export writes; rows whose status is not ok, or with nan in an angle, are left out.\n"
+    "rt: theta_R + theta_T, measured pile by pile, or with theta_T of (4) at the mean theta_R; diff: "
+    "measured\n"
+    "minus theory. theta_r_se, theta_t_se, theta_rt_se: SD/sqrt(n); the other errors: bootstrap over piles.\n"
+    "n_unstable: piles steeper than theta_MS; n_lost: resamples without theta_T, left out. status: that of\n"
+    "repose angle tilt at the mean theta_R, of the first form that is not ok.",
+    "repose angle compare piles.tsv",
+    compare_params,
+    1,
+    1};
+
+/* Piles ordered by mu, then as in the file. */
+typedef struct {
+    double mu, theta_r, theta_t;
+    size_t row;
+} pile;
+
+static int by_mu(const void *a, const void *b)
+{
+    const pile *p = a, *q = b;
+    return p->mu != q->mu ? (p->mu > q->mu) - (p->mu < q->mu) : (p->row > q->row) - (p->row < q->row);
+}
+
+static const char *const compare_columns[][2] = {
+    {"mu", ""},
+    {"n", ""},
+    {"theta_r_deg", "deg"},
+    {"theta_r_se_deg", "deg"},
+    {"theta_t_deg", "deg"},
+    {"theta_t_se_deg", "deg"},
+    {"theta_rt_deg", "deg"},
+    {"theta_rt_se_deg", "deg"},
+    {"theta_ms_deg", "deg"},
+    {"diff_ms_deg", "deg"},
+    {"diff_ms_se_deg", "deg"},
+    {"n_unstable", ""},
+    {"n_lost", ""},
+};
+/* Before and after the form's name, and the unit. */
+static const char *const form_columns[][3] = {{"theta_t_", "_deg", "deg"},  {"theta_t_", "_se_deg", "deg"},
+                                              {"diff_", "_deg", "deg"},     {"diff_", "_se_deg", "deg"},
+                                              {"theta_rt_", "_deg", "deg"}, {"theta_rt_", "_se_deg", "deg"},
+                                              {"gain_", "_deg", "deg"},     {"gain_", "_se_deg", "deg"},
+                                              {"gain_relative_", "", ""},   {"gain_relative_", "_se", ""}};
+enum {
+    N_HEAD = N_OF(compare_columns),
+    N_FORM = N_OF(form_columns),
+    N_COMPARE = N_HEAD + ANG_N_FORMS * N_FORM
+};
+
+static void print_compare_header(void)
+{
+    char names[ANG_N_FORMS * N_FORM][40];
+    const char *columns[N_COMPARE + 1][2];
+    memcpy(columns, compare_columns, sizeof compare_columns);
+    for (int i = 0; i < ANG_N_FORMS * N_FORM; i++) {
+        snprintf(names[i], sizeof names[i], "%s%s%s", form_columns[i % N_FORM][0],
+                 ang_form_word((ang_form)(i / N_FORM)), form_columns[i % N_FORM][1]);
+        columns[N_HEAD + i][0] = names[i];
+        columns[N_HEAD + i][1] = form_columns[i % N_FORM][2];
+    }
+    columns[N_COMPARE][0] = "status";
+    columns[N_COMPARE][1] = "";
+    rp_table_columns(stdout, N_COMPARE + 1, (const char *const(*)[2])columns);
+}
+
+static void print_comparison(double mu, const ang_comparison *c)
+{
+    double v[N_COMPARE] = {mu,
+                           (double)c->theta_r.n,
+                           c->theta_r.mean / deg,
+                           c->theta_r.se / deg,
+                           c->theta_t.mean / deg,
+                           c->theta_t.se / deg,
+                           c->theta_rt.mean / deg,
+                           c->theta_rt.se / deg,
+                           c->theta_ms / deg,
+                           c->diff_ms.value / deg,
+                           c->diff_ms.se / deg,
+                           (double)c->n_unstable,
+                           (double)c->n_lost};
+    ang_tilt_status worst = ANG_TILT_OK;
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        const ang_estimate parts[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
+                                      c->form[f].gain, c->form[f].gain_relative};
+        for (int i = 0; i < N_FORM; i++)
+            v[N_HEAD + f * N_FORM + i] =
+                (i % 2 ? parts[i / 2].se : parts[i / 2].value) / (*form_columns[i][2] ? deg : 1.0);
+        if (worst == ANG_TILT_OK) worst = c->form[f].status;
+    }
+    rp_table_row_word(stdout, N_COMPARE, v, ang_tilt_word(worst));
+}
+
+/* The piles that count, ordered by mu: status ok, both angles. *piles is a new array (free it). */
+static rp_status read_piles(const rp_table *table, pile **piles, size_t *n)
+{
+    static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
+    int columns[4];
+    double *block = NULL;
+    size_t rows = table->n_rows;
+    *n = 0;
+    *piles = malloc((rows + 1) * sizeof **piles);
+    rp_status status = *piles ? cli_find_columns(table, 4, names, columns)
+                              : rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
+    for (size_t i = 0; i < rows && !status; i++) {
+        pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
+        const char *word = table->cells[i * table->n_columns + (size_t)columns[3]];
+        if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t))
+            (*piles)[(*n)++] = p;
+    }
+    free(block);
+    qsort(*piles, *n, sizeof **piles, by_mu);
+    return status;
+}
+
+/* One row for each run of equal mu. theta_r[n] and theta_t[n] are work space. */
+static rp_status compare_groups(size_t n, const pile piles[], const compare_options *o, double theta_r[],
+                                double theta_t[])
+{
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!rng) return rp_fail(RP_NO_MEMORY, "compare: out of memory");
+    rp_status status = RP_OK;
+    for (size_t first = 0, end; first < n && !status; first = end) {
+        ang_comparison c;
+        for (end = first; end < n && piles[end].mu == piles[first].mu; end++) {
+            theta_r[end - first] = piles[end].theta_r;
+            theta_t[end - first] = piles[end].theta_t;
+        }
+        status = ang_compare(end - first, theta_r, theta_t, piles[first].mu, o->phi_deg * deg,
+                             (size_t)o->bootstrap, rng, &c);
+        if (status)
+            rp_prefix(status, "mu = %g: ", piles[first].mu);
+        else
+            print_comparison(piles[first].mu, &c);
+    }
+    gsl_rng_free(rng);
+    return status;
+}
+
+static rp_status compare_table(rp_table *table, const void *values)
+{
+    const compare_options *o = values;
+    pile *piles;
+    size_t n;
+    rp_status status = read_piles(table, &piles, &n);
+    double *angles = malloc((2 * n + 1) * sizeof *angles);
+    if (!status && !angles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) {
+        cli_table(stdout, compare_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        print_compare_header();
+        status = n > 0 ? compare_groups(n, piles, o, angles, angles + n)
+                       : rp_fail(RP_NO_RESULT, "no row with status ok and both angles");
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    free(angles);
+    free(piles);
+    return status;
+}
+
+rp_status cmd_angle_compare(int argc, char **argv)
+{
+    compare_options o;
+    return cli_with_table(&compare_command, argc, argv, &o, compare_table);
+}
+
+/* ---- phi ---- */
+
+typedef struct {
+    double from, to;
+    long bootstrap, seed;
+    rp_texts where;
+} phi_options;
+
+static const rp_param phi_params[] = {
+    {"from", "", RP_REAL, offsetof(phi_options, from), "0", "[0, inf)", "smallest mu that is used"},
+    {"to", "", RP_REAL, offsetof(phi_options, to), "1e308", "(0, inf)", "largest mu that is used"},
+    {"bootstrap", "", RP_INT, offsetof(phi_options, bootstrap), "1000", "[2, 10000000]",
+     "resamples of the piles"},
+    {"seed", "", RP_INT, offsetof(phi_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    CLI_WHERE(phi_options),
+    {0}};
+
+static const cli_command phi_command = {
+    "angle phi",
+    "FILE [options]",
+    "Inclination phi of the rays at which (3), tan theta_MS = mu tan^2 phi, meets measured theta_R + "
+    "theta_T,\n"
+    "and (4) in its balanced and lattice forms measured theta_T: one phi for all mu (mu = nan), and one for\n"
+    "each. against: the equation; ..._less_marginal: by how much phi of (4) exceeds that of (3), which "
+    "cannot\n"
+    "both hold with one phi for a pile that stands a tilt. The sine form is not fitted: phi would absorb "
+    "the\n"
+    "forces that it leaves unbalanced.\n"
+    "FILE (- for standard input): as for repose angle compare; rows with mu = 0 are left out.\n"
+    "phi_lo, phi_hi: 95 % interval where chi2 has risen by 3.84 (profile likelihood); boot_lo, boot_hi: by\n"
+    "bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a difference: if "
+    "there\n"
+    "is none); below 0.05 it does not (one_phi 0), and the intervals are those of a compromise. open: -1, 1\n"
+    "where the data give no bound on phi from below, from above, 2 from neither side: phi is not "
+    "identified.\n"
+    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with the "
+    "phi of\n"
+    "all mu, and with 60 degrees.",
+    "repose angle phi build/tables/lh3_runs.tsv",
+    phi_params,
+    1,
+    1};
+
+/* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
+static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
+                           const ang_phi *fit, double phi_all)
+{
+    stats_summary measured = {0, NAN, NAN, NAN, NAN, NAN};
+    double given[2] = {NAN, NAN};
+    int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
+    rp_status status = RP_OK;
+    if (piles && against < ANG_BALANCED_LESS_MARGINAL)
+        status = ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given);
+    if (!status)
+        rp_table_row_word(stdout, 17,
+                          (double[]){piles ? piles->mu : NAN, (double)n_groups, (double)n, fit->phi / deg,
+                                     fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
+                                     fit->chi2, (double)fit->dof, fit->p_value,
+                                     fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open, measured.mean / deg,
+                                     measured.se / deg, given[0] / deg, given[1] / deg},
+                          ang_against_word(against));
+    return status;
+}
+
+/* All groups together, then each alone. */
+static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_options *o, gsl_rng *rng)
+{
+    rp_status status = RP_OK;
+    size_t n_all = 0;
+    ang_phi all[ANG_N_AGAINST], one[ANG_N_AGAINST];
+    for (size_t i = 0; i < n_groups; i++) n_all += groups[i].n;
+    status = ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all);
+    for (int a = 0; a < ANG_N_AGAINST && !status && n_groups > 1; a++)
+        status = print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN);
+    for (size_t i = 0; i < n_groups && !status; i++) {
+        status = ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one);
+        for (int a = 0; a < ANG_N_AGAINST && !status; a++)
+            status = print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi);
+    }
+    return status;
+}
+
+/* Groups of equal mu among the sorted piles; their angles are copied to `angles`, 2 n numbers. */
+static rp_status group_piles(size_t n, const pile piles[], const phi_options *o, double angles[],
+                             ang_piles groups[], size_t *n_groups)
+{
+    *n_groups = 0;
+    for (size_t i = 0; i < n; i++) {
+        angles[i] = piles[i].theta_r;
+        angles[n + i] = piles[i].theta_t;
+        if (piles[i].mu == 0.0 || piles[i].mu < o->from || piles[i].mu > o->to) continue;
+        if (*n_groups == 0 || groups[*n_groups - 1].mu != piles[i].mu)
+            groups[(*n_groups)++] = (ang_piles){piles[i].mu, 0, angles + i, angles + n + i};
+        groups[*n_groups - 1].n++;
+    }
+    return *n_groups > 0 ? RP_OK
+                         : rp_fail(RP_NO_RESULT, "no row with status ok, both angles, and mu in range");
+}
+
+static rp_status phi_table(rp_table *table, const void *values)
+{
+    const phi_options *o = values;
+    static const char *const columns[][2] = {{"mu", ""},
+                                             {"n_mu", ""},
+                                             {"n", ""},
+                                             {"phi_deg", "deg"},
+                                             {"phi_lo_deg", "deg"},
+                                             {"phi_hi_deg", "deg"},
+                                             {"boot_lo_deg", "deg"},
+                                             {"boot_hi_deg", "deg"},
+                                             {"chi2", ""},
+                                             {"dof", ""},
+                                             {"p_value", ""},
+                                             {"one_phi", ""},
+                                             {"open", ""},
+                                             {"measured_deg", "deg"},
+                                             {"measured_se_deg", "deg"},
+                                             {"fitted_deg", "deg"},
+                                             {"sixty_deg", "deg"},
+                                             {"against", ""}};
+    pile *piles;
+    size_t n, n_groups;
+    rp_status status = read_piles(table, &piles, &n);
+    double *angles = malloc((2 * table->n_rows + 1) * sizeof *angles);
+    ang_piles *groups = malloc((table->n_rows + 1) * sizeof *groups);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!status && !(angles && groups && rng))
+        status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status) {
+        cli_table(stdout, phi_params, o);
+        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        rp_table_columns(stdout, N_OF(columns), columns);
+        status = group_piles(n, piles, o, angles, groups, &n_groups);
+        if (!status) status = fit_phis(n_groups, groups, o, rng);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    if (rng) gsl_rng_free(rng);
+    free(groups);
+    free(angles);
+    free(piles);
+    return status;
+}
+
+rp_status cmd_angle_phi(int argc, char **argv)
+{
+    phi_options o;
+    return cli_with_table(&phi_command, argc, argv, &o, phi_table);
+}

@@ -1,0 +1,128 @@
+/* repose angle slope: the slope of a pile's surface. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "cli/cli.h"
+#include "cli/cmd_angle.h"
+
+static const double deg = M_PI / 180.0;
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+
+typedef struct {
+    double width, cell;
+    int height, empty, parabola;
+    rp_texts where;
+} slope_options;
+
+static const rp_param slope_params[] = {
+    {"width", "cm", RP_REAL, offsetof(slope_options, width), NULL, "(0, inf)",
+     "width W of the box, from x = 0"},
+    {"cell", "cm", RP_REAL, offsetof(slope_options, cell), "0.2", "(0, inf)",
+     "nominal diameter d of a grain; round(W/d) cells"},
+    {"height", "", RP_CHOICE, offsetof(slope_options, height), "centre", ANG_HEIGHT_WORDS,
+     "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point"},
+    {"empty", "", RP_CHOICE, offsetof(slope_options, empty), "zero", ANG_EMPTY_WORDS,
+     "empty cells have height 0, or are left out"},
+    {"parabola", "", RP_CHOICE, offsetof(slope_options, parabola), "free", ANG_PARABOLA_WORDS,
+     "parabola of method 3: three coefficients, or through the origin"},
+    CLI_WHERE(slope_options),
+    {0}};
+
+static const cli_command slope_command = {
+    "angle slope",
+    "FILE --width W [options]",
+    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann\n"
+    "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard\n"
+    "error is propagated from the scatter of h about its straight line.\n"
+    "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r is\n"
+    "needed for --height top only. Fewer than 5 occupied cells: no_pile, exit status 1.",
+    "repose angle slope pile.tsv --width 4",
+    slope_params,
+    1,
+    1};
+
+static rp_status place_columns(const rp_table *table, bool with_r, int columns[3])
+{
+    static const char *const names[] = {"x", "y", "r"};
+    bool named = false;
+    for (int c = 0; c < 3; c++) {
+        columns[c] = table->n_columns > 0 ? rp_table_column(table, names[c]) : -1;
+        named = named || columns[c] >= 0;
+    }
+    int n = with_r ? 3 : 2;
+    if (named) {
+        rp_status status = cli_find_columns(table, (size_t)n, names, columns);
+        if (status) return status;
+    } else if (table->n_columns < (size_t)n) {
+        return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %d (%s) needed", table->path,
+                       table->n_columns, n, with_r ? "x y r" : "x y");
+    } else {
+        for (int c = 0; c < 3; c++) columns[c] = c;
+    }
+    if (!with_r) columns[2] = -1;
+    return RP_OK;
+}
+
+/* A table of states may hold a pile at several times. */
+static rp_status refuse_several_steps(const rp_table *table)
+{
+    int column = rp_table_column(table, "step");
+    for (size_t i = 1; table->names[0] && column >= 0 && i < table->n_rows; i++)
+        if (strcmp(table->cells[i * table->n_columns + (size_t)column], table->cells[column]) != 0)
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
+                           table->path, table->lines[i], table->cells[i * table->n_columns + (size_t)column],
+                           table->cells[column]);
+    return RP_OK;
+}
+
+/* Without slopes: rows without result. */
+static void print_slopes(const slope_options *o, const ang_surface *surface, const ang_slope *slopes)
+{
+    static const char *const columns[][2] = {{"method", ""},          {"slope", ""},   {"theta_deg", "deg"},
+                                             {"theta_se_deg", "deg"}, {"n_cells", ""}, {"n_occupied", ""},
+                                             {"status", ""}};
+    cli_table(stdout, slope_params, o);
+    rp_table_columns(stdout, N_OF(columns), columns);
+    for (int i = 0; i < ANG_N_METHODS; i++) {
+        ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
+        rp_table_row_word(stdout, 6,
+                          (double[]){i + 1, s.slope, s.theta / deg, s.theta_se / deg,
+                                     (double)surface->n_cells, (double)surface->n_occupied},
+                          slopes ? "ok" : "no_pile");
+    }
+}
+
+static rp_status slope_of_table(rp_table *table, const void *values)
+{
+    const slope_options *o = values;
+    int columns[3];
+    double *block = NULL;
+    size_t n = table->n_rows;
+    ang_options options = {o->cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
+    ang_surface surface = {0};
+    ang_slope slopes[ANG_N_METHODS];
+    if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
+    rp_status status = place_columns(table, options.height == ANG_TOP, columns);
+    if (!status) status = refuse_several_steps(table);
+    if (!status) status = cli_read_columns(table, 3, columns, 0, &block);
+    if (!status) {
+        status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
+                                  o->width, &options, &surface);
+        if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    if (!status)
+        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
+    if (!status || status == RP_NO_RESULT) print_slopes(o, &surface, status ? NULL : slopes);
+    ang_surface_free(&surface);
+    free(block);
+    return status;
+}
+
+rp_status cmd_angle_slope(int argc, char **argv)
+{
+    slope_options o;
+    return cli_with_table(&slope_command, argc, argv, &o, slope_of_table);
+}

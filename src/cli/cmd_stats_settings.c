@@ -1,0 +1,203 @@
+/* repose stats threshold, repose stats cost: settings of a sweep compared by its runs. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stats/stats.h"
+#include "cli/cli.h"
+#include "cli/cmd_stats.h"
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+
+enum { MOST_BY = 16, MOST_COLUMNS = MOST_BY + 16 };
+
+/* Print the header of a table whose first columns are those of `by`, before n_own of its own. */
+static rp_status print_columns(const rp_table *t, const char *by, size_t n_own, const char *const own[][2])
+{
+    const char *columns[MOST_COLUMNS][2];
+    char units[MOST_BY][32];
+    int column[MOST_BY];
+    size_t n_by = 0;
+    rp_status status = strcmp(by, "none") ? cli_column_list(t, by, MOST_BY, &n_by, column) : RP_OK;
+    if (status) return status;
+    for (size_t i = 0; i < n_by; i++) {
+        cli_column_unit(t, column[i], units[i]);
+        columns[i][0] = t->names[column[i]] ? t->names[column[i]] : "1";
+        columns[i][1] = units[i];
+    }
+    memcpy(columns + n_by, own, n_own * sizeof *columns);
+    rp_table_columns(stdout, n_by + n_own, (const char *const(*)[2])columns);
+    return RP_OK;
+}
+
+/* ---- threshold ---- */
+
+typedef struct {
+    const char *x, *by, *most;
+    rp_texts where;
+} threshold_options;
+
+static const rp_param threshold_params[] = {
+    {"x", "", RP_TEXT, offsetof(threshold_options, x), NULL, "", "column of x"},
+    {"by", "", RP_TEXT, offsetof(threshold_options, by), "none", "",
+     "columns (a or a,b,...) whose different cells make the groups"},
+    {"most", "", RP_TEXT, offsetof(threshold_options, most), "none", "",
+     "column whose largest number among rows with result is printed too"},
+    CLI_WHERE(threshold_options),
+    {0}};
+
+static const cli_command threshold_command = {
+    "stats threshold",
+    "TABLE --x COLUMN [options]",
+    "Where runs cease to fail as x grows, one row a group: falls_x, the largest x of a row whose status is\n"
+    "not ok; stands_x, the smallest x of one whose status is ok (x is the column's name); nan where there "
+    "is\n"
+    "no such row. mixed: rows with status ok below falls_x. TABLE (- for standard input): one row a run.",
+    "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
+    threshold_params,
+    1,
+    1};
+
+static rp_status print_thresholds(const rp_table *t, const threshold_options *o, const cli_groups *g,
+                                  const double *block, const int columns[2], int status_column)
+{
+    char falls[80], stands[80], unit[32];
+    const size_t n = t->n_rows;
+    const bool most = columns[1] >= 0, grouped = strcmp(o->by, "none") != 0;
+    double *x = malloc((n + 1) * sizeof *x);
+    bool *holds = malloc((n + 1) * sizeof *holds);
+    rp_status status = x && holds ? RP_OK : rp_fail(RP_NO_MEMORY, "threshold: out of memory");
+    snprintf(falls, sizeof falls, "falls_%s", o->x);
+    snprintf(stands, sizeof stands, "stands_%s", o->x);
+    cli_column_unit(t, columns[0], unit);
+    const char *const own[][2] = {{"n", ""}, {falls, unit}, {stands, unit}, {"mixed", ""}, {o->most, ""}};
+    const size_t n_own = N_OF(own) - !most;
+    cli_table(stdout, threshold_params, o);
+    if (!status) status = print_columns(t, o->by, n_own, own);
+    for (size_t k = 0; k < g->n_groups && !status; k++) {
+        stats_threshold threshold;
+        double largest = 0.0;
+        size_t used = 0;
+        for (size_t i = 0; i < n; i++) {
+            if (g->of_row[i] != k) continue;
+            holds[used] = strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") == 0;
+            if (most && holds[used]) largest = fmax(largest, block[n + i]);
+            x[used++] = block[i];
+        }
+        stats_threshold_find(used, x, holds, &threshold);
+        if (grouped) printf("%s\t", g->words[k]);
+        rp_table_row(stdout, n_own,
+                     (double[]){(double)used, threshold.fails_to, threshold.holds_from,
+                                (double)threshold.mixed, largest});
+    }
+    free(x);
+    free(holds);
+    return status;
+}
+
+static rp_status threshold_of_table(rp_table *t, const void *values)
+{
+    const threshold_options *o = values;
+    const bool most = strcmp(o->most, "none") != 0;
+    const char *const names[] = {o->x, o->most};
+    int columns[2] = {-1, -1}, status_column;
+    double *block = NULL;
+    cli_groups groups = {0};
+    rp_status status = cli_find_columns(t, most ? 2 : 1, names, columns);
+    if (!status) status = cli_find_columns(t, 1, (const char *const[]){"status"}, &status_column);
+    if (!status) status = cli_group_rows(t, o->by, '\t', &groups);
+    if (!status) status = cli_read_columns(t, 2, columns, 1, &block);
+    if (!status) status = print_thresholds(t, o, &groups, block, columns, status_column);
+    cli_groups_free(&groups);
+    free(block);
+    return status;
+}
+
+rp_status cmd_stats_threshold(int argc, char **argv)
+{
+    threshold_options o;
+    return cli_with_table(&threshold_command, argc, argv, &o, threshold_of_table);
+}
+
+/* ---- cost ---- */
+
+typedef struct {
+    const char *y, *by, *size;
+    rp_texts where;
+} cost_options;
+
+static const rp_param cost_params[] = {{"y", "", RP_TEXT, offsetof(cost_options, y), NULL, "", "column of y"},
+                                       {"by", "", RP_TEXT, offsetof(cost_options, by), NULL, "",
+                                        "columns (a or a,b,...) whose different cells make the settings"},
+                                       {"size", "", RP_TEXT, offsetof(cost_options, size), "none", "",
+                                        "columns that decide how long a step takes: the width of the box"},
+                                       CLI_WHERE(cost_options),
+                                       {0}};
+
+static const cli_command cost_command = {
+    "stats cost",
+    "TABLE --y COLUMN --by COLUMNS [options]",
+    "Time that a standard error of 1 in y takes, one row a setting. sd: of y over its runs; bias: mean\n"
+    "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the least\n"
+    "time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where no other\n"
+    "setting has both less cost and less bias. TABLE (- for standard input): one row a run, columns\n"
+    "replica, seconds, steps, status; rows whose status is not ok are left out.",
+    "repose stats cost build/tables/val_cost_runs.tsv --y theta_r3_deg --by W,dt,rest_energy --size W",
+    cost_params,
+    1,
+    1};
+
+static rp_status print_costs(const rp_table *t, const cost_options *o, const cli_groups *g,
+                             const stats_cost costs[], int y_column)
+{
+    char unit[32];
+    cli_column_unit(t, y_column, unit);
+    const char *const own[][2] = {{"n", ""},         {"mean", unit},   {"sd", unit},  {"bias", unit},
+                                  {"bias_se", unit}, {"seconds", "s"}, {"cost", "s"}, {"front", ""}};
+    cli_table(stdout, cost_params, o);
+    rp_status status = print_columns(t, o->by, N_OF(own), own);
+    for (size_t s = 0; s < g->n_groups && !status; s++) {
+        const stats_cost *c = &costs[s];
+        printf("%s\t", g->words[s]);
+        rp_table_row(
+            stdout, N_OF(own),
+            (double[]){(double)c->n, c->mean, c->sd, c->bias, c->bias_se, c->seconds, c->cost, c->front});
+    }
+    return status;
+}
+
+static rp_status cost_of_table(rp_table *t, const void *values)
+{
+    const cost_options *o = values;
+    const char *const names[] = {o->y, "replica", "seconds", "steps"};
+    int columns[N_OF(names)];
+    double *block = NULL;
+    cli_groups settings = {0}, sizes = {0};
+    rp_status status = rp_table_where(t, "status=ok");
+    if (!status && t->n_rows == 0) status = rp_fail(RP_NO_RESULT, "%s: no row with status ok", t->path);
+    if (!status) status = cli_find_columns(t, N_OF(names), names, columns);
+    if (!status) status = cli_group_rows(t, o->by, '\t', &settings);
+    if (!status) status = cli_group_rows(t, o->size, '\t', &sizes);
+    if (!status) status = cli_read_columns(t, N_OF(names), columns, 0, &block);
+    const size_t n = t->n_rows;
+    stats_cost_run *runs = malloc((n + 1) * sizeof *runs);
+    stats_cost *costs = malloc((settings.n_groups + 1) * sizeof *costs);
+    if (!status && !(runs && costs)) status = rp_fail(RP_NO_MEMORY, "cost: out of memory");
+    for (size_t i = 0; i < n && !status; i++)
+        runs[i] = (stats_cost_run){settings.of_row[i], sizes.of_row[i],  block[n + i],
+                                   block[i],           block[2 * n + i], block[3 * n + i]};
+    if (!status) status = stats_costs(n, runs, settings.n_groups, settings.n_groups - 1, costs);
+    if (!status) status = print_costs(t, o, &settings, costs, columns[0]);
+    free(runs);
+    free(costs);
+    cli_groups_free(&settings);
+    cli_groups_free(&sizes);
+    free(block);
+    return status;
+}
+
+rp_status cmd_stats_cost(int argc, char **argv)
+{
+    cost_options o;
+    return cli_with_table(&cost_command, argc, argv, &o, cost_of_table);
+}

@@ -1,0 +1,236 @@
+/* repose stress: stress in piles and on their base, from tables of contacts. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "angle/angle.h"
+#include "stress/stress.h"
+#include "cli/cli.h"
+#include "cli/cmd_stress.h"
+
+static const double deg = M_PI / 180.0;
+
+#define N_OF(array) (sizeof(array) / sizeof *(array))
+
+enum { MOST_PILES = 1000 };
+
+typedef struct {
+    double width, cell, diameter, g, phi_deg;
+} options;
+
+#define BOX_PARAMS                                                                                           \
+    {"width", "cm", RP_REAL, offsetof(options, width), NULL, "(0, inf)", "width W of the box, from x = 0"},  \
+    {                                                                                                        \
+        "cell", "cm", RP_REAL, offsetof(options, cell), "0.4", "(0, inf)", "cells; round(W/cell) to W"       \
+    }
+
+/* ---- piles out of their tables ---- */
+
+static void pile_free(stress_pile *p)
+{
+    free(p->contacts);
+    free(p->floor);
+    free(p->x);
+}
+
+static rp_status read_block(const char *prefix, const char *what, size_t n, const char *const names[],
+                            double **block, size_t *rows)
+{
+    char path[4096];
+    rp_table table;
+    int columns[16];
+    snprintf(path, sizeof path, "%s_%s.tsv", prefix, what);
+    rp_status status = rp_table_read(path, &table);
+    if (!status) status = cli_find_columns(&table, n, names, columns);
+    if (!status) status = cli_read_columns(&table, n, columns, 0, block);
+    *rows = status ? 0 : table.n_rows;
+    rp_table_free(&table);
+    return status;
+}
+
+static rp_status pile_read(const char *prefix, stress_pile *p)
+{
+    static const char *const contact_names[] = {"id_b", "wall",         "x",          "y", "x_b",
+                                                "y_b",  "normal_force", "shear_force"};
+    static const char *const grain_names[] = {"x", "y", "m"};
+    double *block = NULL;
+    *p = (stress_pile){0};
+    rp_status status = read_block(prefix, "contacts", N_OF(contact_names), contact_names, &block, &p->n);
+    if (!status) status = read_block(prefix, "grains", N_OF(grain_names), grain_names, &p->x, &p->n_grains);
+    p->contacts = malloc((p->n + 1) * sizeof *p->contacts);
+    p->floor = malloc((p->n + 1) * sizeof *p->floor);
+    if (!status && !(p->contacts && p->floor)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", prefix);
+    for (size_t k = 0; k < p->n && !status; k++) {
+        const double *v = block + k;
+        const size_t n = p->n;
+        const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = hypot(lx, ly);
+        const double fn = v[6 * n], fs = v[7 * n];
+        if (!(l > 0.0)) status = rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
+        /* normal from b to a; shear along the normal turned clockwise */
+        p->contacts[k] = (stress_contact){
+            v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
+        p->floor[k] = v[0] == 0.0 && v[n] == 1.0;
+    }
+    free(block);
+    p->y = p->x ? p->x + p->n_grains : NULL; /* columns of one block */
+    p->m = p->y ? p->y + p->n_grains : NULL;
+    return status;
+}
+
+/* Parse, read the piles of all arguments, act on them, free them. */
+static rp_status with_piles(const cli_command *command, int argc, char **argv,
+                            rp_status (*act)(size_t n, const stress_pile piles[], const options *o))
+{
+    static const char *prefixes[MOST_PILES];
+    options o;
+    int n;
+    bool done;
+    rp_status status = cli_parse(command, argc, argv, &o, prefixes, &n, &done);
+    if (status || done) return status;
+    stress_pile *piles = calloc((size_t)n, sizeof *piles);
+    if (!piles) return rp_fail(RP_NO_MEMORY, "%d piles: out of memory", n);
+    for (int i = 0; i < n && !status; i++) status = pile_read(prefixes[i], &piles[i]);
+    if (!status) {
+        cli_table(stdout, command->options, &o);
+        rp_table_note(stdout, "piles", "%d", n);
+        status = act((size_t)n, piles, &o);
+    }
+    for (int i = 0; i < n; i++) pile_free(&piles[i]);
+    free(piles);
+    return status;
+}
+
+/* ---- field ---- */
+
+static const rp_param field_params[] = {BOX_PARAMS, {0}};
+
+static const cli_command field_command = {
+    "stress field",
+    "PREFIX... --width W [options]",
+    "Mean over piles of the stress in cells, from the tables PREFIX_contacts.tsv and PREFIX_grains.tsv of\n"
+    "each: s_ab, force along a, branch along b, compression positive, 0 where there are no grains; p mean\n"
+    "pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest compression,\n"
+    "mobilised angle.",
+    "repose stress field pile --width 4",
+    field_params,
+    1,
+    MOST_PILES};
+
+static rp_status print_field(size_t n, const stress_pile piles[], const options *o)
+{
+    static const char *const columns[][2] = {
+        {"x/W", ""},          {"y/W", ""},          {"sxx", "dyn/cm"},       {"sxy", "dyn/cm"},
+        {"syx", "dyn/cm"},    {"syy", "dyn/cm"},    {"p", "dyn/cm"},         {"shear", "dyn/cm"},
+        {"couple", "dyn/cm"}, {"direction", "rad"}, {"mobilised_deg", "deg"}};
+    const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
+    const size_t cells = g.nx * g.ny;
+    stress_tensor *mean = malloc(cells * sizeof *mean);
+    rp_status status = mean ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu cells: out of memory", cells);
+    if (!status) status = stress_mean_cells(n, piles, &g, mean);
+    if (!status) rp_table_columns(stdout, N_OF(columns), columns);
+    for (size_t k = 0; k < cells && !status; k++) {
+        const stress_tensor *s = &mean[k];
+        const stress_circle m = stress_mohr(s);
+        rp_table_row(stdout, N_OF(columns),
+                     (double[]){((double)(k % g.nx) + 0.5) * g.dx / o->width,
+                                ((double)(k / g.nx) + 0.5) * g.dy / o->width, s->xx, s->xy, s->yx, s->yy,
+                                m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg});
+    }
+    free(mean);
+    return status;
+}
+
+static rp_status field(int argc, char **argv)
+{
+    return with_piles(&field_command, argc, argv, print_field);
+}
+
+/* ---- base ---- */
+
+static const rp_param base_params[] = {
+    BOX_PARAMS,
+    {"diameter", "cm", RP_REAL, offsetof(options, diameter), "0.2", "(0, inf)",
+     "nominal diameter of a grain, for the slope"},
+    {"g", "cm/s^2", RP_REAL, offsetof(options, g), "981.0", "(0, inf)", "gravity"},
+    {"phi-deg", "deg", RP_REAL, offsetof(options, phi_deg), "60", "(0, 90)",
+     "inclination of the rays of theory"},
+    {0}};
+
+static const cli_command base_command = {
+    "stress base",
+    "PREFIX... --width W [options]",
+    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from the "
+    "tables\n"
+    "PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall; weight: of "
+    "the\n"
+    "column above; through: vertical force through its sides; imbalance: N - weight - through; N_theory,\n"
+    "H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of that weight.",
+    "repose stress base pile --width 4",
+    base_params,
+    1,
+    MOST_PILES};
+
+/* Mean slope by method 3 of the parts in 0 < x < W. */
+static rp_status mean_slope(size_t n, const stress_pile piles[], const options *o, double *theta)
+{
+    ang_options how = ANG_OPTIONS_DEFAULT;
+    how.diameter = o->diameter;
+    *theta = 0.0;
+    rp_status status = RP_OK;
+    for (size_t i = 0; i < n && !status; i++) {
+        ang_surface surface;
+        ang_slope slopes[ANG_N_METHODS];
+        status = ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
+        if (!status)
+            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
+        ang_surface_free(&surface);
+        if (!status) *theta += slopes[2].theta / (double)n;
+    }
+    return status;
+}
+
+static rp_status print_base(size_t n, const stress_pile piles[], const options *o)
+{
+    static const char *const names[][2] = {
+        {"x/W", ""},        {"N", "dyn/cm"},        {"N_se", "dyn/cm"},    {"H", "dyn/cm"},
+        {"H_se", "dyn/cm"}, {"weight", "dyn/cm"},   {"through", "dyn/cm"}, {"imbalance", "dyn/cm"},
+        {"H/N", ""},        {"N_theory", "dyn/cm"}, {"H_theory", "dyn/cm"}};
+    double theta = NAN, size;
+    const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
+    stress_floor *floor = malloc(cells * sizeof *floor);
+    rp_status status = floor ? mean_slope(n, piles, o, &theta) : rp_fail(RP_NO_MEMORY, "base: out of memory");
+    if (!status) status = stress_floor_forces(n, piles, size, o->g, cells, floor);
+    if (!status) {
+        rp_table_note(stdout, "theta_r_deg", "%.17g", theta / deg);
+        rp_table_columns(stdout, N_OF(names), names);
+    }
+    for (size_t j = 0; j < cells && !status; j++) {
+        const stress_floor *f = &floor[j];
+        double N, H;
+        stress_wedge(f->weight, theta, o->phi_deg * deg, &N, &H);
+        rp_table_row(stdout, N_OF(names),
+                     (double[]){((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se,
+                                f->weight, f->through, f->imbalance,
+                                f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H});
+    }
+    free(floor);
+    return status;
+}
+
+static rp_status base(int argc, char **argv)
+{
+    return with_piles(&base_command, argc, argv, print_base);
+}
+
+/* ---- dispatch ---- */
+
+rp_status cmd_stress(int argc, char **argv)
+{
+    static const cli_subcommand list[] = {
+        {"field", field, "stress in the cells of piles, from their contacts"},
+        {"base", base, "forces on the floor of piles, from their contacts"},
+        {"dip", cmd_stress_dip, "does the pressure on the base dip in the middle?"},
+        {"critical", cmd_stress_critical, "tilt at which the measured stress reaches Coulomb's law"},
+        {0}};
+    return cli_dispatch("stress", list, argc, argv);
+}
