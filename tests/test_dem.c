@@ -641,7 +641,7 @@ static void springs_end_of(bool rolling)
     def.gravity[1] = 0.0;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
-    if (rolling) {          /* turning in place of sliding; too soft to be turned back */
+    if (rolling) {          /* rotation without translation; too soft to reverse it */
         def.rotation = true;
         def.material.mu = def.material.gamma_roll = 0.0;
         def.material.mu_roll = 10.0;
@@ -1171,7 +1171,7 @@ static void time_step_limit(void)
     CU_ASSERT(stiff < limit / 3.8 && stiff > limit / 4.2);
     /* damping alone limits gamma dt of a packing to 2/3, of which 0.85 is allowed; the second of the lightest
      * grains is slightly larger, with 1 % more neighbours */
-    def.material = (dem_material){1e-9, 3e5, 1e-9, 0.0, 0.0};
+    def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * 2.0 / 3.0 / 3e5, 1e-2 * 0.85 * 2.0 / 3.0 / 3e5);
     free(grains);
