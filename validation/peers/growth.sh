@@ -1,5 +1,5 @@
 #!/bin/bash
-# How cost and memory grow with the number of grains, and what two workers give: tables growth and workers.
+# Cost and memory against the number of grains, and efficiency of two workers: tables growth and workers.
 # usage: growth.sh REPOSE WORK growth "1000 10000 ..." | growth.sh REPOSE WORK workers PAIRS
 set -eu -o pipefail
 export LC_ALL=C
@@ -9,7 +9,7 @@ cd "$work"
 . "$here/start.sh"
 
 # 1e6 grains: ten boxes of 100 000 at rest side by side, every other one a mirror image, so that the grains that
-# touched a wall meet their own images. To settle a square box of them would take hours.
+# touched a wall touch their own images. A square box of a million grains would take hours to settle.
 joined() {
     settle 100000
     { printf '# x\ty\tr\n'
@@ -22,7 +22,7 @@ joined() {
 growth() { # sizes
     local n start width
     provenance
-    echo "# rates: 1e6 particle-steps a second of processor time, medians of three; bytes: held by a grain"
+    echo "# rates: 1e6 particle-steps per second of processor time, medians of three; bytes: held per grain"
     for n in $1; do
         start=settled_$n.tsv width=auto
         if [ "$n" = 1000000 ]; then joined; start=joined_$n.tsv width=632.4555320336759; else settle "$n"; fi
@@ -35,7 +35,7 @@ growth() { # sizes
               for (i = 1; i <= NR; i++) print line[i] }'
 }
 
-seconds() { # workers: by the clock, and of both processors
+seconds() { # workers: wall time, and processor time of both
     rm -rf sweep
     "$repose" sweep plan sweep.cfg -o sweep >/dev/null
     (TIMEFORMAT='%R %U %S'; { time "$repose" sweep run sweep -j "$1" >/dev/null 2>&1; } 2>&1)
@@ -47,8 +47,8 @@ protocol = "repose"; replicas = 64; seed = 1993;
 fixed = { W = 4.0; H = 4.0; stop = "steps"; fill_steps = 30000; relax_steps = 50000; };
 S
     provenance
-    echo "# efficiency: time of one worker over twice that of two, by the clock on the wall: needs an idle machine"
-    echo "# busy: processor time of two workers over twice the clock"
+    echo "# efficiency: wall time of one worker over twice that of two: needs an idle machine"
+    echo "# busy: processor time of two workers over twice the wall time"
     local k
     for k in $(seq "$1"); do
         echo "$(seconds 1) $(seconds 2)" | awk '{ print $1, $4, $1 / (2 * $4), ($5 + $6) / (2 * $4) }' OFS='\t'

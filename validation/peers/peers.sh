@@ -1,11 +1,11 @@
 #!/bin/bash
-# Repose against LAMMPS and LIGGGHTS on the same scene, from the same start: a table on standard output.
+# Repose against LAMMPS and LIGGGHTS on the same scene, from the same initial positions: a table on standard output.
 # usage: peers.sh REPOSE WORK SETTLED FLOWING PAIRS   the sizes as lists in one word: "400 1600"
 #
-# Each ratio is the median of paired runs, ours between those of the peers in each round, of processor time on one
-# core, so that a busy machine slows all. At rest and flowing the time is that of the timed steps alone, 2000 steps
-# after the start; of a sample that of the whole process. Particle-steps are summed over the grains present at each
-# step (in the peers every 50th). A peer that is not installed has nan, and a note.
+# Each ratio is the median of paired runs of processor time on one core; each round runs repose between the peers, so
+# that a busy machine slows all. At rest and flowing the time is that of the timed steps alone, 2000 steps
+# after the start; for a sample that of the whole process. Particle-steps are summed over the grains present at each
+# step (in the peers every 50th). A missing peer has nan, and a note.
 set -eu -o pipefail
 shopt -s inherit_errexit
 export LC_ALL=C OMP_NUM_THREADS=1
@@ -19,8 +19,8 @@ cd "$work"
 
 . "$here/start.sh"
 
-# The peers' data files of a table of grains, all digits. That of LIGGGHTS has densities that give its disks the masses
-# of spheres, and a type for walls.
+# Data files of the peers from a table of grains, all digits. LIGGGHTS' file has densities that give its disks the masses
+# of spheres, and a second type for walls.
 data() { # NAME N
     local peer
     for peer in lammps liggghts; do
@@ -46,7 +46,7 @@ grain_steps() {
 # seconds of processor time of a whole process
 seconds() { (TIMEFORMAT='%U %S'; { time "$@" >process.log; } 2>&1) | tail -1 | awk '{ print $1 + $2 }'; }
 
-# Of each program, by state, N and steps: million particle-steps a second of processor time; of a sample seconds.
+# For each program, by state, N and steps: million particle-steps per second of processor time; for a sample seconds.
 measure_ours() {
     if [ "$1" = sample ]; then
         seconds $pin "$repose" bench --start "dilute_$2.tsv" --state sample --floor absorbs --repeat 1 -o final.tsv
@@ -64,7 +64,7 @@ measure_lammps() {
             on && /CPU use/ { print sum / (loop * $1 / 100) / 1e6; exit }' lmp.log
     fi
 }
-# It knows no processor time: a shell that it starts reads that of its parent, ns.
+# LIGGGHTS does not report processor time: a shell that it starts reads that of its parent, ns.
 stamp='read -r ns rest </proc/$PPID/schedstat; echo stamp $ns >&2'
 measure_liggghts() {
     if [ "$1" = sample ]; then
@@ -113,8 +113,8 @@ compare() { # state N
 }
 
 provenance
-echo "# repose, lammps, liggghts: 1e6 particle-steps a second of processor time, medians; of a sample seconds of the process"
-echo "# ratio: by how much repose is faster, median of the pairs, with the least (min) and the largest (max)"
+echo "# repose, lammps, liggghts: 1e6 particle-steps per second of processor time, medians; for a sample seconds of the process"
+echo "# ratio: rate of repose over that of the peer, median of the pairs, with the smallest (min) and the largest (max)"
 programs=ours
 if ! command -v lmp >/dev/null; then echo "# lammps: not installed"; else
     echo "# lammps: $(lmp -h | sed -n 's/.*Simulator - \(.*\)/\1/p')"

@@ -1,19 +1,19 @@
-# Starts of the benches, for scripts that keep them in their working folder. Needs $repose.
+# Initial states of the benches, kept in the working folder of the calling script. Needs $repose.
 
-# Columns of a table of ours, by name.
+# Columns of a table of repose, by name.
 columns() {
     awk -F'\t' -v names="$*" '/^#/ { head = substr($0, 3); next }
         !n { n = split(head, h, "\t"); for (i = 1; i <= n; i++) at[h[i]] = i; k = split(names, want, " ") }
         { for (i = 1; i <= k; i++) printf "%s%s", $at[want[i]], i < k ? " " : "\n" }'
 }
 
-# How the program was made, as header lines.
+# Provenance of the program, as header lines.
 provenance() {
     "$repose" bench --n 1 --steps 1 --repeat 1 | grep -E '^# (program|compiler|libraries|pair_loop):'
     echo "# processor: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)"
 }
 
-# A scene as of `repose bench`, all but the grains.
+# The scene of `repose bench`, without its grains.
 box() { # N steps
     awk -v n="$1" -v steps="$2" 'BEGIN {
         printf "steps = %d; dt = %s; tangential = { law = \"spring\"; mu = 0.2; };\n", steps, (n > 20000 ? "4e-5" : "5e-5") # a high fall
@@ -22,7 +22,7 @@ box() { # N steps
         printf "          { point = [%.17f, 0.0]; direction = [-1.0, 0.0]; } );\n", 0.2 * sqrt(n) }'
 }
 
-# NAME_N.tsv: N grains some steps after they were dropped.
+# NAME_N.tsv: N grains, a number of steps after their fall began.
 filled() { # NAME N steps
     [ ! -f "$1_$2.tsv" ] || return 0
     {
