@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "dem/law.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -246,6 +247,104 @@ static void restitution_is_inverted(void)
     CU_ASSERT(dem_restitution(true, 1.0) == 0.0 && dem_restitution(true, 3.0) == 0.0);
 }
 
+/* Two equal grains and a wall: what a restitution gives is what the simulator does. */
+static double simulated_restitution(dem_definition *def, double v)
+{
+    dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004, .vx = v}, {.x = 0.2, .r = 0.1, .m = 0.004}};
+    def->gravity[1] = 0.0;
+    def->tangential = DEM_NONE;
+    def->material.mu = 0.0;
+    def->grains = grains;
+    def->n_grains = 2;
+    def->dt = 2e-3 * dem_time_step_limit(def, NULL);
+    dem_sim *sim = grains_start(def);
+    dem_state s[2];
+    CHECK_OK(dem_run(sim, 8000));
+    CHECK_OK(dem_states(sim, s));
+    dem_free(sim);
+    return (s[1].vx - s[0].vx) / v;
+}
+
+static void restitution_in_place_of_damping(void)
+{
+    for (int normal = 0; normal < DEM_NORMAL_N; normal++)
+        for (int i = 0; i < 6; i++) {
+            const double e = 0.3 + 0.15 * (i / 2), v = 37.0, first_order = 2e-2;
+            dem_definition def = dem_definition_default();
+            def.normal = normal;
+            def.tension = i % 2;
+            def.material.k_n = 1.5e5 / dem_normal_descriptors[normal].stiffness(1.0, 0.01);
+            def.material.restitution = e;
+            def.material.gamma_n = -1.0;
+            /* the start's impact speed is twice the largest one: here one grain rests */
+            double gamma_n;
+            dem_collision_result c;
+            CHECK_OK(dem_damping_of(normal, def.tension, def.material.k_n, 0.002, 2.0 * v, e, &gamma_n));
+            CHECK_OK(dem_collision(normal, def.tension, def.material.k_n, gamma_n, 0.002, 2.0 * v, &c));
+            CHECK_NEAR(c.restitution, e, 1e-10);
+            CHECK_OK(dem_collision(normal, def.tension, def.material.k_n, gamma_n, 0.002, v, &c));
+            CHECK_NEAR(simulated_restitution(&def, v), c.restitution, first_order * c.restitution);
+            if (dem_normal_descriptors[normal].damping_ratio) CHECK_NEAR(c.restitution, e, 1e-10);
+        }
+}
+
+static void bad_restitution(void)
+{
+    dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004}, {.x = 0.3, .r = 0.1, .m = 0.004}};
+    dem_definition def = dem_definition_default();
+    dem_sim *sim;
+    double gamma_n;
+    def.gravity[1] = 0.0;
+    def.grains = grains;
+    def.n_grains = 2;
+    def.material.restitution = 0.5;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 0.5, gamma_n = 500: give one");
+    def.material.gamma_n = -1.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "depends on speed");
+    def.material.restitution = 1.1;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 1.1");
+    def.material.restitution = 0.5, def.material.k_n = 0.0;
+    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "needs k_n > 0");
+    CHECK_FAILS(dem_damping_of(DEM_LINEAR, true, 1e6, 1.0, 1.0, 0.0, &gamma_n), RP_BAD_INPUT, "(0, 1]");
+    CHECK_FAILS(dem_damping_of(DEM_LINEAR, true, 1e6, 1.0, 1.0, NAN, &gamma_n), RP_BAD_INPUT, "(0, 1]");
+    CHECK_OK(dem_damping_of(DEM_HERTZ, true, 1e6, 1.0, 1.0, 1.0, &gamma_n));
+    CU_ASSERT(gamma_n == 0.0);
+}
+
+/* A wall has the grains' restitution, for its own stiffness and mass; or its own; or its own gamma_n. What
+ * "auto" takes from gamma_n follows. */
+static void restitution_of_walls(void)
+{
+    dem_grain grain = {.x = 0.0, .y = 1.0, .r = 0.1, .m = 0.004};
+    dem_definition def = dem_definition_default();
+    dem_physics p = dem_physics_default();
+    p.normal = DEM_LINEAR;
+    p.dt = 1e-5;
+    p.tangential = DEM_SPRING;
+    p.restitution = 0.4;
+    dem_physics_apply(&p, &def);
+    const dem_normal_descriptor *law = &dem_normal_descriptors[DEM_LINEAR];
+    for (int choice = 0; choice < 3; choice++) {
+        dem_material given = dem_material_auto;
+        if (choice == 1) given.restitution = 0.7;
+        if (choice == 2) given.gamma_n = 123.0;
+        const dem_material wall = dem_wall_material(&given, &def.material);
+        grains_on_floor(&def, 1, &grain);
+        def.walls[0].material = wall;
+        dem_sim *sim = grains_start(&def);
+        const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
+        CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,
+                   1e-12);
+        CHECK_NEAR(grains->gamma_s, grains->gamma_n / 100.0, 0.0);
+        CHECK_NEAR(floor->gamma_s, grains->gamma_s, 0.0);
+        if (choice == 2) CU_ASSERT(floor->gamma_n == 123.0);
+        if (choice < 2)
+            CHECK_NEAR(dem_restitution(true, law->damping_ratio(floor->k_n, floor->gamma_n, 0.004)),
+                       choice ? 0.7 : 0.4, 1e-12);
+        dem_free(sim);
+    }
+}
+
 void suite_laws(void)
 {
     static const check_case cases[] = {{"each kernel matches the reference loop", kernels_match_reference},
@@ -254,6 +353,9 @@ void suite_laws(void)
                                        {"force that an observer reads", observed_force},
                                        {"restitution has a closed form", restitution_has_closed_form},
                                        {"restitution is inverted", restitution_is_inverted},
+                                       {"restitution in place of damping", restitution_in_place_of_damping},
+                                       {"bad restitution", bad_restitution},
+                                       {"restitution of walls", restitution_of_walls},
                                        {NULL, NULL}};
     check_register("laws", cases);
 }

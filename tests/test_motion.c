@@ -166,6 +166,7 @@ static void free_flight(void)
 {
     const long steps = 1000;
     for (int k = 0; k < DEM_INTEGRATORS; k++) {
+        if (dem_schemes[k]->order[0] < 2) continue;
         dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
         dem_definition def = dem_definition_default();
         def.grains = &grain;
@@ -288,7 +289,7 @@ static void gear_settles(void)
     def.dt *= 1.001;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
     /* damping alone: limit of the predictor, three contacts per grain */
-    def.material = (dem_material){1e-9, 3e5, 1e-9, 0.0, 0.0};
+    def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 90.0 / 551.0 / 3.0 / 3e5, 1e-3 / 3e5);
     free(grains);

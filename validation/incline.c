@@ -49,7 +49,7 @@ static void sticks(void)
     static const double parts[] = {0.1, 0.5, 0.95};
     for (int i = 0; i < 4 * 3 * 3 * 2; i += case_stride(5)) {
         const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], angle = parts[i / 12 % 3] * atan(0.5 * mu);
-        const dem_material c = {1e6, 500.0, k_s, 80.0, mu};
+        const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .gamma_s = 80.0, .mu = mu};
         dem_grain grain;
         dem_definition def = incline(angle, &c, 0.0, &grain);
         def.damping = i / 36;
@@ -68,7 +68,7 @@ static void slow_loading(void)
 {
     for (int i = 0; i < 4 * 3 * 2; i += case_stride(3)) {
         const double mu = MU[i % 4], k_s = K_S[i / 4 % 3], rate = 1.0; /* rad/s */
-        const dem_material c = {1e6, 500.0, k_s, 80.0, mu};
+        const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .gamma_s = 80.0, .mu = mu};
         const int every = 4;
         dem_grain grain;
         dem_definition def = incline(0.0, &c, 0.0, &grain);
@@ -98,7 +98,7 @@ static void slow_loading(void)
  * atan(mu/2). The spring is then shorter than the displacement. */
 static bool slips_at_once(double angle, double mu, double k_s, double dt)
 {
-    const dem_material c = {1e6, 0.0, k_s, 0.0, mu};
+    const dem_material c = {.k_n = 1e6, .gamma_n = 0.0, .k_s = k_s, .gamma_s = 0.0, .mu = mu};
     dem_grain grain;
     dem_definition def = incline(angle, &c, 0.0, &grain);
     def.dt = dt;
@@ -131,7 +131,7 @@ static void slides(void)
     for (int i = 0; i < 4 * 2 * 3; i += case_stride(5)) {
         const double mu = MU[i % 4], angle = parts[i / 4 % 2] * atan(mu), gamma_s = gammas[i / 8];
         const double pull = G * (sin(angle) - mu * cos(angle));
-        const dem_material c = {1e6, 500.0, 1e4, gamma_s, mu};
+        const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = gamma_s, .mu = mu};
         dem_grain grain;
         dem_definition def = incline(angle, &c, 0.0, &grain);
         dem_sim *sim = grains_start(&def);
@@ -152,7 +152,7 @@ static void slides(void)
  * conservative force of position, returns it to the start at full speed. */
 static void check_kick(int slip, double mu, double k_s, double v)
 {
-    const dem_material c = {1e6, 500.0, k_s, 0.0, mu};
+    const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .gamma_s = 0.0, .mu = mu};
     const double w = sqrt(k_s / M), dt = 2e-3 / w, limit = mu * G / w; /* speed above which it slips */
     const double x1 = limit / w, v1 = sqrt(v * v - limit * limit), stopping = x1 + v1 * v1 / (2.0 * mu * G);
     dem_grain grain;

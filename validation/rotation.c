@@ -77,7 +77,7 @@ static void inside_incline(void)
 {
     const double mu = 0.2385, gamma_s = 40.0, angle = 1.3 * atan(mu),
                  pull = G * (sin(angle) - mu * cos(angle));
-    dem_material c = {1e6, 500.0, 1e4, gamma_s, mu};
+    dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = gamma_s, .mu = mu};
     dem_grain grain;
     dem_definition def = on_floor(angle, &grain, &c);
     def.rotation = false;
@@ -101,7 +101,7 @@ static void check_rolls(int shape, double mu, double v0)
 {
     const char *const name = shape == DEM_SPHERE ? "sphere" : "disk", *const format = "%s mu=%g v0=%g dt=%g";
     const double q = inertia_ratio(shape);
-    dem_material c = {1e6, 500.0, 1e4, 0.0, mu};
+    dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 0.0, .mu = mu};
     dem_grain grain;
     dem_definition def = on_floor(0.0, &grain, &c);
     def.shape = shape;
@@ -169,7 +169,7 @@ static void collide(oblique *p, double steps)
     def.normal = DEM_LINEAR;
     def.rotation = true;
     def.shape = p->shape;
-    def.material = (dem_material){LINEAR_K, 0.0, p->k_s, 0.0, p->mu};
+    def.material = (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu};
     def.dt = dt;
     def.grains = grains;
     def.n_grains = p->pair ? 2 : 1;
@@ -310,7 +310,8 @@ static void pair_conserves(void)
  */
 static void energy_stays(void)
 {
-    dem_material c = {1e6, 500.0, 1e4, 0.0, INFINITY, 1e6, 2e3, 0.0};
+    dem_material c = {
+        .k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .mu = INFINITY, .mu_roll = 1e6, .k_roll = 2e3};
     dem_grain grain;
     dem_definition def = on_floor(0.0, &grain, &c);
     def.dt = 2e-6;
@@ -341,7 +342,14 @@ static void rolling_stops(void)
 {
     const double mu_roll = 0.05, v0 = 10.0;
     for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
-        dem_material c = {1e6, 500.0, 1e4, 200.0, 5.0, mu_roll, 1e4, 200.0};
+        dem_material c = {.k_n = 1e6,
+                          .gamma_n = 500.0,
+                          .k_s = 1e4,
+                          .gamma_s = 200.0,
+                          .mu = 5.0,
+                          .mu_roll = mu_roll,
+                          .k_roll = 1e4,
+                          .gamma_roll = 200.0};
         dem_grain grain;
         dem_definition def = on_floor(0.0, &grain, &c);
         def.shape = shape;
@@ -373,7 +381,14 @@ static void rolling_incline(void)
     for (int k = 0; k < 3; k++) {
         const double angle = atan((k == 0 ? 0.9 : k == 1 ? 1.1 : 0.05) * mu_roll);
         const double resists = k < 2 ? mu_roll : 0.0;
-        dem_material c = {1e6, 500.0, 1e4, 200.0, 5.0, resists, 1e4, 200.0};
+        dem_material c = {.k_n = 1e6,
+                          .gamma_n = 500.0,
+                          .k_s = 1e4,
+                          .gamma_s = 200.0,
+                          .mu = 5.0,
+                          .mu_roll = resists,
+                          .k_roll = 1e4,
+                          .gamma_roll = 200.0};
         dem_grain grain;
         dem_definition def = on_floor(angle, &grain, &c);
         dem_sim *sim = grains_start(&def);
@@ -400,7 +415,7 @@ static void rolling_incline(void)
  * largest allowed time step. */
 static void rotating_time_step(void)
 {
-    dem_material c = {10.0, 0.0, 1e4, 0.0, INFINITY, 1e6, 1e4, 0.0};
+    dem_material c = {.k_n = 10.0, .k_s = 1e4, .mu = INFINITY, .mu_roll = 1e6, .k_roll = 1e4};
     dem_grain grain = {0.0, 0.0, R, M, 0.0, 0.0, 0.0, 30.0};
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0;

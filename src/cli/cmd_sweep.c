@@ -184,62 +184,24 @@ static void become(const char *command, const char *tables, FILE *out)
     _exit(RP_IO);
 }
 
-/* Run a command. Of its output the header counts if it is the table's first. A command that finds no result
- * is an answer too, if it prints a table. */
-static rp_status append_rows(const char *command, const char *tables, bool first, FILE *out)
-{
-    int code = 0;
-    FILE *rows = tmpfile();
-    const pid_t child = rows ? fork() : -1;
-    if (child == 0) become(command, tables, rows);
-    while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
-    }
-    rp_status status = RP_OK;
-    if (child < 0 || !WIFEXITED(code))
-        status = rp_fail(RP_STOPPED, "repose %s: stopped", command);
-    else if (WEXITSTATUS(code) > RP_NO_RESULT)
-        status =
-            rp_fail((rp_status)WEXITSTATUS(code), "repose %s: exit status %d", command, WEXITSTATUS(code));
-    char *line = NULL;
-    size_t size = 0;
-    if (rows) rewind(rows);
-    while (!status && getline(&line, &size, rows) >= 0)
-        if (first || *line != '#') fputs(line, out);
-    free(line);
-    if (rows) fclose(rows);
-    return status;
-}
-
-/* Run a command once for each of the values in its first braces, and so on with the next ones. */
-static rp_status run_each(const char *command, const char *tables, bool *first, FILE *out)
-{
-    const char *open = strchr(command, '{'), *close = open ? strchr(open, '}') : NULL;
-    if (!close) {
-        rp_status status = append_rows(command, tables, *first, out);
-        *first = false;
-        return status;
-    }
-    rp_status status = RP_OK;
-    for (const char *value = open + 1; !status && value <= close;) {
-        char one[4096];
-        const int length = (int)strcspn(value, ",}");
-        snprintf(one, sizeof one, "%.*s%.*s%s", (int)(open - command), command, length, value, close + 1);
-        status = run_each(one, tables, first, out);
-        value += length + 1;
-    }
-    return status;
-}
-
+/* Make one derived table. A command that finds no result is an answer too, if it prints a table. */
 static rp_status make_table(const sweep_table *table, const char *tables)
 {
     char path[4096];
     FILE *out;
-    bool first = true;
+    int code = 0;
     snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
     rp_status status = rp_file_open(path, &out);
     if (status) return status;
-    status = run_each(table->command, tables, &first, out);
-    if (status) rp_prefix(status, "%s: ", table->name);
+    const pid_t child = fork();
+    if (child == 0) become(table->command, tables, out);
+    while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
+    }
+    if (child < 0 || !WIFEXITED(code))
+        status = rp_fail(RP_STOPPED, "%s: repose %s: stopped", table->name, table->command);
+    else if (WEXITSTATUS(code) > RP_NO_RESULT)
+        status = rp_fail((rp_status)WEXITSTATUS(code), "%s: repose %s: exit status %d", table->name,
+                         table->command, WEXITSTATUS(code));
     return rp_file_close(path, out, status);
 }
 

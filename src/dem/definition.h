@@ -10,6 +10,10 @@ rp_status dem_definition_check(const dem_definition *def);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
 
+/* Put in the gamma_n that a restitution asks for, and what follows from it. Errors: RP_BAD_INPUT,
+ * RP_NO_MEMORY. */
+rp_status dem_physics_resolve(dem_definition *def);
+
 /* The box turns, but some grains are fixed: RP_BAD_INPUT. */
 rp_status dem_refuse_turn(void);
 

@@ -127,8 +127,8 @@ typedef struct {
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
 
-/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved; taken
- * from one that makes grains of this density. */
+/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved, all but
+ * what a restitution leaves to dem_create; taken from one that makes grains of this density. */
 dem_physics dem_physics_default(void);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
 dem_physics dem_physics_of(const dem_definition *def, double density);
@@ -357,5 +357,11 @@ typedef struct {
 } dem_collision_result;
 rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
                         double v, dem_collision_result *result);
+
+/* gamma_n with which an impact at speed v has this restitution, in (0, 1]: in closed form, whatever v, where
+ * the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors: RP_BAD_INPUT, RP_NO_MEMORY.
+ */
+rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
+                         double restitution, double *gamma_n);
 
 #endif

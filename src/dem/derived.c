@@ -1,6 +1,7 @@
 /* Notes on a scene's numbers in headers of tables, and a single impact solved apart from the simulator. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
+#include <gsl/gsl_roots.h>
 #include <math.h>
 
 #include "core/table.h"
@@ -97,6 +98,59 @@ rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double 
     return RP_OK;
 }
 
+typedef struct {
+    dem_normal_law normal;
+    bool tension;
+    double k_n, m_eff, v, restitution;
+    rp_status status;
+} damping_problem;
+
+static double excess_restitution(double gamma_n, void *params)
+{
+    damping_problem *p = params;
+    dem_collision_result c;
+    const rp_status status = dem_collision(p->normal, p->tension, p->k_n, gamma_n, p->m_eff, p->v, &c);
+    if (status) p->status = status;
+    return c.restitution - p->restitution;
+}
+
+/* Restitution falls with gamma_n, from 1. */
+static rp_status damping_at_speed(damping_problem *p, double *gamma_n)
+{
+    const dem_normal_descriptor *law = &dem_normal_descriptors[p->normal];
+    const double length = law->impact_overlap(p->k_n, p->m_eff, p->v);
+    double high = p->v / length / law->damping_rate(p->k_n, 1.0, p->m_eff, length);
+    while (excess_restitution(high, p) > 0.0 && !p->status) high *= 2.0;
+    gsl_function f = {excess_restitution, p};
+    gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    if (!solver) return rp_fail(RP_NO_MEMORY, "restitution: out of memory");
+    int state = gsl_root_fsolver_set(solver, &f, 0.0, high);
+    for (int k = 0; k < 200 && !state && !p->status; k++) {
+        state = gsl_root_fsolver_iterate(solver);
+        if (gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver), 0.0,
+                                   1e-13) == GSL_SUCCESS)
+            break;
+    }
+    *gamma_n = gsl_root_fsolver_root(solver);
+    gsl_root_fsolver_free(solver);
+    return p->status;
+}
+
+rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
+                         double restitution, double *gamma_n)
+{
+    const dem_normal_descriptor *law = &dem_normal_descriptors[normal];
+    *gamma_n = NAN;
+    if (!(restitution > 0.0 && restitution <= 1.0))
+        return rp_fail(RP_BAD_INPUT, "restitution = %g: out of range, allowed: (0, 1]", restitution);
+    *gamma_n = 0.0;
+    if (restitution == 1.0) return RP_OK;
+    damping_problem p = {normal, tension, k_n, m_eff, v, restitution, RP_OK};
+    if (!law->damping_ratio) return damping_at_speed(&p, gamma_n);
+    *gamma_n = dem_damping_ratio_of(tension, restitution) / law->damping_ratio(k_n, 1.0, m_eff);
+    return RP_OK;
+}
+
 void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const dem_material *c = &sim->def.material;
@@ -113,6 +167,10 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     if (law->modulus)
         rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii",
                       law->modulus(c->k_n, r));
+    rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, law->gamma_n_unit);
+    if (law->damping_ratio)
+        rp_table_note(out, "restitution", "%.4f of two mean grains, at any speed",
+                      dem_restitution(sim->def.tension, law->damping_ratio(c->k_n, c->gamma_n, m_eff)));
     dem_collision_result impact;
     if (!(v > 0.0) ||
         dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)

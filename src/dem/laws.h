@@ -58,12 +58,12 @@ typedef enum { DEM_TRUNCATED, DEM_TOTAL } dem_slip;
 /* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
 typedef enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE } dem_damping;
 
-/* Ranges of a schema, "hertz | linear", and their units, "hertz dyn/cm^1.5 linear dyn/cm". */
+/* Ranges of a schema, "hertz | linear", and their units, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
 #define DEM_NORMAL_WORDS     (&(DEM_NORMAL_LAWS(DEM_LAW_WORD))[3])
 #define DEM_TANGENTIAL_WORDS (&(DEM_TANGENTIAL_LAWS(DEM_LAW_WORD))[3])
 
-#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              " " #word " " k_n
-#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) " " #word " " gamma_n
+#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
 #define DEM_K_N_UNITS                                                 "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
 #define DEM_GAMMA_N_UNITS                                             "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 

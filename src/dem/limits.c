@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "dem/definition.h"
 #include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/sim.h"
@@ -129,8 +130,13 @@ static void lightest_two(const dem_definition *def, double r_min, const dem_grai
     }
 }
 
-double dem_time_step_limit(const dem_definition *def, const char **what)
+double dem_time_step_limit(const dem_definition *given, const char **what)
 {
+    dem_definition own = *given, *const def = &own;
+    if (dem_physics_resolve(&own)) {
+        if (what) *what = "a restitution that cannot be had";
+        return 0.0;
+    }
     double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
     const dem_grain *first, *second;
     if (!dem_schemes[def->integrator]->step_limit) {

@@ -1,5 +1,6 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
 #include "dem/definition.h"
+#include "dem/limits.h"
 
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
@@ -12,15 +13,23 @@ dem_physics dem_physics_default(void)
     return p;
 }
 
+/* In the order of the list: a value may depend on those before it. What follows from a gamma_n that is not
+ * known yet stays negative. */
+static void complete(dem_material *m)
+{
+#define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
+    DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = value; if (m->name < 0.0) m->name = -1.0;)
+    DEM_PHYSICS(MATERIAL_VALUE)
+}
+
 void dem_physics_apply(const dem_physics *p, dem_definition *def)
 {
     dem_material *m = &def->material;
 #define SCENE_VALUE(kind, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
     DEM_PHYSICS(SCENE_VALUE)
-    /* in the order of the list: a value may depend on those before it */
-#define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
-    DEM_IF_MATERIAL(kind, m->name = p->name; if (m->name < 0.0) m->name = value;)
-    DEM_PHYSICS(MATERIAL_VALUE)
+#define MATERIAL_GIVEN(kind, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
+    DEM_PHYSICS(MATERIAL_GIVEN)
+    complete(m);
 }
 
 dem_physics dem_physics_of(const dem_definition *def, double density)
@@ -31,6 +40,7 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
     DEM_PHYSICS(SCENE_OF)
 #define MATERIAL_OF(kind, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
     DEM_PHYSICS(MATERIAL_OF)
+    if (p.restitution == 0.0) p.restitution = -1.0;
     return p;
 }
 
@@ -43,11 +53,65 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
 #define WALL_VALUE(kind, name, key, unit, type, fallback, range, further, value, wall, ...)                  \
     DEM_IF_MATERIAL(kind, m.name = given->name < 0.0 ? (wall)*grains->name : given->name;)
     DEM_PHYSICS(WALL_VALUE)
+    /* one of the two that is given replaces the grains' other */
+    if (given->gamma_n >= 0.0 && given->restitution < 0.0) m.restitution = -1.0;
+    if (given->restitution > 0.0 && given->gamma_n < 0.0) m.gamma_n = -1.0;
     return m;
+}
+
+static rp_status check_restitution(const dem_material *m)
+{
+    if (m->restitution > 0.0 && m->gamma_n >= 0.0)
+        return rp_fail(RP_BAD_INPUT, "restitution = %g, gamma_n = %g: give one, the other follows",
+                       m->restitution, m->gamma_n);
+    if (!(m->restitution <= 1.0))
+        return rp_fail(RP_BAD_INPUT, "restitution = %g: out of range, allowed: (0, 1]", m->restitution);
+    return RP_OK;
+}
+
+/* gamma_n of a contact of mass m_eff whose impacts at speed v have the restitution. */
+static rp_status find_damping(const dem_definition *def, double m_eff, double v, dem_material *m)
+{
+    rp_status status = check_restitution(m);
+    if (status || !(m->restitution > 0.0)) return status;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
+    if (!law->damping_ratio && !(v > 0.0))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "restitution = %g: that of the law %s depends on speed, and the start has no impact to "
+            "come; give gamma_n",
+            m->restitution, law->name);
+    status = dem_damping_of(def->normal, def->tension, m->k_n, m_eff, v, m->restitution, &m->gamma_n);
+    m->restitution = -1.0;
+    return status;
+}
+
+rp_status dem_physics_resolve(dem_definition *def)
+{
+    bool asked = def->material.restitution > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) asked |= def->walls[w].material.restitution > 0.0;
+    if (!asked) return RP_OK;
+    const double v = dem_impact_speed(def);
+    double mass = 0.0;
+    for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
+    rp_status status = find_damping(def, 0.5 * mass, v, &def->material);
+    if (status) return status;
+    complete(&def->material);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        dem_material *m = &def->walls[w].material;
+        status = find_damping(def, mass, v, m);
+        if (status) return rp_prefix(status, "wall %zu: ", w + 1);
+        const dem_material given = *m;
+        *m = dem_wall_material(&given, &def->material);
+    }
+    return RP_OK;
 }
 
 rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
+    rp_status status = check_restitution(m);
+    if (status) return status;
     if (!dem_has_friction(def->tangential) && m->mu > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
     if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)

@@ -31,8 +31,12 @@
 /* Group `normal`. */
 #define DEM_NORMAL_PARAMS(X) \
     X(SCENE, normal, "law", "", RP_CHOICE, "hertz", DEM_NORMAL_WORDS, "", 0, 0, "normal force, eq (2a)") \
-    X(MATERIAL, k_n, "k_n", "dyn/cm^1.5", RP_REAL, "1e6", "[0, inf)", "", m->k_n, 2.0, "normal stiffness, in units of the law: " DEM_K_N_UNITS) \
-    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "500.0", "[0, inf)", "", m->gamma_n, 1.0, "normal damping, in units of the law: " DEM_GAMMA_N_UNITS) \
+    X(MATERIAL, k_n, "k_n", "dyn/cm^1.5", RP_REAL, "1e6", "[0, inf)", "", m->k_n, 2.0, \
+      "normal stiffness" DEM_K_N_UNITS) \
+    X(MATERIAL, restitution, "restitution", "", RP_REAL, "auto", "(0, 1]", " | auto", -1.0, 1.0, \
+      "of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n") \
+    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 ? -1.0 : 500.0, 1.0, \
+      "normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500") \
     X(SCENE, tension, "tension", "", RP_BOOL, "true", "", "", 0, 0, "whether the damped normal force may pull, as printed")
 
 /* Group `tangential`. */

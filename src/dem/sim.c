@@ -155,11 +155,13 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
 rp_status dem_create(const dem_definition *def, dem_sim **sim)
 {
     *sim = NULL;
-    rp_status status = dem_definition_check(def);
+    dem_definition own = *def;
+    rp_status status = dem_physics_resolve(&own);
+    if (!status) status = dem_definition_check(&own);
     if (status) return status;
     dem_sim *s = calloc(1, sizeof *s);
     if (!s) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    status = fill_in(s, def);
+    status = fill_in(s, &own);
     if (status) {
         dem_free(s);
         return status == RP_BROKEN ? RP_BAD_INPUT : status; /* a fault at the start is the definition's */

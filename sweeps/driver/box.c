@@ -282,7 +282,9 @@ void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream
                                  .seed = (long)seed,
                                  .run = (long)stream};
     const double rows = b->H / (20.0 * run->d);
-    double most = 4e5 * fmax(1.0, 500.0 / fmax(b->physics.gamma_n, 1.0)) * fmax(1.0, rows * rows);
+    const double gamma_n = run->scene.def.material.gamma_n; /* negative: by restitution */
+    double most =
+        4e5 * (gamma_n < 0.0 ? 1.0 : fmax(1.0, 500.0 / fmax(gamma_n, 1.0))) * fmax(1.0, rows * rows);
     run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
 }
 

@@ -1,9 +1,9 @@
 #!/bin/bash
-# What a scene pays for what it has: instructions a particle-step of the box of 400 grains at rest, counted by
-# valgrind's callgrind, a table on standard output. usage: instructions.sh REPOSE WORK
+# Cost of each feature of a scene: instructions per particle-step of the box of 400 grains at rest, counted by
+# valgrind's callgrind; a table on standard output. usage: instructions.sh REPOSE WORK
 #
-# The count of $to steps less that of $from, so that start and end cancel; of AVX2's pair loop and the baseline's,
-# as valgrind knows no AVX-512.
+# Count of $to steps minus that of $from, so that start and end cancel, for the AVX2 and the baseline kernel,
+# since valgrind has no AVX-512.
 set -eu -o pipefail
 export LC_ALL=C
 repose=$(realpath "$1") work=$2 here=$(realpath "$(dirname "$0")")
@@ -28,12 +28,12 @@ row() { # words of the row, scene, options
 }
 
 provenance
-echo "# contacts: of a grain, of two grains counted at both; without walls the grains beside them are fixed instead"
+echo "# contacts: per grain, a contact of two grains counted at both; without walls: fixed grains in place of walls"
 printf '# units: \t\t\t\n# scene\tavx2\tbaseline\tcontacts\n'
 if ! command -v valgrind >/dev/null; then echo "instructions.sh: valgrind is not installed" >&2; exit 0; fi
 settle 400
 { box 400 0; echo 'normal = { law = "hertz"; }; rolling = { mu = 0.0; }; particles_file = "settled_400.tsv";'; } >rest.cfg
-# grains within 0.2 of where the walls are, fixed
+# grains within 0.2 of the walls, fixed
 { printf '# x\ty\tr\tfixed\n'
   columns x y r <settled_400.tsv |
       awk '{ print $1, $2, $3, ($1 < 0.2 || $1 > 3.8 || $2 < 0.2 ? 1 : 0) }' OFS='\t'; } >fixed_400.tsv
