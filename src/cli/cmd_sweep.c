@@ -245,9 +245,7 @@ static rp_status make(int argc, char **argv)
         "point, and those that the file derives from them, in order. @ is the folder of the tables:\n\n"
         "  study  = 60;                                        # runs per grid point with --study\n"
         "  tables = [\"lh3_phi = angle phi @/lh3_runs.tsv\"];     # NAME = COMMAND of repose\n\n"
-        "Braces make a row for each value: \"pile_eps = pile --eps {1e-3,1e-4} --summary\". A file without a "
-        "protocol\n"
-        "has tables alone.",
+        "A file without a protocol has tables alone.",
         "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
         schema,
         1,
