@@ -371,14 +371,14 @@ pile_words = $(subst _, ,$(1))
 define make_pile
 @mkdir -p $(T)
 @$(REPOSE) pile --base $(word 1,$(call pile_words,$*)) --alpha-deg $(word 2,$(call pile_words,$*)) \
-  $(if $(filter 0,$(word 3,$(call pile_words,$*))),--linear,--eps $(word 3,$(call pile_words,$*))) $(1)
+  --eps $(word 3,$(call pile_words,$*)) $(1)
 endef
 $(T)/pile_%.tsv $(T)/pile_%/contacts.tsv $(T)/pile_%/disks.tsv: $(CODE)
 	$(call make_pile,-o $(T)/pile_$* >$(T)/pile_$*.tsv)
 $(T)/pile_minimum_%.tsv: $(CODE)
 	$(call make_pile,--branch minimum $(addprefix --leave ,$(word 4,$(call pile_words,$*))) >$@)
 # base, tent and eps, and the half-width of the wells where they are not springs
-pile_tent = --base $(word 1,$(1)) --outer-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x1 0.$(word 4,$(1))
+pile_tent = --base $(word 1,$(1)) --alpha-deg $(word 2,$(1)) --inner-deg $(word 3,$(1)) --x-1 0.$(word 4,$(1))
 $(T)/pile_tent_%.tsv: $(CODE)
 	@mkdir -p $(T)
 	@$(REPOSE) pile $(call pile_tent,$(call pile_words,$*)) --eps $(word 5,$(call pile_words,$*)) \
@@ -426,7 +426,7 @@ $(T)/li_smooth_threshold.tsv: $(T)/li_smooth_runs.tsv
 $(T)/pile_x0.tsv: $(CODE)
 	@mkdir -p $(T)
 	@for s in "--alpha-deg 30 --well 1" "--alpha-deg 30 --well 100" "--alpha-deg 30 --well 200" "--alpha-deg 60 --well 1" \
-	  "--outer-deg 30 --inner-deg 45 --x1 0.38 --well 1" "--outer-deg 30 --inner-deg 45 --x1 0.38 --well 100"; do for load in 0 0.5 1; do \
+	  "--alpha-deg 30 --inner-deg 45 --x-1 0.38 --well 1" "--alpha-deg 30 --inner-deg 45 --x-1 0.38 --well 100"; do for load in 0 0.5 1; do \
 	  $(REPOSE) pile $$s --set-load $$load --summary || exit 1; done; done >$@.rows
 	$(one_table)
 # Validation: validation_SUITE.tsv and validation_SUITE_*.tsv come from one run of the suite of that name.

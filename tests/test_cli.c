@@ -1012,6 +1012,15 @@ static void test_claims(void)
     check_verdict("up", "verdict", "not reproduced");
     check_verdict("high", "verdict", "undecided");
     check_verdict("count", "verdict", "not reproduced");
+    /* two values: two standard errors are 12.7, of a mean; of a fit they are 2 */
+    write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20\t1\t2\n");
+    write_text("u.tsv", "# v\tv_se\tn\n30\t1\t2\n");
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("high", "verdict", "undecided");
+    write_text("t.tsv", "# count: 7 of 8\n# v\tv_se\tn\n20\t1\t2\n");
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("high", "verdict", "reproduced");
+    write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
     GOOD("claims --claims claims.tsv --tables . --id angle");
     check_verdict("angle", "verdict", "not reproduced");
     check_verdict("twin", "verdict", "not reproduced");

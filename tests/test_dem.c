@@ -4,8 +4,9 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "dem/scene.h"
+#include "dem/definition.h"
 #include "dem/integrator.h"
+#include "dem/scene.h"
 #include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -640,7 +641,7 @@ static void springs_end_of(bool rolling)
     def.gravity[1] = 0.0;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
-    if (rolling) {          /* turning in place of sliding; too soft to be turned back */
+    if (rolling) {          /* rotation without translation; too soft to reverse it */
         def.rotation = true;
         def.material.mu = def.material.gamma_roll = 0.0;
         def.material.mu_roll = 10.0;
@@ -1445,12 +1446,71 @@ static void state_near_rest(void)
     dem_free(sim);
 }
 
+/* Bytes of a grain in every array that goes with it. */
+static void all_bytes(const dem_grains *grains, size_t i, unsigned char *to)
+{
+#define X(type, name, need, role)                                                                            \
+    if (role == DEM_STATE && grains->name) {                                                                 \
+        memcpy(to, &grains->name[i], sizeof(type));                                                          \
+        to += sizeof(type);                                                                                  \
+    }
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+/* Do the grains have the bytes that they had, by id? */
+static bool same_bytes(const dem_grains *grains, unsigned char bytes[][1024])
+{
+    bool same = true;
+    for (size_t i = 0; i < grains->n; i++) {
+        unsigned char now[1024] = {0};
+        all_bytes(grains, i, now);
+        same &= memcmp(now, bytes[grains->id[i]], sizeof now) == 0;
+    }
+    return same;
+}
+
+/* Every array of the list follows its grain as the grains are sorted and copied, and as one leaves a gap. */
+static void arrays_follow_grains(void)
+{
+    enum { N = 60 };
+    for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
+        static unsigned char bytes[N + 1][1024];
+        dem_grain *grains;
+        dem_definition def = grains_box(N, 2.0, 5, &grains);
+        def.integrator = k / 2;
+        def.rotation = k % 2;
+        def.dt = 4e-5;
+        if (!dem_scheme_check(&def)) {
+            dem_sim *sim = grains_start(&def), *copy;
+            CHECK_OK(dem_run(sim, 2000));
+            const uint32_t first = sim->grains.id[0];
+            memset(bytes, 0, sizeof bytes);
+            for (size_t i = 0; i < N; i++) {
+                sim->grains.motion[i].x[0] = 2.0 - sim->grains.motion[i].x[0]; /* another order */
+                all_bytes(&sim->grains, i, bytes[sim->grains.id[i]]);
+            }
+            CHECK_OK(dem_neighbours_rebuild(sim));
+            CU_ASSERT(sim->grains.id[0] != first && same_bytes(&sim->grains, bytes));
+            CHECK_OK(dem_clone(sim, &copy));
+            const uint32_t gone = copy->grains.id[2];
+            dem_grains_fill_gap(&copy->grains, 2);
+            CU_ASSERT(copy->grains.id[2] != gone && copy->grains.n == N - 1);
+            CU_ASSERT(same_bytes(&copy->grains, bytes));
+            dem_free(sim);
+            dem_free(copy);
+        }
+        free(grains);
+    }
+}
+
 void suite_dem(void)
 {
     static const check_case cases[] = {{"momentum", momentum},
                                        {"mirror and relabelling symmetry", mirror_and_relabel},
                                        {"neighbour list finds every contact", list_is_complete},
                                        {"grains leave the list", leaving},
+                                       {"every array follows its grain", arrays_follow_grains},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"integration behind the pair loop", chunks},
                                        {"Verlet margins", margins},

@@ -1079,6 +1079,12 @@ static double cell(const rp_table *t, size_t row, const char *column)
     return value;
 }
 
+static const char *word(const rp_table *t, size_t row, const char *column)
+{
+    const int c = rp_table_column(t, column);
+    return c < 0 || row >= t->n_rows ? "" : t->cells[row * t->n_columns + (size_t)c];
+}
+
 static void write_file(const char *name, const char *text)
 {
     char path[128];
@@ -1135,29 +1141,32 @@ static void check_summary(void)
     rp_table_free(&base);
     CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary") == 0);
     rp_table t = table_of("out");
-    CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 && isnan(cell(&t, 0, "inner_deg")));
+    CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 &&
+              strcmp(word(&t, 0, "inner_deg"), "auto") == 0);
     CU_ASSERT(cell(&t, 0, "well") == 1 && cell(&t, 0, "mu") == 0.2 && cell(&t, 0, "set_load") == 0.25);
-    CU_ASSERT(cell(&t, 0, "set_again") == 1 && cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
-    CHECK_NEAR(cell(&t, 0, "H/N_max"), sweep_outline_friction(K, N, H), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "H/N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "set_again"), "true");
+    CU_ASSERT(cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
+    CHECK_NEAR(cell(&t, 0, "H_N_max"), sweep_outline_friction(K, N, H), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "H_N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
     CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_outline_centre(K, N), ROUNDING);
     stress_base profile;
     CHECK_OK(sweep_outline_base(K, x, N, &profile));
     CHECK_NEAR(cell(&t, 0, "D"), stress_dip(profile.N), ROUNDING);
     rp_table_free(&t);
-    CU_ASSERT(run("--outer-deg 30 --inner-deg 45 --x1 0.38 --summary") == 0);
+    CU_ASSERT(run("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary") == 0);
     t = table_of("out");
     CU_ASSERT(cell(&t, 0, "alpha_deg") == 30 && cell(&t, 0, "inner_deg") == 45);
-    CU_ASSERT(isnan(cell(&t, 0, "well")) && isnan(cell(&t, 0, "mu")) && cell(&t, 0, "set_again") == 0);
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "well"), "auto");
+    CU_ASSERT_STRING_EQUAL(word(&t, 0, "set_again"), "false");
     rp_table_free(&t);
 }
 
 /* The same triangle by its slope, as a tent of equal slopes, as a polygon. */
 static void check_outlines(void)
 {
-    static const char *const words[] = {"--alpha-deg 30 --linear --summary",
-                                        "--outer-deg 30 --inner-deg 30 --x1 0.2 --linear --summary",
-                                        "--outline triangle --linear --summary"};
+    static const char *const words[] = {"--alpha-deg 30 --eps 0 --summary",
+                                        "--alpha-deg 30 --inner-deg 30 --x-1 0.2 --eps 0 --summary",
+                                        "--outline triangle --eps 0 --summary"};
     write_file("triangle", "# x\ty\n-3\t0\n0\t1.7320508075688772\n3\t0\n");
     write_file("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
     double ratio = NAN;
@@ -1165,8 +1174,8 @@ static void check_outlines(void)
         CU_ASSERT(run(words[i]) == 0);
         rp_table t = table_of("out");
         CU_ASSERT(cell(&t, 0, "n_disks") == 360 && cell(&t, 0, "negative_modes") == 0);
-        if (i == 0) ratio = cell(&t, 0, "H_max/H_max_diagonals");
-        CHECK_NEAR(cell(&t, 0, "H_max/H_max_diagonals"), ratio, ROUNDING);
+        if (i == 0) ratio = cell(&t, 0, "H_ratio");
+        CHECK_NEAR(cell(&t, 0, "H_ratio"), ratio, ROUNDING);
         rp_table_free(&t);
     }
     CU_ASSERT(run("--disks three") == 0);
@@ -1287,27 +1296,27 @@ static void test_program(void)
     } cases[] = {{64, "--k-x 1 --well 1"},
                  {64, "--mu 0.5"},
                  {64, "--base 3 --disks three"},
-                 {64, "--linear --eps 1e-4"},
-                 {64, "--linear --load-steps 2"},
+                 {64, "--eps"},
+                 {64, "--eps 0 --load-steps 2"},
                  {64, "--set-again"},
                  {64, "--k-x 1 --set-again"},
                  {64, "--leave 2"},
-                 {64, "--linear --branch minimum --leave 2"},
-                 {64, "--linear --branch minimum"},
+                 {64, "--eps 0 --branch minimum --leave 2"},
+                 {64, "--eps 0 --branch minimum"},
                  {64, "--seed 2"},
                  {0, "--base 24 --branch minimum --leave 2 --eps 1e-3"},
                  {0, "--base 12 --well 1 --set-again"},
-                 {64, "--outer-deg 30 --x1 0.2"},
+                 {64, "--alpha-deg 30 --x-1 0.2"},
                  {64, "--alpha-deg 30 --disks three"},
-                 {65, "--eps 0"},
-                 {65, "--outer-deg 30 --inner-deg 60 --x1 0.2"},
-                 {65, "--alpha-deg 60 --gap 0.1"},
+                 {65, "--eps -1e-4"},
+                 {65, "--alpha-deg 30 --inner-deg 60 --x-1 0.2"},
+                 {65, "--alpha-deg 59.9 --gap 0.1"},
                  {65, "--disks nothing"},
                  {65, "--disks hanging"},
                  {64, "--disks three --disorder 0.01"},
                  {64, "--alpha-deg 30 --piles 3"},
                  {64, "--alpha-deg 30 --disorder 1e-3 --piles 3 --summary"},
-                 {65, "--alpha-deg 30 --disorder 1e-3 --linear"},
+                 {65, "--alpha-deg 30 --disorder 1e-3 --eps 0"},
                  {65, "--alpha-deg 30 --disorder 0.2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1 --disorder 1e-3 --piles 2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1"}};

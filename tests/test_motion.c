@@ -166,6 +166,7 @@ static void free_flight(void)
 {
     const long steps = 1000;
     for (int k = 0; k < DEM_INTEGRATORS; k++) {
+        if (dem_schemes[k]->order[0] < 2) continue;
         dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
         dem_definition def = dem_definition_default();
         def.grains = &grain;

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include "stress/dip.h"
-#include "sweeps/driver/outline.h"
+#include "core/table.h"
+#include "sweeps/driver/pile.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
@@ -460,6 +461,68 @@ static void without_result(void)
     CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1", "disorder=1e-3"), RP_BAD_INPUT, "alpha");
 }
 
+static void header(FILE *out)
+{
+    (void)out;
+}
+
+/* What `repose pile` does with --threshold, --leave and --well, as runs of a sweep. */
+static void solver_choices(void)
+{
+    sweep_result r, other;
+    CHECK_OK(RUN(0, &r, "base=12", "threshold=true"));
+    const double eps_c = output(&r, "eps_c");
+    CU_ASSERT_STRING_EQUAL(r.status, "ok");
+    for (int above = 0; above < 2; above++) {
+        char eps[64];
+        snprintf(eps, sizeof eps, "eps=%.17g", eps_c * (above ? 1.001 : 0.999));
+        CHECK_OK(RUN(0, &other, "base=12", eps));
+        CU_ASSERT((output(&other, "negative_modes") > 0) == (above == 1));
+    }
+    CHECK_OK(RUN(0, &r, "base=24", "eps=1e-3", "branch=minimum", "leave=2"));
+    CHECK_OK(RUN(0, &other, "base=24", "eps=1e-3", "branch=minimum", "leave=3"));
+    CU_ASSERT(output(&r, "released") > 0 && output(&r, "released") != output(&other, "released"));
+    /* a search without a result stays a row */
+    CHECK_OK(RUN(0, &r, "alpha_deg=30", "well=1", "mu=0.2"));
+    CU_ASSERT_STRING_EQUAL(r.status, "spreads");
+    CU_ASSERT(isnan(output(&r, "D")) && output(&r, "broken") == 24 &&
+              strstr(r.message, "24 of 45 wells") != NULL);
+    CHECK_OK(RUN(0, &r, "base=2", "threshold=true"));
+    CU_ASSERT_STRING_EQUAL(r.status, "no_threshold");
+    CHECK_FAILS(RUN(0, &r, "leave=2"), RP_BAD_INPUT, "leave = 2: needs branch");
+    CHECK_FAILS(RUN(0, &r, "set_again=true"), RP_BAD_INPUT, "set_again = true: needs wells");
+    CHECK_FAILS(RUN(0, &r, "threshold=true", "branch=minimum"), RP_BAD_INPUT, "threshold = true: starts");
+}
+
+/* Tables of a traced run: the forces that its outputs are of. */
+static void traced(void)
+{
+    char folder[] = "/tmp/repose_pile_XXXXXX", path[64], line[80];
+    sweep_pile p;
+    sweep_result r;
+    rp_table t;
+    rp_params_defaults(sweep_pile_schema, &p);
+    p.base = 12;
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    CHECK_OK(sweep_protocol_pile.trace(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
+    snprintf(path, sizeof path, "%s/base.tsv", folder);
+    CHECK_OK(rp_table_read(path, &t));
+    double weight = 0, most = 0;
+    for (size_t i = 0; i < t.n_rows; i++) {
+        double N, H;
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "N/mg"), 0, &N));
+        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "H/mg"), 0, &H));
+        weight += N;
+        most = fmax(most, fabs(H) / N);
+    }
+    CU_ASSERT(t.n_rows == 12);
+    CHECK_NEAR(weight, 78, BALANCE * 78);
+    CHECK_NEAR(output(&r, "H_N_max"), most, BALANCE);
+    rp_table_free(&t);
+    snprintf(line, sizeof line, "rm -r %s", folder);
+    CU_ASSERT(system(line) == 0);
+}
+
 void suite_piles(void)
 {
     static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
@@ -472,6 +535,8 @@ void suite_piles(void)
                                        {"outputs by a second method", outputs_a_second_way},
                                        {"replicas", replicas},
                                        {"without a result", without_result},
+                                       {"threshold, minima, wells", solver_choices},
+                                       {"tables of a run", traced},
                                        {NULL, NULL}};
     check_register("piles", cases);
 }

@@ -894,7 +894,7 @@ void suite_soft(void)
                                        {"a soft pair", soft_pair},
                                        {"bounces until the contact is soft", switches_to_soft},
                                        {"collisions in flight", collide_in_flight},
-                                       {"a blow passes through a row", passes_through_a_row},
+                                       {"an impulse passes through a row", passes_through_a_row},
                                        {"a hit while sliding", hits_while_it_slides},
                                        {"rounds of collisions", rounds_end},
                                        {"an arc over a disk", arc_over_a_disk},

@@ -990,7 +990,7 @@ static void lines(void)
         {"continuum --alpha-deg 30 --at 1.1", "at", 65},
         {"pile --base 0", "base = 0", 65},
         {"pile --base 5 --alpha-deg 0", "alpha-deg = 0", 65},
-        {"pile --base 5 --eps 0", "eps = 0", 65},
+        {"pile --base 5 --eps -1", "eps = -1", 65},
         {"pile --base 5 --eps 0.2", "eps = 0.2", 65},
         {"angle tilt --mu 0.2 --theta-r-deg 90", "theta-r-deg = 90", 65},
         {"angle tilt --mu 0.2 --theta-r-deg 31", "already_unstable", 0},

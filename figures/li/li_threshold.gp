@@ -6,4 +6,4 @@ set xrange [3.5:110]
 set yrange [0:6]
 set xtics (4, 8, 16, 32, 64)
 set key bottom right
-plot t('pile_threshold.tsv') using (column('base')):(column('eps_c*base^3')) with linespoints pt 7 ps 0.7 lc 2 title 'equilateral pile, {/:Italic k_x} = {/:Italic K_s}'
+plot t('pile_threshold.tsv') using (column('base')):(column('eps_c')*column('base')**3) with linespoints pt 7 ps 0.7 lc 2 title 'equilateral pile, {/:Italic k_x} = {/:Italic K_s}'

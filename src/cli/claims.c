@@ -175,26 +175,34 @@ void cli_claim_published(const cli_claim *claim, char text[128])
 
 /* ---- judging ---- */
 
-/* How many values are behind the cell. */
-static rp_status count_values(const cli_cell *cell, double *n)
+/* A number as it is shown and as it is tested, and how many values are behind it. The error of a mean is
+ * tested by Student's t; that of a fit or a bootstrap stands as it is. */
+typedef struct {
+    stats_number shown, tested;
+    double n;
+} measured;
+
+static rp_status read_measured(const cli_cell *cell, measured *m)
 {
-    char own[160];
+    char own[160], mean[160];
     snprintf(own, sizeof own, "%s_n", cell->column);
-    return cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", n);
+    snprintf(mean, sizeof mean, "%s_mean", cell->column);
+    rp_status status = cli_cell_number(cell, &m->shown);
+    if (!status) status = cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n);
+    m->tested = cli_cell_text(cell, mean) ? stats_of_few(m->shown, m->n) : m->shown;
+    return status;
 }
 
 /* A number, or a cell of a table; a table that is not there leaves *missing true. */
-static rp_status other_number(const char *text, const char *folders, stats_number *number, double *n,
-                              bool *missing)
+static rp_status read_against(const char *text, const char *folders, measured *m, bool *missing)
 {
     char *end;
     cli_cell cell;
-    *number = (stats_number){strtod(text, &end), 0.0};
+    m->shown = m->tested = (stats_number){strtod(text, &end), 0.0};
     if (!*end) return RP_OK;
     rp_status status = cli_cell_find(folders, text, &cell);
     *missing |= cell.missing;
-    if (!status && !cell.missing) status = cli_cell_number(&cell, number);
-    if (!status && !cell.missing) status = count_values(&cell, n);
+    if (!status && !cell.missing) status = read_measured(&cell, m);
     cli_cell_free(&cell);
     return status;
 }
@@ -253,26 +261,25 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
 {
     cli_cell cell;
     stats_change change = {NAN, NAN, NAN};
-    double n_against = NAN;
+    measured ours = {0}, against = {0};
     rp_status status = cli_cell_find(folders, c->answer, &cell);
     bool missing = cell.missing;
-    if (!status && *c->against) status = other_number(c->against, folders, &j->against, &n_against, &missing);
-    if (!status && !missing) {
-        status = cli_cell_number(&cell, &j->ours);
-        if (!status) status = count_values(&cell, &j->n);
-        if (!status) status = read_change(&cell, &change);
-        const stats_number against = stats_of_few(j->against, n_against);
-        stats_number ours = stats_of_few(j->ours, j->n);
-        if (c->test == CLAIM_RATIO) {
-            ours = stats_quotient(ours, against);
-            j->ours = stats_quotient(j->ours, j->against);
-        }
-        if (!status) apply_test(c, ours, against, &change, j);
-        if (!status) print_ours(c, &change, j);
-    }
+    if (!status && *c->against) status = read_against(c->against, folders, &against, &missing);
+    if (!status && !missing) status = read_measured(&cell, &ours);
+    if (!status && !missing) status = read_change(&cell, &change);
     cli_cell_free(&cell);
     if (missing) j->verdict = STATS_NO_DATA;
-    return status;
+    if (status || missing) return status;
+    if (c->test == CLAIM_RATIO) {
+        ours.shown = stats_quotient(ours.shown, against.shown);
+        ours.tested = stats_quotient(ours.tested, against.tested);
+    }
+    j->ours = ours.shown;
+    j->against = against.shown;
+    j->n = ours.n;
+    apply_test(c, ours.tested, against.tested, &change, j);
+    print_ours(c, &change, j);
+    return RP_OK;
 }
 
 /* The published numbers of several claims among themselves. */

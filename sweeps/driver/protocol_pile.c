@@ -1,5 +1,5 @@
-/* Protocol `pile`: static equilibrium of a close-packed pile of soft disks, solved (dem/equilibrium.h), and
- * its forces on the base beside those of diagonal contacts alone. Replicas differ in the disks' sizes, if
+/* Protocol `pile`: static equilibrium of a close-packed pile of soft disks, solved (statics/equilibrium.h),
+ * and its forces on the base beside those of diagonal contacts alone. Replicas differ in the disks' sizes, if
  * these are unequal. Liffman, Chan & Hughes 1992. */
 #include <math.h>
 #include <stdio.h>
@@ -7,34 +7,36 @@
 #include <xxhash.h>
 
 #include "stress/dip.h"
-#include "sweeps/driver/outline.h"
-#include "sweeps/driver/protocol.h"
+#include "sweeps/driver/pile.h"
 
-typedef struct {
-    long base;
-    double alpha_deg, inner_deg, x_1, gap, disorder, eps, k_x, well, mu;
-    int branch;
-} pile_params;
-
-#define AT(field) offsetof(pile_params, field)
+#define AT(field) offsetof(sweep_pile, field)
 
 /* clang-format off */
-static const rp_param schema[] = {
+const rp_param sweep_pile_schema[] = {
+    {"eps", "", RP_REAL, AT(eps), "1e-4", "[0, 0.1]", "m g/(K_s sigma); 0: the limit eps -> 0, linearised"},
     {"base", "", RP_INT, AT(base), "45", "[1, 1000000]", "disks in the base"},
-    {"alpha_deg", "degree", RP_REAL, AT(alpha_deg), "60", "(0, 60]", "slope; of a tent alpha_1, from the edge to x_1"},
+    {"alpha_deg", "degree", RP_REAL, AT(alpha_deg), "60", "(0, 60]", "slope, 60: the full triangle; of a tent alpha_1, from the edge to x_1"},
     {"inner_deg", "degree", RP_REAL, AT(inner_deg), "auto", "(0, 60) | auto",
      "alpha_2 of a tent, from x_1 to the middle; auto: no tent"},
-    {"x_1", "B", RP_REAL, AT(x_1), "0.25", "(0, 0.5)", "where the slope of a tent changes"},
+    {"x_1", "B", RP_REAL, AT(x_1), "0.25", "(0, 0.5)", "position where the slope of a tent changes"},
     {"gap", "sigma", RP_REAL, AT(gap), "0", "[0, 0.73]", "between the disks of a row; those of the diagonals touch"},
     {"disorder", "", RP_REAL, AT(disorder), "0", "[0, 0.1]",
-     "radii of the disks above the base: (1 + disorder z)/2 on the same places, z normal, cut at +-3"},
-    {"eps", "", RP_REAL, AT(eps), "1e-4", "[0, 0.1]", "m g/(K_s sigma); 0: the limit"},
-    {"k_x", "K_s", RP_REAL, AT(k_x), "1", "(0, 1e9]", "wells that are springs, of this stiffness"},
+     "S: radii of the disks above the base (1 + S z)/2 on the same lattice, z normal, cut at +-3"},
+    {"k_x", "K_s", RP_REAL, AT(k_x), "1", "(0, 1e9]", "wells that are springs and never break, of this stiffness"},
     {"well", "eps sigma", RP_REAL, AT(well), "auto", "(0, 1e9] | auto",
      "wells of static friction instead, of this half-width a: stiffness mu N/a, broken beyond a; auto: springs"},
     {"mu", "", RP_REAL, AT(mu), "1", "(0, 1e9]", "coefficient of static friction of wells with a half-width"},
+    {"set_again", "", RP_BOOL, AT(set_again), "false", "", "a broken well is set anew where its disk then is; else it stays broken", true},
+    {"set_load", "", RP_REAL, AT(set_load), "0", "[0, 1]",
+     "part of the load under which the disks' positions become the wells' x_0; 0: their positions in the lattice", true},
     {"branch", "", RP_CHOICE, AT(branch), "primary", "primary | minimum",
      "the state that grows from no load, stable or not; or a minimum of the energy near it"},
+    {"leave", "", RP_INT, AT(leave), "0", "[0, 2147483647]",
+     "of branch = minimum: leave the primary state along unstable direction number N, drawn at random; 0: downhill from the "
+     "linearised state", true},
+    {"load_steps", "", RP_INT, AT(load_steps), "1", "[1, 1000000]", "steps in which the load is raised", true},
+    {"threshold", "", RP_BOOL, AT(threshold), "false", "",
+     "seek instead, from eps on, the eps_c above which the primary branch is not stable", true},
     {0}};
 /* clang-format on */
 
@@ -62,13 +64,19 @@ static const rp_param schema[] = {
     X(broken, "", "wells of static friction that broke") \
     X(jumps, "", "times that the primary branch ended") \
     X(load, "", "part of the load up to which equilibrium was followed") \
+    X(H_N_max, "", "friction that the base must have: largest |H|/N of its disks") \
+    X(H_N_max_diagonals, "", "the same by diagonals alone") \
+    X(residual, "m g", "largest net force on a disk") \
+    X(energy, "m g eps sigma", "0 before any load") \
+    X(released, "m g eps sigma", "energy of the primary state less that of a minimum") \
+    X(eps_c, "", "of threshold = true: eps up to which the primary branch is stable") \
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "of the right side")
 /* clang-format on */
 enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
 
-static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
+static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
 {
     const double alpha = p->alpha_deg * M_PI / 180;
     *n = p->inner_deg > 0 ? 5 : 3;
@@ -79,23 +87,23 @@ static rp_status outline(const pile_params *p, an_point v[5], size_t *n)
     return RP_OK;
 }
 
-static rp_status make_heap(const pile_params *p, unsigned long seed, unsigned long run, sweep_outline *heap)
+rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned long run, sweep_outline *h)
 {
     an_point v[5];
     size_t n;
     rp_status status = outline(p, v, &n);
     if (!status)
-        status = p->inner_deg > 0 ? sweep_outline_polygon(heap, p->base, p->gap, v, n)
-                                  : sweep_outline_slope(heap, p->base, p->gap,
+        status = p->inner_deg > 0 ? sweep_outline_polygon(h, p->base, p->gap, v, n)
+                                  : sweep_outline_slope(h, p->base, p->gap,
                                                         p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0);
-    return status || !(p->disorder > 0) ? status : sweep_outline_disorder(heap, p->disorder, seed, run);
+    return status || !(p->disorder > 0) ? status : sweep_outline_disorder(h, p->disorder, seed, run);
 }
 
-static rp_status make_pile(const pile_params *p, const sweep_outline *heap, statics_pile **pile)
+static statics_definition define(const sweep_pile *p, const sweep_outline *h)
 {
     statics_definition def = statics_definition_default();
-    def.n = heap->n;
-    def.disks = heap->disks;
+    def.n = h->n;
+    def.disks = h->disks;
     def.eps = p->eps;
     def.k_x = p->k_x;
     if (p->well > 0) {
@@ -103,33 +111,44 @@ static rp_status make_pile(const pile_params *p, const sweep_outline *heap, stat
         def.a = p->well;
         def.mu = p->mu;
     }
+    def.set_again = p->set_again;
+    def.set_load = p->set_load;
     def.branch = p->branch;
-    return statics_create(&def, pile);
+    def.leave = (unsigned long)p->leave;
+    def.load_steps = p->load_steps;
+    return def;
 }
 
 static rp_status check(const void *params)
 {
-    const pile_params *p = params;
-    sweep_outline heap = {0};
+    const sweep_pile *p = params;
+    if (p->threshold && (!(p->eps > 0) || p->branch))
+        return rp_fail(RP_BAD_INPUT, "threshold = true: starts from eps > 0, on branch = \"primary\"");
+    if (p->leave && (!p->branch || !(p->eps > 0)))
+        return rp_fail(RP_BAD_INPUT, "leave = %ld: needs branch = \"minimum\" and eps > 0", p->leave);
+    if (p->set_again && !(p->well > 0))
+        return rp_fail(RP_BAD_INPUT, "set_again = true: needs wells of a half-width, which can break");
+    sweep_outline h = {0};
     statics_pile *pile = NULL;
-    rp_status status = make_heap(p, 0, 0, &heap);
-    if (!status) status = make_pile(p, &heap, &pile);
+    rp_status status = sweep_pile_outline(p, 0, 0, &h);
+    const statics_definition def = define(p, &h);
+    if (!status) status = statics_create(&def, &pile);
     statics_free(pile);
-    sweep_outline_free(&heap);
+    sweep_outline_free(&h);
     return status;
 }
 
 /* Root mean square deviations of N and H from the continuum, over the largest of its; the continuum has none
  * at 60 degrees. */
-static void compare_continuum(const pile_params *p, const sweep_outline *h, const double x[],
-                              const double N[], const double H[], double deviation[2])
+static void compare_continuum(const sweep_pile *p, const sweep_outline *h, const double x[], const double N[],
+                              const double H[], double deviation[2])
 {
     double sum[2] = {0}, most[2] = {0};
     an_point v[5];
     size_t n;
     an_profile profile;
     deviation[0] = deviation[1] = NAN;
-    if (outline(p, v, &n) || an_profile_set(&profile, v, n)) return;
+    if (!(p->alpha_deg > 0) || outline(p, v, &n) || an_profile_set(&profile, v, n)) return;
     for (size_t i = 0; i < h->k; i++) {
         const double place = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
         an_force f;
@@ -174,85 +193,173 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
     return RP_OK;
 }
 
-/* As protocol drop has it, from the load of the base disks alone; `exact` is that of diagonals alone. */
-static rp_status base_profile(const pile_params *p, const sweep_outline *h, const double x[],
-                              const double N[], const double exact[], double *v)
+/* As of protocol drop, from the load of the base disks alone. A single disk has no profile. */
+static rp_status base_profile(size_t k, const double x[], const double N[], double *dip, double profile[])
 {
-    an_point outside[5];
-    size_t n = 0;
-    stress_base base, diagonals;
-    rp_status status = outline(p, outside, &n);
-    if (!status) status = sweep_outline_base(h->k, x, N, &base);
-    if (!status) status = sweep_outline_base(h->k, x, exact, &diagonals);
-    if (status) return status;
-    v[OUT_D] = stress_dip(base.N);
-    v[OUT_D_diagonals] = stress_dip(diagonals.N);
-    v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
-    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_n_01 + k] = base.N[k];
-    return RP_OK;
+    stress_base base;
+    rp_status status = sweep_outline_base(k, x, N, &base);
+    if (!status) *dip = stress_dip(base.N);
+    for (int i = 0; !status && profile && i < STRESS_DIP_BINS; i++) profile[i] = base.N[i];
+    return status == RP_NO_RESULT ? RP_OK : status;
 }
 
-static rp_status measure(const pile_params *p, const sweep_outline *h, const statics_pile *pile, double *v)
+/* Beside diagonals alone, `exact` is room for 2 k numbers. */
+static rp_status compare_diagonals(sweep_solved *s, const double x[], double exact[], double *v)
 {
+    const sweep_outline *h = s->h;
     const size_t k = h->k;
-    size_t *disk = malloc(k * sizeof *disk);
-    double *x = malloc(4 * k * sizeof *x);
-    rp_status status = disk && x ? RP_OK : rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < k; i++) {
+        exact[i] = h->exact[i].N;
+        exact[k + i] = h->exact[i].H;
+    }
+    const sweep_outline_error e = s->error = sweep_outline_compare(h, s->N, s->H);
+    v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
+    v[OUT_H_N_max_diagonals] = sweep_outline_friction(k, exact, exact + k);
+    v[OUT_H_ratio] = e.H_ratio;
+    v[OUT_thrust_ratio] = e.thrust_ratio;
+    v[OUT_N_error_rms] = e.N_rms;
+    v[OUT_N_error_max] = e.N_max;
+    v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
+    return base_profile(k, x, exact, &v[OUT_D_diagonals], NULL);
+}
+
+static rp_status measure(sweep_solved *s, double *v)
+{
+    const size_t k = s->r.wells;
+    an_point outside[5];
+    size_t n = 0;
+    double *x = malloc((3 * k + 1) * sizeof *x), deviation[2];
+    rp_status status = x ? RP_OK : rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; !status && i < k; i++) x[i] = s->h->disks[s->disk[i]].x;
+    if (!status && s->h->exact) status = compare_diagonals(s, x, x + k, v);
+    if (!status) status = base_profile(k, x, s->N, &v[OUT_D], &v[OUT_n_01]);
+    if (!status) status = find_level(s->pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
     if (!status) {
-        double *N = x + k, *H = N + k, *exact = H + k;
-        statics_base(pile, disk, N, H);
-        for (size_t i = 0; i < k; i++) {
-            x[i] = h->disks[disk[i]].x;
-            exact[i] = h->exact[i].N;
-        }
-        const sweep_outline_error e = sweep_outline_compare(h, N, H);
-        v[OUT_N_centre] = sweep_outline_centre(k, N);
-        v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
-        v[OUT_H_ratio] = e.H_ratio;
-        v[OUT_thrust_ratio] = e.thrust_ratio;
-        v[OUT_N_error_rms] = e.N_rms;
-        v[OUT_N_error_max] = e.N_max;
-        double deviation[2];
-        compare_continuum(p, h, x, N, H, deviation);
+        v[OUT_N_centre] = sweep_outline_centre(k, s->N);
+        v[OUT_H_N_max] = sweep_outline_friction(k, s->N, s->H);
+        compare_continuum(s->p, s->h, x, s->N, s->H, deviation);
         v[OUT_N_continuum_rms] = deviation[0];
         v[OUT_H_continuum_rms] = deviation[1];
-        v[OUT_H_slope_ratio] = middle_slope(h, x, H);
-        status = find_level(pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
-        if (!status) status = base_profile(p, h, x, N, exact, v);
     }
-    free(disk);
+    if (!status && s->p->alpha_deg > 0 && !(status = outline(s->p, outside, &n)))
+        v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
     free(x);
     return status;
 }
 
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
+static void start_results(const sweep_outline *h, sweep_result *results)
 {
-    const pile_params *p = params;
-    sweep_outline heap = {0};
+    *results = (sweep_result){.status = ""};
+    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) results->values[i] = NAN;
+    results->values[OUT_n_disks] = (double)h->n;
+}
+
+static void conclude(const char *word, rp_status status, sweep_result *results)
+{
+    snprintf(results->status, sizeof results->status, "%s", word);
+    if (status) snprintf(results->message, sizeof results->message, "%s", rp_message());
+}
+
+rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
+                           void (*watch)(size_t n, const statics_result *so_far, void *context),
+                           void *context, sweep_solved *s, sweep_result *results)
+{
+    statics_definition def = define(p, h);
+    def.watch = watch;
+    def.context = context;
+    *s = (sweep_solved){.p = p, .h = h, .error = {NAN, NAN, NAN, NAN}};
+    start_results(h, results);
+    rp_status status = statics_create(&def, &s->pile);
+    if (!status) status = statics_solve(s->pile, &s->r);
+    if (status && status != RP_NO_RESULT) return status;
+    conclude(statics_fault_text(s->r.fault), status, results);
+    double *v = results->values;
+    v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
+    v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
+    v[OUT_contacts] = (double)s->r.contacts;
+    v[OUT_horizontal] = (double)s->r.horizontal;
+    v[OUT_broken] = (double)s->r.broken;
+    v[OUT_jumps] = (double)s->r.jumps;
+    v[OUT_load] = s->r.load;
+    v[OUT_residual] = s->r.residual;
+    v[OUT_energy] = s->r.energy;
+    v[OUT_released] = s->r.released;
+    if (status) return rp_fail(status, "%s", results->message);
+    s->disk = malloc((s->r.wells + 1) * sizeof *s->disk);
+    s->N = malloc((2 * s->r.wells + 1) * sizeof *s->N);
+    if (!s->disk || !s->N) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    s->H = s->N + s->r.wells;
+    statics_base(s->pile, s->disk, s->N, s->H);
+    return measure(s, v);
+}
+
+void sweep_solved_free(sweep_solved *s)
+{
+    statics_free(s->pile);
+    free(s->disk);
+    free(s->N);
+}
+
+static rp_status is_stable(const sweep_pile *p, const sweep_outline *h, double eps, bool *stable,
+                           statics_result *r)
+{
     statics_pile *pile = NULL;
-    statics_result r;
-    double *v = result->values;
-    for (size_t i = 0; i < N_OUTPUTS; i++) v[i] = NAN;
-    result->message[0] = '\0';
-    rp_status status = make_heap(p, seed, run, &heap);
-    if (!status) status = make_pile(p, &heap, &pile);
-    if (!status) status = statics_solve(pile, &r);
-    if (status == RP_OK || status == RP_NO_RESULT) {
-        snprintf(result->status, sizeof result->status, "%s", statics_fault_text(r.fault));
-        if (status) snprintf(result->message, sizeof result->message, "%s", rp_message());
-        v[OUT_n_disks] = (double)heap.n;
-        v[OUT_negative_modes] = status ? NAN : (double)r.negative_modes;
-        v[OUT_smallest_pivot] = status ? NAN : r.smallest_pivot;
-        v[OUT_contacts] = (double)r.contacts;
-        v[OUT_horizontal] = (double)r.horizontal;
-        v[OUT_broken] = (double)r.broken;
-        v[OUT_jumps] = (double)r.jumps;
-        v[OUT_load] = r.load;
-        status = status ? RP_OK : measure(p, &heap, pile, v);
-    }
+    statics_definition def = define(p, h);
+    def.eps = eps;
+    rp_status status = statics_create(&def, &pile);
+    if (!status) status = statics_solve(pile, r);
+    if (!status) *stable = r->negative_modes == 0;
     statics_free(pile);
-    sweep_outline_free(&heap);
     return status;
+}
+
+rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, sweep_result *results)
+{
+    const double PRECISION = 1e-4, WIDEN = 2, EPS_MAX = 0.1;
+    double lo = 0, hi = 0, eps = p->eps;
+    start_results(h, results);
+    while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
+        bool stable = false;
+        statics_result r;
+        rp_status status = is_stable(p, h, eps, &stable, &r);
+        if (status == RP_NO_RESULT) {
+            status = rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
+            conclude(statics_fault_text(r.fault), status, results);
+        }
+        if (status) return status;
+        *(stable ? &lo : &hi) = eps;
+        if (!(lo < EPS_MAX)) {
+            status = rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
+            conclude("no_threshold", status, results);
+            return status;
+        }
+        eps = !(hi > 0) ? fmin(lo * WIDEN, EPS_MAX) : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
+    }
+    results->values[OUT_eps_c] = lo;
+    conclude("ok", RP_OK, results);
+    return RP_OK;
+}
+
+static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                       sweep_result *results)
+{
+    const sweep_pile *p = params;
+    sweep_outline h = {0};
+    sweep_solved s = {0};
+    rp_status status = sweep_pile_outline(p, seed, run, &h);
+    if (!status)
+        status = p->threshold ? sweep_pile_threshold(p, &h, results)
+                              : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
+    if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
+    if (!status && tables && s.pile) status = sweep_pile_write(&s, tables->directory, tables->header);
+    sweep_solved_free(&s);
+    sweep_outline_free(&h);
+    return status;
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *results)
+{
+    return trace(params, seed, run, NULL, results);
 }
 
 /* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
@@ -274,9 +381,9 @@ static rp_status fingerprint(char digits[33])
                                  OUT_load,
                                  OUT_n_05,
                                  -1};
-    pile_params p;
+    sweep_pile p;
     sweep_result result;
-    rp_params_defaults(schema, &p);
+    rp_params_defaults(sweep_pile_schema, &p);
     p.base = 12;
     p.alpha_deg = 30;
     p.disorder = 1e-4;
@@ -291,9 +398,10 @@ static rp_status fingerprint(char digits[33])
 const sweep_protocol sweep_protocol_pile = {
     .name = "pile",
     .about = "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)",
-    .schema = schema,
-    .params_size = sizeof(pile_params),
+    .schema = sweep_pile_schema,
+    .params_size = sizeof(sweep_pile),
     .outputs = outputs,
     .check = check,
     .fingerprint = fingerprint,
-    .run = run_one};
+    .run = run_one,
+    .trace = trace};

@@ -1,0 +1,161 @@
+/* Tables of a static pile; see pile.h. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/table.h"
+#include "sweeps/driver/pile.h"
+
+void sweep_pile_notes(const sweep_solved *s, FILE *out)
+{
+    const statics_result *r = &s->r;
+    rp_table_note(out, "n_disks", "%zu", s->h->n);
+    rp_table_note(out, "B", "%.17g sigma", s->h->B);
+    rp_table_note(out, "status", "%s", statics_fault_text(r->fault));
+    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    if (r->fault)
+        rp_table_note(out, "state", "no equilibrium: where the solve was given up, at eps = %g", r->eps);
+    rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
+    if (!isnan(r->released))
+        rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
+    rp_table_note(out, "residual", "%.3g m g", r->residual);
+    if (r->fault)
+        rp_table_note(out, "negative_modes", "nan");
+    else
+        rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
+    if (isnan(r->smallest_pivot))
+        rp_table_note(out, "smallest_pivot", "nan");
+    else
+        rp_table_note(out, "smallest_pivot", "%.3g K_s, disk %zu", r->smallest_pivot, r->pivot_disk + 1);
+    rp_table_note(out, "contacts", "%zu, %zu of them horizontal", r->contacts, r->horizontal);
+    rp_table_note(out, "wells", "%zu, %zu of them %s", r->wells, r->broken,
+                  s->p->set_again ? "set anew" : "broken");
+    rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
+    double most = 0;
+    for (size_t i = 0; !r->fault && i < r->wells; i++) most = fmax(most, s->N[i]);
+    rp_table_note(out, "sinks", "%.3g sigma at most", r->eps * most);
+    rp_table_note(out, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", s->error.N_rms,
+                  s->error.N_max);
+    rp_table_note(out, "H_ratio", "%.6g, the largest H over that of diagonals alone", s->error.H_ratio);
+}
+
+void sweep_pile_write_base(const sweep_solved *s, FILE *out)
+{
+    static const char *const columns[][2] = {{"i", ""},    {"x", "sigma"},         {"N/mg", ""},
+                                             {"H/mg", ""}, {"N_diagonals/mg", ""}, {"H_diagonals/mg", ""},
+                                             {"x/B", ""},  {"N/(chi*g*B)", ""},    {"H/(chi*g*B)", ""}};
+    const sweep_outline *h = s->h;
+    const size_t k = s->r.wells, *disk = s->disk;
+    const double *N = s->N, *H = s->H;
+    const double middle = (h->disks[disk[0]].x + h->disks[disk[k - 1]].x) / 2;
+    rp_table_columns(out, 9, columns);
+    for (size_t i = 0; i < k; i++) {
+        const double x = h->disks[disk[i]].x;
+        const an_force exact = h->exact ? h->exact[i] : (an_force){NAN, NAN};
+        rp_table_row(out, 9,
+                     (double[]){(double)i + 1, x, N[i], H[i], exact.N, exact.H, 0.5 + (x - middle) / h->B,
+                                N[i] / h->B, H[i] / h->B});
+    }
+}
+
+static rp_status open_table(const sweep_solved *s, const char *directory, const char *name,
+                            void (*header)(FILE *), char path[4096], FILE **out)
+{
+    snprintf(path, 4096, "%s/%s", directory, name);
+    rp_status status = rp_file_open(path, out);
+    if (status) return status;
+    header(*out);
+    sweep_pile_notes(s, *out);
+    return RP_OK;
+}
+
+static rp_status write_contacts(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+{
+    static const char *const columns[][2] = {
+        {"a", ""},        {"b", ""},        {"x", "sigma"},     {"y", "sigma"},    {"x_b", "sigma"},
+        {"y_b", "sigma"}, {"force", "m g"}, {"horizontal", ""}, {"strongest", ""}, {"weakest", ""}};
+    char path[4096];
+    FILE *out;
+    statics_contact *list;
+    size_t n;
+    rp_status status = statics_contacts(s->pile, &list, &n);
+    if (status) return status;
+    status = open_table(s, directory, "contacts.tsv", header, path, &out);
+    if (!status) {
+        rp_table_columns(out, 10, columns);
+        for (const statics_contact *c = list; c < list + n; c++)
+            rp_table_row(out, 10,
+                         (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
+                                    c->horizontal, c->strongest, c->weakest});
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(list);
+    return status;
+}
+
+static rp_status write_disks(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+{
+    static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
+                                             {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
+    char path[4096];
+    FILE *out;
+    double *u = malloc(2 * s->h->n * sizeof *u);
+    if (!u) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    const double eps = s->r.eps;
+    statics_displacements(s->pile, u);
+    rp_status status = open_table(s, directory, "disks.tsv", header, path, &out);
+    if (!status) {
+        rp_table_columns(out, 6, columns);
+        for (size_t i = 0; i < s->h->n; i++)
+            rp_table_row(out, 6,
+                         (double[]){(double)i + 1, s->h->disks[i].x + eps * u[2 * i],
+                                    s->h->disks[i].y + eps * u[2 * i + 1], s->h->disks[i].r, u[2 * i],
+                                    u[2 * i + 1]});
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(u);
+    return status;
+}
+
+static rp_status write_wells(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+{
+    static const char *const columns[][2] = {{"disk", ""},           {"x", "sigma"}, {"x_0", "sigma"},
+                                             {"x-x_0", "eps sigma"}, {"N", "m g"},   {"H", "m g"},
+                                             {"state", ""}};
+    static const char *const states[] = {
+        [STATICS_WELL_HOLDS] = "holds", [STATICS_WELL_BROKEN] = "broken", [STATICS_WELL_ANEW] = "set_anew"};
+    char path[4096];
+    FILE *out;
+    statics_well *wells = malloc((s->r.wells + 1) * sizeof *wells);
+    if (!wells) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    statics_wells(s->pile, wells);
+    rp_status status = open_table(s, directory, "wells.tsv", header, path, &out);
+    if (!status) {
+        rp_table_note(out, "x_0", "where a well rests; of a broken one where it gave way");
+        rp_table_columns(out, 7, columns);
+        for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
+            const double x = s->h->disks[w->disk].x;
+            rp_table_row_word(out, 6,
+                              (double[]){(double)w->disk + 1, x + s->r.eps * w->x, x + s->r.eps * w->x_0,
+                                         w->x - w->x_0, w->N, w->H},
+                              states[w->state]);
+        }
+        status = rp_file_close(path, out, RP_OK);
+    }
+    free(wells);
+    return status;
+}
+
+rp_status sweep_pile_write(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+{
+    char path[4096];
+    FILE *out;
+    rp_status status = rp_make_directory(directory);
+    if (!status) status = write_wells(s, directory, header);
+    if (!status) status = write_contacts(s, directory, header);
+    if (!status) status = write_disks(s, directory, header);
+    if (status || s->r.fault) return status;
+    status = open_table(s, directory, "base.tsv", header, path, &out);
+    if (status) return status;
+    sweep_pile_write_base(s, out);
+    return rp_file_close(path, out, RP_OK);
+}
