@@ -39,7 +39,7 @@ static const cli_command command = {
     "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
     "verdict\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
-    "What a table that has not been made would give is `no data`.",
+    "A table that has not been made gives `no data`.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,
