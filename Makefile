@@ -101,14 +101,11 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 	@echo "check   with sanitizers"
 	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
-SUITE :=
-TEST  :=
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-MUTANTS := 300
 mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
-	@sh tests/mutate.sh $(B) $(MUTANTS) $(JOBS)
+	@sh tests/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
 # ---- Sweeps and models -> tables -> figures and report
 
@@ -196,7 +193,6 @@ $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, growth, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv
-
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made
 	rm -rf $(B)
