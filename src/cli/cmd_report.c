@@ -15,7 +15,7 @@ typedef struct {
 } report_options;
 
 static const rp_param options[] = {
-    {"tables", "", RP_TEXT, offsetof(report_options, tables), "build/tables,results", "",
+    {"tables", "", RP_TEXT, offsetof(report_options, tables), "results,build/tables", "",
      "folders of the tables, joined by commas; the first that has a table counts"},
     {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "the claims"},
     {"needs", "", RP_BOOL, offsetof(report_options, needs), "false", "",
