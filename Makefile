@@ -91,12 +91,14 @@ lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is e
 
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests come last: CUnit's
 # summary is then what `make check` ends with.
-check: lint asan $(B)/check $(REPOSE) $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg) ## unit tests and fast validation, with sanitizers and plain
+check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
+	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
+	@$(MAKE) --no-print-directory lint asan
 	@echo "check   plain"
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) --no-print-directory B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  $(B)/asan/check $(B)/asan/repose
 	@echo "check   with sanitizers"
 	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
