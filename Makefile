@@ -22,9 +22,8 @@ PKGS     := gsl nlopt libconfig sqlite3 libxxhash
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 
-# Whatever compiles waits for `setup` when both are asked for.
+# Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
-
 # module=folder=prefix of its exported names; dependents before what they depend on
 MODULES := sweep=sweeps/driver=sweep_ analytic=analytic=an_ dem=src/dem=dem_ statics=src/statics=statics_ \
            angle=src/angle=ang_ stress=src/stress=stress_ stats=src/stats=stats_ core=src/core=rp_
@@ -55,7 +54,6 @@ setup: ## install the Debian packages that are missing
 	  $$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $$missing >/dev/null; fi
 
 # ---- The program and its tests
-
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 	@mkdir -p $(@D)
 	@echo "compile $<"
