@@ -97,7 +97,7 @@ static void trace(const char *const changes[], traced *t)
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(t->folder));
     const sweep_tables tables = {t->folder, 1000000, no_header};
     CHECK_OK(protocol->check(p));
-    CHECK_OK(protocol->run(p, 1993, 0, NULL, &tables, &t->result));
+    CHECK_OK(protocol->run(p, 1993, 0, &tables, &t->result));
     snprintf(path, sizeof path, "%s/series.tsv", t->folder);
     CHECK_OK(rp_table_read(path, &t->series));
     snprintf(path, sizeof path, "%s/pile_grains.tsv", t->folder);
