@@ -23,6 +23,11 @@ static inline void wide_store(double *to, wide a)
     _mm512_storeu_pd(to, a);
 }
 
+static inline wide num_of(double a)
+{
+    return _mm512_set1_pd(a);
+}
+
 static inline wide num_sqrt(wide a)
 {
     return _mm512_sqrt_pd(a);
@@ -178,6 +183,11 @@ static inline wide wide_load(const double *from)
 static inline void wide_store(double *to, wide a)
 {
     _mm256_storeu_pd(to, a);
+}
+
+static inline wide num_of(double a)
+{
+    return _mm256_set1_pd(a);
 }
 
 static inline wide num_sqrt(wide a)
