@@ -1,4 +1,4 @@
-# Common style of all figures. Called with T (folder of the tables), terminal and file set.
+# Common style of all figures. Called with T (folder of the tables), tables (those that the figure lists), terminal and file set.
 # Colours: gnuplot's podo sequence, safe for colour-blind readers; marks differ in shape too.
 if (!exists("width")) width = 12.0    # cm
 if (!exists("height")) height = 8.5
@@ -17,10 +17,12 @@ set bars small
 # A table of this project for gnuplot: the last header line becomes the names of the columns.
 set datafile separator tab
 set datafile columnheaders
+# Where a table is. A figure's file lists its tables after "# tables:", for `make`, and reads no others.
+path(name) = strstrt(' '.tables.' ', ' '.name.' ') ? T.name : not_named_after_tables_in_the_figure
 # The text after "# KEY: " in the header of a table, without a unit.
-note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".T.name)
+note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".path(name))
 # A cell of such a table: column COL of the row whose column KEY is the number VALUE.
-pick(name, key, value, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".T.name)
-t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".T.name
-# A published number: column published or published_se of the claim ID. t('published.tsv') in the figure's file.
-published(id, col) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".id."\" { print $c[\"".col."\"] }' ".T."published.tsv"))
+pick(name, key, value, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".path(name))
+t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".path(name)
+# A published number: column published or published_se of the claim ID.
+published(id, col) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".id."\" { print $c[\"".col."\"] }' ".path("published.tsv")))

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The modules' borders, and clang-format. Arguments: the build folder, then module=folder=prefix for each module.
+# The modules' borders, the tables of figures, and clang-format. Arguments: the build folder, then module=folder=prefix for each module.
 # core <- stats <- {analytic, dem, statics, angle, stress} <- sweep <- {cli, tests, validation}; each exports its own
 # prefix only.
 build=$1
@@ -28,11 +28,17 @@ for entry; do
         bad=1
     fi
 done
+for figure in figures/*/*.gp; do
+    listed=" $(grep '^#' "$figure" | grep -oE '[^ ]+\.tsv' | tr '\n' ' ')"
+    for table in $(grep -v '^#' "$figure" | sed "s/published(/'published.tsv/g" | grep -oE "['\"][a-z][A-Za-z0-9_./-]*\.tsv" | cut -c 2-); do
+        case $listed in *" $table "*) ;; *) echo "lint: $figure reads $table, which is not among its # tables:" && bad=1 ;; esac
+    done
+done
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
 else
-    for file in $(find analytic src sweeps tests validation -name '*.[ch]'); do
-        clang-format "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
+    for file in $(find analytic src sweeps tests validation -name '*.[ch]' -o -name '*.inl'); do
+        clang-format --assume-filename=x.c "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
     done
 fi
 exit $bad

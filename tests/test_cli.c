@@ -188,10 +188,10 @@ static bool equal_tables(const char *name_a, const char *name_b)
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--where ",     "--bare ",      "--set ",     "--reduce ",  "--base ",    "--pair ",
-    "--successive ", "-o ",          "--runs ",      "--missing ", "--outline ", "--disks ",   "--linear ",
-    "--set-again ",  "--summary ",   "--threshold ", "--map ",     "--ledger ",  "--profile ", "--start ",
-    "--variants ",   "--published ", "--needs ",     NULL};
+    "--help ",   "--study ",      "--where ",     "--bare ",      "--set ",     "--reduce ",  "--base ",
+    "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ", "--outline ", "--disks ",
+    "--linear ", "--set-again ",  "--summary ",   "--threshold ", "--map ",     "--ledger ",  "--profile ",
+    "--start ",  "--variants ",   "--published ", "--needs ",     NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1435,6 +1435,54 @@ static void test_sweep(void)
     leave();
 }
 
+/* Runs, reduced table and derived tables by one command; then tables without runs. */
+static void test_make(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; study = 2; seed = 1993;\n"
+                        "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
+                        "tables = [ \"s_line = stats fit @/s.tsv -x mu -y theta_r3_deg_mean\",\n"
+                        "           \"s_rows = stats select @/s_r?ns.tsv --where mu=0.3\" ];\n");
+    GOOD("sweep make s.cfg -o d --tables t -j 1");
+    rp_table runs = read_table("t/s_runs.tsv");
+    CU_ASSERT(runs.n_rows == 2);
+    rp_table_free(&runs);
+    GOOD("sweep make s.cfg -o d --tables t -j 1 --study");
+    runs = read_table("t/s_runs.tsv");
+    CU_ASSERT(runs.n_rows == 4);
+    rp_table reduced = read_table("t/s.tsv"), line = read_table("t/s_line.tsv"),
+             rows = read_table("t/s_rows.tsv");
+    CU_ASSERT(reduced.n_rows == 2 && rows.n_rows == 2);
+    CHECK_NEAR(cell(&rows, 0, "mu"), 0.3, 0.0);
+    CHECK_NEAR(cell(&rows, 1, "mu"), 0.3, 0.0);
+    CHECK_NEAR(cell(&line, 0, "slope"),
+               (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
+    rp_table_free(&runs);
+    rp_table_free(&reduced);
+    rp_table_free(&line);
+    rp_table_free(&rows);
+    GOOD("sweep digest d");
+    char digest[33];
+    snprintf(digest, sizeof digest, "%.32s", out);
+    CU_ASSERT(shell("cat t/s.tsv >out 2>err") == 0 && strstr(out, digest));
+
+    write_text("m.cfg", "tables = [ \"m_1 = continuum --alpha-deg 30\" ];\n");
+    GOOD("sweep make m.cfg -o d --tables t");
+    rp_table model = read_table("t/m_1.tsv");
+    CU_ASSERT(model.n_rows > 10);
+    rp_table_free(&model);
+    write_text("m.cfg", "tables = [ \"m_1 = continuum\" ];\n");
+    CU_ASSERT(run("sweep make m.cfg -o d --tables t") == 64 &&
+              strstr(err, "m_1: repose continuum: exit status 64"));
+    write_text("m.cfg", "tables = [ \"other = continuum\" ];\n");
+    FAILS(65, "must begin with m_", "sweep make m.cfg -o d --tables t");
+    write_text("m.cfg", "tables = [ \"m_1\" ];\n");
+    FAILS(65, "NAME = COMMAND", "sweep make m.cfg -o d --tables t");
+    write_text("m.cfg", "replicas = 1;\n");
+    FAILS(65, "neither a protocol nor tables", "sweep make m.cfg -o d --tables t");
+    leave();
+}
+
 /* Shared piles differ only after the opening. */
 static void test_shared_piles(void)
 {
@@ -1556,6 +1604,7 @@ void suite_cli(void)
                                        {"run: tables in a folder", test_output_folder},
                                        {"run: broken, 70", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
+                                       {"sweep: runs and tables", test_make},
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_scene_stopped},

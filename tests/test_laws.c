@@ -311,6 +311,30 @@ static void bad_restitution(void)
     CU_ASSERT(gamma_n == 0.0);
 }
 
+/* No coefficient in 1/s follows from a gamma_n without a unit. */
+static void defaults_need_a_rate(void)
+{
+    for (int normal = 0; normal < DEM_NORMAL_N; normal++) {
+        const bool rate = strcmp(dem_normal_descriptors[normal].gamma_n_unit, "1/s") == 0;
+        dem_definition def = dem_definition_default();
+        dem_physics p = dem_physics_default();
+        p.normal = normal;
+        dem_physics_apply(&p, &def);
+        if (!rate) CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT, "gamma_n: has no default");
+        p.gamma_n = 0.3;
+        dem_physics_apply(&p, &def);
+        CHECK_OK(dem_physics_check(&def)); /* without friction */
+        p.tangential = DEM_SPRING;
+        dem_physics_apply(&p, &def);
+        if (rate) CHECK_NEAR(def.material.gamma_s, 0.003, 1e-17);
+        if (!rate) CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT, "gamma_s: has no default");
+        p.gamma_s = 5.0;
+        dem_physics_apply(&p, &def);
+        CHECK_OK(dem_physics_check(&def));
+        CU_ASSERT(def.material.gamma_s == 5.0 && def.material.gamma_roll == 5.0);
+    }
+}
+
 /* A wall has the grains' restitution, for its own stiffness and mass; or its own; or its own gamma_n. What
  * "auto" takes from gamma_n follows. */
 static void restitution_of_walls(void)
@@ -355,6 +379,7 @@ void suite_laws(void)
                                        {"restitution is inverted", restitution_is_inverted},
                                        {"restitution in place of damping", restitution_in_place_of_damping},
                                        {"bad restitution", bad_restitution},
+                                       {"defaults need a rate", defaults_need_a_rate},
                                        {"restitution of walls", restitution_of_walls},
                                        {NULL, NULL}};
     check_register("laws", cases);

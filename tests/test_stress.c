@@ -357,6 +357,21 @@ static void test_protocol(void)
     free(params);
 }
 
+/* Slope 30 degrees, rays of 60: t^2/k = 1/9. H/N at a slope theta_MS of (3), tan theta_MS = mu tan^2 phi, is
+ * mu. */
+static void wedge(void)
+{
+    double n, h;
+    stress_wedge(8.0, M_PI / 6.0, M_PI / 3.0, &n, &h);
+    CHECK_NEAR(n, 9.0, 1e-13);
+    CHECK_NEAR(h, 9.0 / sqrt(27.0), 1e-13);
+    stress_wedge(3.7, 0.0, 0.9, &n, &h);
+    CU_ASSERT(n == 3.7 && h == 0.0);
+    const double mu = 0.37, phi = 0.97;
+    stress_wedge(1.0, atan(mu * tan(phi) * tan(phi)), phi, &n, &h);
+    CHECK_NEAR(h / n, mu, 1e-14);
+}
+
 void suite_stress(void)
 {
     static const check_case cases[] = {{"stress of a column", test_column},
@@ -364,6 +379,7 @@ void suite_stress(void)
                                        {"base of a close-packed triangle", test_triangle},
                                        {"momentum balance in a simulated box", test_momentum},
                                        {"Mohr's circle", test_mohr},
+                                       {"wedge of rays", wedge},
                                        {"tilts from a response", test_tilts},
                                        {"critical tilts of an ensemble", test_critical},
                                        {"grids that cannot be", test_bad_grids},

@@ -262,6 +262,31 @@ static void test_trend_errors(void)
     CHECK_FAILS(stats_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
 }
 
+/* A straight line up to x = 4, and one point off it: where lines end and where bends end differ. */
+static void test_successive(void)
+{
+    enum { POINTS = 6 };
+    const double x[POINTS] = {1, 2, 3, 4, 5, 6}, y[POINTS] = {1, 2, 3, 4, 5, 9},
+                 se[POINTS] = {1, 1, 1, 1, 1, 1};
+    /* of four points the bend has chi2 = d^2/4, of five none and the line 0.4 d^2 on 3: p just above and
+     * below 0.001 */
+    const double d = 6.5, wave[5] = {0, 0, 0, d, d / 2};
+    stats_prefix prefixes[POINTS];
+    double linear_to, bend_free_to;
+    CHECK_OK(stats_successive(POINTS, x, y, se, 0.3, prefixes, &linear_to, &bend_free_to));
+    CU_ASSERT(linear_to == 6.0 &&
+              bend_free_to == 5.0); /* chi2 = 9 (1 - 11/21) on 4, p = 0.37; bend p = 0.10 */
+    CHECK_NEAR(prefixes[2].line.slope, 1.0, sum_error);
+    CHECK_NEAR(prefixes[3].line.chi2, 9.0 * 10.0 / 21.0, sum_error);
+    CHECK_OK(stats_successive(5, x, wave, se, 0.001, prefixes, &linear_to, &bend_free_to));
+    CU_ASSERT(linear_to == 4.0 && bend_free_to == 5.0);
+    CHECK_NEAR(prefixes[2].line.chi2, 0.4 * d * d, 10.0 * sum_error);
+    CHECK_OK(stats_successive(3, x, y, se, 0.05, prefixes, &linear_to, &bend_free_to));
+    CU_ASSERT(linear_to == 3.0 && bend_free_to == 3.0);
+    CHECK_FAILS(stats_successive(2, x, y, se, 0.05, prefixes, &linear_to, &bend_free_to), RP_NO_RESULT,
+                "at least 3");
+}
+
 /* ---- settings compared ---- */
 
 static void test_threshold(void)
@@ -337,6 +362,7 @@ void suite_trend(void)
         {"Holm's correction", test_holm},
         {"verdicts", test_words},
         {"errors of trends", test_trend_errors},
+        {"where linearity ends", test_successive},
         {"threshold", test_threshold},
         {"Pareto front", test_front},
         {"cost of an error bar", test_costs},

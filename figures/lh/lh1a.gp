@@ -1,5 +1,6 @@
 # Lee & Herrmann 1993, figure 1(a): 1600 grains, just before the right wall is removed. Line width between centres is
 # proportional to the normal force, in twelve steps.
+# tables: lh1/filled_contacts.tsv lh1/filled_grains.tsv
 grains = t('lh1/filled_grains.tsv')
 contacts = t('lh1/filled_contacts.tsv')
 stats contacts using (column('normal_force')) nooutput name 'F'

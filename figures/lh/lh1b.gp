@@ -1,4 +1,5 @@
 # Lee & Herrmann 1993, figure 1(b): kinetic energy per grain against the iteration.
+# tables: lh1/energy.tsv
 opened = real(system("sed -n 's/.*open_at_step = \\([0-9][0-9]*\\).*/\\1/p' ".T."lh1/scene.cfg"))
 set xlabel 'iteration (thousands)'
 set ylabel 'kinetic energy per grain (erg)'

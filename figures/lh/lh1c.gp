@@ -1,5 +1,6 @@
 # Lee & Herrmann 1993, figure 1(c): 1600 grains, at rest after the avalanche. Line width between centres is
 # proportional to the normal force, in twelve steps.
+# tables: lh1/pile_contacts.tsv lh1/pile_grains.tsv
 width = 18.0
 height = 7.0
 load 'figures/style.gp'

@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, figure 2(a): angle of repose against the height of the box.
-# t('lh2a_trend.tsv')
+# tables: lh2a.tsv lh2a_trend.tsv
 stats t('lh2a.tsv') using (column('n')) nooutput name 'P'
 mus = '0.3 0.2 0.1'
 marks = '5 7 9'

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 3: angle of repose against friction.
-fit = T.'lh3_fit_theta_r.tsv' # t('lh3_fit_theta_r.tsv')
+# tables: lh3.tsv lh3_fit_theta_r.tsv lh3_total.tsv published.tsv
+fit = path('lh3_fit_theta_r.tsv')
 slope = real(system("awk '!/^#/ && $NF == \"free\" { print $1 }' ".fit))
-# t('published.tsv')
 start = real(system("awk '!/^#/ && $NF == \"free\" { print $3 }' ".fit))
 stats t('lh3.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'

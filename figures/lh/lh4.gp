@@ -1,5 +1,6 @@
 # Lee & Herrmann 1993, figure 4: tilting angle against friction.
-fit = T.'lh3_fit_theta_t.tsv' # t('lh3_fit_theta_t.tsv')
+# tables: lh3.tsv lh3_fit_theta_t.tsv
+fit = path('lh3_fit_theta_t.tsv')
 slope = real(system("awk '!/^#/ && $NF == \"free\" { print $1 }' ".fit))
 start = real(system("awk '!/^#/ && $NF == \"free\" { print $3 }' ".fit))
 stats t('lh3.tsv') using (column('n')) nooutput name 'P'

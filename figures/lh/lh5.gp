@@ -1,5 +1,6 @@
-# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Rows 0, 4 and 8 of the sweep are
+# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Rows 0, 10 and 20 of the sweep are
 # the first pile of each v_cut.
+# tables: lh5_row0.tsv lh5_row0/series.tsv lh5_row10/series.tsv lh5_row20/series.tsv lh_floor.tsv
 width = 14.0
 height = 11.0
 load 'figures/style.gp'
@@ -26,7 +27,7 @@ plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')
 unset arrow 1
 unset label 1
 set xlabel 'grains added'
-plot for [row in '4 8'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
-       with lines lw 0.7 lc (row eq '4' ? 3 : 6) title '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s', \
-     R_mean with lines dt 2 lc 4 notitle # t('lh5_row4/series.tsv') t('lh5_row8/series.tsv')
+plot for [row in '10 20'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
+       with lines lw 0.7 lc (row eq '10' ? 3 : 6) title '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s', \
+     R_mean with lines dt 2 lc 4 notitle
 unset multiplot

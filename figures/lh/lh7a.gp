@@ -1,4 +1,5 @@
 # Lee & Herrmann 1993, figure 7(a): measured theta_R + theta_T against theta_MS of (3).
+# tables: lh3_compare.tsv lh5.tsv
 stats t('lh3_compare.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'angle (degrees)'

@@ -1,4 +1,5 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, in its four forms.
+# tables: lh3_compare.tsv
 stats t('lh3_compare.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'

@@ -1,4 +1,5 @@
 # Lee & Herrmann 1993, section 3: angle of repose against normal stiffness, normal damping and shear stiffness.
+# tables: lh_gamma.tsv lh_kn.tsv lh_kn_restitution.tsv lh_kn_wall.tsv lh_ks.tsv published.tsv
 names = 'lh_kn lh_kn_wall lh_kn_restitution lh_gamma lh_ks'
 array piles[5]
 do for [i=1:5] { stats t(word(names, i).'.tsv') using (column('n')) nooutput name 'P'; piles[i] = P_max }
@@ -12,7 +13,6 @@ set label 2 'bars: standard error, those of Lee \& Herrmann as printed; series s
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3' font ',9' offset 0.8,0
 set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]
-# t('published.tsv')
 paper(x, id) = sprintf("%s\t%.17g\t%.17g", x, published(id, 'published'), published(id, 'published_se'))
 set print $kn
 print "k_n\ttheta\tse"

@@ -1,5 +1,6 @@
 # Liffman, Chan & Hughes 1992, figure 10(a): the strongest contact of each disk with another disk, in the equilateral
 # pile of 45 layers at eps = 1e-4, symmetric state.
+# tables: pile_45_60_1e-4/contacts.tsv pile_45_60_1e-4/disks.tsv
 set size ratio -1
 set xlabel '{/:Italic x} / σ'
 set ylabel '{/:Italic y} / σ'

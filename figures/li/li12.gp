@@ -1,4 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 12: the pile of 55 degrees, 45 disks in its base, in equilibrium at eps = 1e-4.
+# tables: pile_45_55_1e-4/disks.tsv
 set size ratio -1
 set xlabel '{/:Italic x} / σ'
 set ylabel '{/:Italic y} / σ'

@@ -1,10 +1,11 @@
 # Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks
 # in equilibrium at eps = 1e-4 (spring wells of K_s), forces of diagonal contacts alone in the same piles, and the
 # continuum (54)-(59). Unit: largest value of the soft disks.
+# tables: continuum_30.tsv continuum_45.tsv continuum_50.tsv continuum_55.tsv pile_45_30_1e-4.tsv pile_45_45_1e-4.tsv
+#    pile_45_50_1e-4.tsv pile_45_55_1e-4.tsv
 width = 17.0
 height = 13.0
 load 'figures/style.gp'
-# t('continuum_30.tsv') t('continuum_45.tsv') t('continuum_50.tsv') t('continuum_55.tsv') t('pile_45_30_1e-4.tsv') t('pile_45_45_1e-4.tsv') t('pile_45_50_1e-4.tsv') t('pile_45_55_1e-4.tsv')
 set multiplot layout 2, 2
 set xlabel '{/:Italic x / B}'
 set ylabel '{/:Italic N} / max {/:Italic N}'

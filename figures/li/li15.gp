@@ -1,9 +1,9 @@
 # Liffman, Chan & Hughes 1992, figure 15: piles of 30 degrees of 360 and 5490 disks at eps = 1e-4, and of 21780 in the limit
 # eps -> 0, against the continuum (54)-(59).
+# tables: continuum_30.tsv pile_180_30_1e-4.tsv pile_360_30_0.tsv pile_45_30_1e-4.tsv
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
-# t('pile_45_30_1e-4.tsv') t('pile_180_30_1e-4.tsv') t('pile_360_30_0.tsv')
 set multiplot layout 1, 2
 set xlabel '{/:Italic x / B}'
 set xrange [0:1]

@@ -1,5 +1,6 @@
 # Liffman, Chan & Hughes 1992, figure 16(a): the strongest contact of each disk with another disk, in the pile of 30
 # degrees of 360 disks at eps = 1e-4.
+# tables: pile_45_30_1e-4/contacts.tsv pile_45_30_1e-4/disks.tsv
 width = 18.0
 height = 7.0
 load 'figures/style.gp'

@@ -1,10 +1,10 @@
 # Liffman, Chan & Hughes 1992, figure 17: the pile of 32.6 degrees, the slope of Smid & Novosad's experiment. The
 # paper's text does not contain its curves. Bar: statement of the text, N at the centre 20 % (small piles) to 30 %
 # (large piles) below the largest N.
+# tables: continuum_32.6.tsv pile_45_32.6_1e-4.tsv published.tsv
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
-# t('published.tsv') t('continuum_32.6.tsv') t('pile_45_32.6_1e-4.tsv')
 soft = 'pile_45_32.6_1e-4.tsv'
 small = published('li17-small', 'published')
 large = published('li17-large', 'published')

@@ -1,4 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 18: outlines of tents.
+# tables: tent_30_45_38.tsv tent_45_30_38.tsv
 width = 16.0
 height = 5.0
 load 'figures/style.gp'

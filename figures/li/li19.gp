@@ -1,9 +1,9 @@
 # Liffman, Chan & Hughes 1992, figure 19: forces on the base of the tent of 30 and 45 degrees, X_1 = 0.38 B: continuum, and
 # disks with 90 in the base: diagonal contacts alone, soft disks with stiff and with soft wells.
+# tables: pile_tent_90_30_45_38_1e-5_1.tsv pile_tent_90_30_45_38_1e-5_3000.tsv tent_30_45_38.tsv tent_45_30_38.tsv
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
-# t('tent_30_45_38.tsv') t('tent_45_30_38.tsv') t('pile_tent_90_30_45_38_1e-5_1.tsv') t('pile_tent_90_30_45_38_1e-5_3000.tsv')
 stiff = 'pile_tent_90_30_45_38_1e-5_1.tsv'
 soft = 'pile_tent_90_30_45_38_1e-5_3000.tsv'
 set multiplot layout 1, 2

@@ -1,5 +1,6 @@
 # Liffman, Chan & Hughes 1992, figure 20(a): a pile of disks dropped one at a time, coloured by the number of
 # contacts; disks without six neighbours mark the faults. Disks that rolled out of the picture are not shown.
+# tables: li20_point/pile_grains.tsv
 width = 18.0
 height = 7.6
 load 'figures/style.gp'

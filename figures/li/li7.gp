@@ -1,4 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 7: the equilateral pile of 1035 disks, in equilibrium at eps = 1e-4.
+# tables: pile_45_60_1e-4/disks.tsv
 set size ratio -1
 set xlabel '{/:Italic x} / σ'
 set ylabel '{/:Italic y} / σ'

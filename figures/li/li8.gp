@@ -1,6 +1,8 @@
 # Liffman, Chan & Hughes 1992, figure 8: normal force on the base of the equilateral pile of 45 layers; hard disks
 # by (42), soft disks at eps = 1e-4: the symmetric state, which is not stable, and three of the minima of the energy,
 # one a panel.
+# tables: pile_45_60_1e-4.tsv pile_minimum_45_60_1e-4_13.tsv pile_minimum_45_60_1e-4_2.tsv
+#    pile_minimum_45_60_1e-4_5.tsv triangle_45.tsv
 height = 11.0
 load 'figures/style.gp'
 soft = 'pile_45_60_1e-4.tsv'

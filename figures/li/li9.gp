@@ -1,6 +1,7 @@
 # Liffman, Chan & Hughes 1992, figure 9: horizontal force on the base of the equilateral pile of 45 layers; hard disks
 # by (44), soft disks at eps = 1e-4 in the symmetric state and in minima of the energy. Below: difference between soft
 # and hard disks.
+# tables: pile_45_60_1e-4.tsv pile_minimum_45_60_1e-4_13.tsv pile_minimum_45_60_1e-4_2.tsv triangle_45.tsv
 height = 11.0
 load 'figures/style.gp'
 set multiplot layout 2, 1

@@ -1,5 +1,6 @@
 # Validation of damped impacts: restitution over the range of damping, with and without attractive damped forces, and
 # its error with the bound derived from the scheme.
+# tables: validation_impact_hertz.tsv validation_impact_linear.tsv
 width = 17.0
 height = 12.0
 load 'figures/style.gp'

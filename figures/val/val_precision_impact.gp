@@ -1,4 +1,5 @@
 # Validation: error of two-grain impacts against processor time, each integrator over four decades of the time step.
+# tables: validation_precision_impact.tsv
 width = 16.0
 height = 13.0
 load 'figures/style.gp'

@@ -1,5 +1,6 @@
 # Validation: error against processor time of a damped column and of 100 settling grains, each integrator over
 # decades of the time step.
+# tables: validation_precision_column.tsv validation_precision_settling.tsv
 width = 16.0
 height = 8.0
 load 'figures/style.gp'

@@ -1,5 +1,6 @@
 # Validation: largest error of a force under static piles against processor time: damped motion to rest, and the
 # static solver.
+# tables: validation_precision_pile.tsv
 width = 16.0
 height = 8.0
 load 'figures/style.gp'

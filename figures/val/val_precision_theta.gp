@@ -1,5 +1,6 @@
 # Cost of an angle of repose: bias against the finest setting, and processor time for a standard error of one degree,
 # for sizes of the box, time steps and thresholds of rest.
+# tables: val_cost_degree.tsv
 load 'figures/style.gp'
 data = t('val_cost_degree.tsv')
 widths = '2 3 4'

@@ -14,7 +14,7 @@ typedef struct {
 } claims_options;
 
 static const rp_param options[] = {
-    {"tables", "", RP_TEXT, offsetof(claims_options, tables), "build/tables,results", "",
+    {"tables", "", RP_TEXT, offsetof(claims_options, tables), "results,build/tables", "",
      "folders of the tables, joined by commas; the first that has a table counts"},
     {"claims", "", RP_TEXT, offsetof(claims_options, claims), "figures/claims.tsv", "", "the claims"},
     {"paper", "", RP_CHOICE, offsetof(claims_options, paper), "all", "all | lh | li | ours",

@@ -15,7 +15,7 @@ typedef struct {
 } report_options;
 
 static const rp_param options[] = {
-    {"tables", "", RP_TEXT, offsetof(report_options, tables), "build/tables,results", "",
+    {"tables", "", RP_TEXT, offsetof(report_options, tables), "results,build/tables", "",
      "folders of the tables, joined by commas; the first that has a table counts"},
     {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "the claims"},
     {"needs", "", RP_BOOL, offsetof(report_options, needs), "false", "",
@@ -39,7 +39,7 @@ static const cli_command command = {
     "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
     "verdict\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
-    "What a table that has not been made would give is `no data`.",
+    "A table that has not been made gives `no data`.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     options,
     1,

@@ -1,7 +1,12 @@
-/* repose sweep plan|run|status|export|digest */
+/* repose sweep plan|run|status|export|digest|make */
 #include "cli/progress.h"
 
+#include <errno.h>
+#include <glob.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 
@@ -17,9 +22,9 @@ static void print_counts(const sweep_counts *counts)
 
 typedef struct {
     const char *argument; /* FILE or DIR */
-    const char *o;
+    const char *o, *tables;
     long j, replicas;
-    bool reduce;
+    bool reduce, study;
 } options;
 
 static const rp_param no_options[] = {{0}};
@@ -161,6 +166,103 @@ static rp_status digest(int argc, char **argv)
     return status;
 }
 
+/* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
+ * and * stands for what is there. */
+static void become(const char *command, const char *tables, FILE *out)
+{
+    glob_t words = {.gl_offs = 1};
+    char *text = strdup(command), *save;
+    int flags = GLOB_NOCHECK | GLOB_DOOFFS;
+    for (char *word = text ? strtok_r(text, " ", &save) : NULL; word; word = strtok_r(NULL, " ", &save)) {
+        char full[4096];
+        snprintf(full, sizeof full, "%s%s", *word == '@' ? tables : "", *word == '@' ? word + 1 : word);
+        if (glob(full, flags, NULL, &words)) _exit(RP_NO_MEMORY);
+        flags |= GLOB_APPEND;
+    }
+    words.gl_pathv[0] = "repose";
+    if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", words.gl_pathv);
+    _exit(RP_IO);
+}
+
+/* Make one derived table. A command that finds no result is an answer too, if it prints a table. */
+static rp_status make_table(const sweep_table *table, const char *tables)
+{
+    char path[4096];
+    FILE *out;
+    int code = 0;
+    snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
+    rp_status status = rp_file_open(path, &out);
+    if (status) return status;
+    const pid_t child = fork();
+    if (child == 0) become(table->command, tables, out);
+    while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
+    }
+    if (child < 0 || !WIFEXITED(code))
+        status = rp_fail(RP_STOPPED, "%s: repose %s: stopped", table->name, table->command);
+    else if (WEXITSTATUS(code) > RP_NO_RESULT)
+        status = rp_fail((rp_status)WEXITSTATUS(code), "%s: repose %s: exit status %d", table->name,
+                         table->command, WEXITSTATUS(code));
+    return rp_file_close(path, out, status);
+}
+
+static rp_status export_to(const options *o, const char *name, const char *suffix, bool reduce)
+{
+    char path[4096];
+    FILE *out;
+    snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
+    rp_status status = rp_file_open(path, &out);
+    if (!status) status = sweep_export(o->o, sweep_protocols, reduce, cli_command_line(), out);
+    return out ? rp_file_close(path, out, status) : status;
+}
+
+static rp_status make_runs(const options *o, const sweep_recipe *recipe)
+{
+    size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
+    sweep_counts counts;
+    rp_status status = sweep_prepare(o->argument, o->o, replicas, sweep_protocols, &counts);
+    if (!status) status = cli_sweep_run(o->o, o->j, &counts);
+    if (!status) status = export_to(o, recipe->name, "_runs", false);
+    if (!status) status = export_to(o, recipe->name, "", true);
+    return status;
+}
+
+static rp_status make(int argc, char **argv)
+{
+    static const rp_param schema[] = {
+        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
+        {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
+        {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
+         "worker processes; auto: one per processor"},
+        {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
+         "runs per grid point; auto: as in the file"},
+        {"study", "", RP_BOOL, offsetof(options, study), "false", "", "as many runs as `study` in the file"},
+        {0}};
+    static const cli_command command = {
+        "sweep make",
+        "FILE -o DIR [--tables DIR] [-j N] [--replicas N | --study]",
+        "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per "
+        "grid\n"
+        "point, and those that the file derives from them, in order. @ is the folder of the tables:\n\n"
+        "  study  = 60;                                        # runs per grid point with --study\n"
+        "  tables = [\"lh3_phi = angle phi @/lh3_runs.tsv\"];     # NAME = COMMAND of repose\n\n"
+        "A file without a protocol has tables alone.",
+        "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
+        schema,
+        1,
+        1};
+    options o;
+    bool done;
+    rp_status status = parse(&command, argc, argv, &o, &done);
+    if (status || done) return status;
+    sweep_recipe recipe;
+    status = sweep_recipe_read(o.argument, &recipe);
+    if (!status) status = rp_make_directory(o.tables);
+    if (!status && recipe.has_runs) status = make_runs(&o, &recipe);
+    for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o.tables);
+    sweep_recipe_free(&recipe);
+    return status;
+}
+
 rp_status cmd_sweep(int argc, char **argv)
 {
     static const struct {
@@ -171,12 +273,13 @@ rp_status cmd_sweep(int argc, char **argv)
                    {"run", run, "make the missing runs"},
                    {"status", status_of, "numbers of stored runs and of each status"},
                    {"export", export, "write the runs, or their statistics, as a table"},
+                   {"make", make, "plan, run and write all tables"},
                    {"digest", digest, "print a digest of all results"}};
     const char *name = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
         if (strcmp(name, actions[i].name) == 0) return actions[i].function(argc - 1, argv + 1);
     if (strcmp(name, "--help") != 0)
-        return rp_fail(RP_USAGE, "\"%s\": unknown action; plan, run, status, export or digest expected",
+        return rp_fail(RP_USAGE, "\"%s\": unknown action; plan, run, status, export, make or digest expected",
                        name);
     printf("usage: repose sweep ACTION ...; repose sweep ACTION --help says more\n\n");
     for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)

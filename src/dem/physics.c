@@ -1,5 +1,8 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
 #include "dem/definition.h"
+
+#include <string.h>
+
 #include "dem/limits.h"
 
 static const rp_param schema[] = {
@@ -13,10 +16,16 @@ dem_physics dem_physics_default(void)
     return p;
 }
 
+static bool has_rate(const dem_definition *def)
+{
+    return strcmp(dem_normal_descriptors[def->normal].gamma_n_unit, "1/s") == 0;
+}
+
 /* In the order of the list: a value may depend on those before it. What follows from a gamma_n that is not
  * known yet stays negative. */
-static void complete(dem_material *m)
+static void complete(const dem_definition *def, dem_material *m)
 {
+    const bool rate = has_rate(def);
 #define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
     DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = value; if (m->name < 0.0) m->name = -1.0;)
     DEM_PHYSICS(MATERIAL_VALUE)
@@ -29,7 +38,7 @@ void dem_physics_apply(const dem_physics *p, dem_definition *def)
     DEM_PHYSICS(SCENE_VALUE)
 #define MATERIAL_GIVEN(kind, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
     DEM_PHYSICS(MATERIAL_GIVEN)
-    complete(m);
+    complete(def, m);
 }
 
 dem_physics dem_physics_of(const dem_definition *def, double density)
@@ -97,7 +106,7 @@ rp_status dem_physics_resolve(dem_definition *def)
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     rp_status status = find_damping(def, 0.5 * mass, v, &def->material);
     if (status) return status;
-    complete(&def->material);
+    complete(def, &def->material);
     for (size_t w = 0; w < def->n_walls; w++) {
         dem_material *m = &def->walls[w].material;
         status = find_damping(def, mass, v, m);
@@ -111,6 +120,12 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
     rp_status status = check_restitution(m);
     if (status) return status;
+    const char *law = dem_normal_descriptors[def->normal].name;
+    if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
+        return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
+    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !has_rate(def))
+        return rp_fail(RP_BAD_INPUT, "gamma_s: has no default for the law %s, whose gamma_n is a number",
+                       law);
     if (!dem_has_friction(def->tangential) && m->mu > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
     if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)

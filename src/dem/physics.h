@@ -8,7 +8,8 @@
  *   name     of the member, and the key in protocols
  *   key      in its group of a scene file
  *   further  spellings that the range allows too
- *   auto     of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact
+ *   auto     of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and `rate`:
+ *            gamma_n is in 1/s; negative for none
  *   wall     of a MATERIAL: "auto" of a wall is this times the grains' coefficient */
 #ifndef DEM_PHYSICS_H
 #define DEM_PHYSICS_H
@@ -35,8 +36,8 @@
       "normal stiffness" DEM_K_N_UNITS) \
     X(MATERIAL, restitution, "restitution", "", RP_REAL, "auto", "(0, 1]", " | auto", -1.0, 1.0, \
       "of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n") \
-    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 ? -1.0 : 500.0, 1.0, \
-      "normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500") \
+    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 || !rate ? -1.0 : 500.0, 1.0, \
+      "normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s") \
     X(SCENE, tension, "tension", "", RP_BOOL, "true", "", "", 0, 0, "whether the damped normal force may pull, as printed")
 
 /* Group `tangential`. */
@@ -44,8 +45,8 @@
     X(SCENE, tangential, "law", "", RP_CHOICE, "none", DEM_TANGENTIAL_WORDS, "", 0, 0, \
       "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n") \
     X(MATERIAL, k_s, "k_s", "dyn/cm", RP_REAL, "1e4", "(0, inf)", "", m->k_s, 1.0, "shear stiffness") \
-    X(MATERIAL, gamma_s, "gamma_s", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->gamma_n / 100.0, 1.0, \
-      "shear damping; auto: gamma_n/100") \
+    X(MATERIAL, gamma_s, "gamma_s", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", rate ? m->gamma_n / 100.0 : -1.0, 1.0, \
+      "shear damping; auto: gamma_n/100 where that is in 1/s") \
     DEM_MU_PARAM(X) \
     X(SCENE, slip, "slip", "", RP_CHOICE, "truncated", "truncated | total", "", 0, 0, \
       "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed") \

@@ -1,4 +1,4 @@
-/* Close-packed heaps of disks; see outline.h. */
+/* Close-packed piles of disks; see outline.h. */
 #include "sweeps/driver/outline.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Close-packed heaps of disks on a flat base, as the static solver takes them (dem/equilibrium.h), with what
- * diagonal contacts alone would carry in them. Lengths in sigma, forces in m g, angles in radians.
+/* Close-packed piles of disks on a flat base, as the static solver takes them (statics/equilibrium.h), with
+ * what diagonal contacts alone would carry in them. Lengths in sigma, forces in m g, angles in radians.
  * Liffman, Chan & Hughes 1992. */
 #ifndef SWEEP_OUTLINE_H
 #define SWEEP_OUTLINE_H
@@ -19,18 +19,18 @@ typedef struct {
 
 /* k disks in the base and slopes alpha on both sides, by an_lattice_cut; alpha <= 0 is the full triangle. The
  * disks of a row are `gap` apart, those of the diagonals touch. Errors: RP_BAD_INPUT, RP_NO_MEMORY. Free the
- * heap, which is zero at first, also after an error. */
-rp_status sweep_outline_slope(sweep_outline *heap, long k, double gap, double alpha);
+ * outline, which is zero at first, also after an error. */
+rp_status sweep_outline_slope(sweep_outline *outline, long k, double gap, double alpha);
 
 /* The same for an outline of n vertices from left to right (an_profile_set), which the base is scaled to. */
-rp_status sweep_outline_polygon(sweep_outline *heap, long k, double gap, const an_point *v, size_t n);
+rp_status sweep_outline_polygon(sweep_outline *outline, long k, double gap, const an_point *v, size_t n);
 
-void sweep_outline_free(sweep_outline *heap);
+void sweep_outline_free(sweep_outline *outline);
 
 /* Unequal disks on the same places: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed, run,
  * RP_PURPOSE_RADII); weights as r^2. Disks of the base stay as they are: wells would hold the squeeze between
  * unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
-rp_status sweep_outline_disorder(sweep_outline *heap, double S, unsigned long seed, unsigned long run);
+rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
 
 /* How far N and H on the base are from diagonals alone. */
 typedef struct {
@@ -38,7 +38,7 @@ typedef struct {
     double H_ratio;      /* largest H over that of diagonals alone */
     double thrust_ratio; /* sum of H outwards, both halves, over that of diagonals alone */
 } sweep_outline_error;
-sweep_outline_error sweep_outline_compare(const sweep_outline *heap, const double N[], const double H[]);
+sweep_outline_error sweep_outline_compare(const sweep_outline *outline, const double N[], const double H[]);
 
 /* Profile of the loads N of k disks of the base at x, each even over its disk, for stress_dip.
  * Errors: those of stress_base_profile; RP_NO_MEMORY. */

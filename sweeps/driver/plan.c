@@ -13,7 +13,7 @@ enum { PILES_OWN, PILES_SHARED };
 
 typedef struct {
     int protocol;
-    long replicas, seed;
+    long replicas, study, seed;
     bool zip;
     int piles;
 } head;
@@ -29,6 +29,8 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     const rp_param schema[] = {
         {"protocol", "", RP_CHOICE, offsetof(head, protocol), NULL, names, "kind of experiment"},
         {"replicas", "", RP_INT, offsetof(head, replicas), "20", "[1, 1000000]", "runs of each grid point"},
+        {"study", "", RP_INT, offsetof(head, study), "auto", "[1, 1000000] | auto",
+         "runs of each grid point for `repose sweep make --study`; auto: replicas"},
         {"seed", "", RP_INT, offsetof(head, seed), "1993", "[0, 2147483647]", "seed of the random streams"},
         {"zip", "", RP_BOOL, offsetof(head, zip), "false", "", "take the lists of the grid together"},
         {"piles", "", RP_CHOICE, offsetof(head, piles), "own", "own | shared",
@@ -37,7 +39,7 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    return rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", NULL});
+    return rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
 }
 
 /* A sweep's folder keeps one file that says everything. */

@@ -20,7 +20,7 @@
  * outputs are kept.
  *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
- * saves most of the time, but its weight and its blows make whole flanks slip: held, piles stand 2 or 3
+ * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles stand 2 or 3
  * degrees steeper. */
 #include <math.h>
 #include <stdlib.h>
@@ -49,16 +49,16 @@ static const rp_param schema[] = {
     DEM_MU_PARAM(ROW)
     DEM_MU_ROLL_PARAM(ROW)
     {"N", "", RP_INT, AT(N), "968", "[2, 100000]", "disks that are dropped"},
-    {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "they fall uniformly over this width; a point's is 1"},
+    {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "disks fall uniformly over this width; of a point source 1"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
     {"radius_width", "d/2", RP_REAL, AT(radius_width), "0", "[0, 0.2]", "standard deviation of the radii, cut at three of it"},
     {"law", "", RP_CHOICE, AT(law), "spring", "slip_roll | spring", "tangential law: viscous slip under mu N, and wells of the ground; or shear springs, at the ground too"},
     {"restitution", "", RP_REAL, AT(restitution), "0.5", "[0, 1]", "of hard collisions"},
     {"eps", "", RP_REAL, AT(eps), "2e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
     {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
-    {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "the same for shear and rolling"},
-    {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "of the ground's wells"},
-    {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "their half-width"},
+    {"damping_shear", "", RP_REAL, AT(damping_shear), "0.03", "(0, 2]", "damping of shear and rolling, over critical of a pair"},
+    {"mu_static", "", RP_REAL, AT(mu_static), "0.5", "(0, inf)", "static friction of the ground's wells"},
+    {"a", "d", RP_REAL, AT(a), "0.05", "(0, 1]", "half-width of the ground's wells"},
     {"rest_speed", "sqrt(g d)", RP_REAL, AT(rest_speed), "0.1", "(0, 1]", "the next disk falls once all are slower than this, also at their rims,"},
     {"rest_force", "m g", RP_REAL, AT(rest_force), "0.2", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
@@ -72,12 +72,12 @@ static const rp_param schema[] = {
 /* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(disks, "", "disks there at the end") \
-    X(base_disks, "", "of these, on the ground within the base") \
+    X(base_disks, "", "disks on the ground within the base") \
     X(height, "d", "highest point") \
     X(width, "d", "base that holds 98 % of the load, B") \
-    X(centroid, "d", "of the load") \
+    X(centroid, "d", "centroid of the load on the ground") \
     X(left_deg, "degree", "slope of the left side between 0.1 and 0.9 of the height, straight line") \
-    X(right_deg, "degree", "of the right side") \
+    X(right_deg, "degree", "slope of the right side, by the same fit") \
     X(dip, "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean") \
     X(balance, "", "1 - load of the ground over weight") \
     X(capped, "", "drops that did not come to rest within max_steps; a pile with one is no result") \

@@ -45,33 +45,33 @@ const rp_param sweep_pile_schema[] = {
 #define OUTPUTS(X) \
     X(n_disks, "", "disks") \
     X(D, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.3 B, over the mean N") \
-    X(D_diagonals, "", "the same of what diagonals alone carry") \
+    X(D_diagonals, "", "D of the forces by diagonal contacts alone") \
     X(N_centre, "", "N of the middle of the base over the largest") \
-    X(N_centre_diagonals, "", "the same of what diagonals alone carry") \
+    X(N_centre_diagonals, "", "N_centre of the forces by diagonal contacts alone") \
     X(H_ratio, "", "largest H over that of diagonals alone") \
     X(thrust_ratio, "", "sum of H outwards, both halves, over that of diagonals alone") \
     X(H_slope_ratio, "", "slope of H within 0.1 B of the middle over that of diagonals alone") \
     X(N_error_rms, "", "relative deviation of N from diagonals alone, root mean square") \
-    X(N_error_max, "", "the largest") \
+    X(N_error_max, "", "relative deviation of N from diagonals alone, largest") \
     X(N_continuum_rms, "", "deviation of N from the continuum over its largest N, root mean square; not at 60 degrees") \
-    X(H_continuum_rms, "", "the same of H") \
+    X(H_continuum_rms, "", "deviation of H from the continuum over its largest H, root mean square; not at 60 degrees") \
     X(negative_modes, "", "directions in which the state is not stable") \
-    X(smallest_pivot, "K_s", "of the stiffness") \
-    X(contacts, "", "between disks") \
-    X(horizontal, "", "of those, in a row") \
-    X(strongest_level, "", "part of the strongest contacts of the disks that is in a row") \
-    X(weakest_level, "", "the same of the weakest") \
+    X(smallest_pivot, "K_s", "smallest pivot of the factorised stiffness; near 0 the pile can move freely") \
+    X(contacts, "", "contacts between disks") \
+    X(horizontal, "", "contacts between disks of one row") \
+    X(strongest_level, "", "share of the strongest contacts of the disks that lie within a row") \
+    X(weakest_level, "", "share of the weakest contacts of the disks that lie within a row") \
     X(broken, "", "wells of static friction that broke") \
     X(jumps, "", "times that the primary branch ended") \
     X(load, "", "part of the load up to which equilibrium was followed") \
     X(H_N_max, "", "friction that the base must have: largest |H|/N of its disks") \
-    X(H_N_max_diagonals, "", "the same by diagonals alone") \
+    X(H_N_max_diagonals, "", "H_N_max of the forces by diagonal contacts alone") \
     X(residual, "m g", "largest net force on a disk") \
-    X(energy, "m g eps sigma", "0 before any load") \
+    X(energy, "m g eps sigma", "potential energy, 0 before any load") \
     X(released, "m g eps sigma", "energy of the primary state less that of a minimum") \
     X(eps_c, "", "of threshold = true: eps up to which the primary branch is stable") \
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
-    X(right_deg, "degree", "of the right side")
+    X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
 enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
@@ -150,9 +150,9 @@ static void compare_continuum(const sweep_pile *p, const sweep_outline *h, const
     deviation[0] = deviation[1] = NAN;
     if (!(p->alpha_deg > 0) || outline(p, v, &n) || an_profile_set(&profile, v, n)) return;
     for (size_t i = 0; i < h->k; i++) {
-        const double place = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
+        const double at = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
         an_force f;
-        if (an_profile_force(&profile, place, &f)) return;
+        if (an_profile_force(&profile, at, &f)) return;
         sum[0] += (N[i] / h->B - f.N) * (N[i] / h->B - f.N);
         sum[1] += (H[i] / h->B - f.H) * (H[i] / h->B - f.H);
         most[0] = fmax(most[0], f.N);

@@ -53,20 +53,20 @@ enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS
     X(theta_r3_deg, "degree", "slope by method 3") \
     X(theta_t_displacement_deg, "degree", "tilt at which 5 % of the grains have moved 0.1 d") \
     X(n_0, "weight", "normal force on the floor, 0 < x < W, over all grains' weight normal to it; at tilt 0") \
-    X(n_1, "weight", "its rise with the tangent of the tilt") \
+    X(n_1, "weight", "rise of n with the tangent of the tilt") \
     X(h_0, "weight", "force of the pile along the floor, away from the wall; at tilt 0") \
-    X(h_1, "weight", "its rise with the tangent of the tilt") \
-    X(sxx_0, "weight d", "sum of force times branch over the contacts in 0 < x < W; at tilt 0") \
-    X(sxy_0, "weight d", "the same: force along x, branch along y") \
-    X(syx_0, "weight d", "the same: force along y, branch along x") \
-    X(syy_0, "weight d", "the same: yy") \
-    X(sxx_1, "weight d", "its rise with the tangent of the tilt") \
-    X(sxy_1, "weight d", "its rise with the tangent of the tilt") \
-    X(syx_1, "weight d", "its rise with the tangent of the tilt") \
-    X(syy_1, "weight d", "its rise with the tangent of the tilt") \
+    X(h_1, "weight", "rise of h with the tangent of the tilt") \
+    X(sxx_0, "weight d", "sum over the contacts in 0 < x < W of force along x times branch along x; at tilt 0") \
+    X(sxy_0, "weight d", "sum of force along x times branch along y; at tilt 0") \
+    X(syx_0, "weight d", "sum of force along y times branch along x; at tilt 0") \
+    X(syy_0, "weight d", "sum of force along y times branch along y; at tilt 0") \
+    X(sxx_1, "weight d", "rise of sxx with the tangent of the tilt") \
+    X(sxy_1, "weight d", "rise of sxy with the tangent of the tilt") \
+    X(syx_1, "weight d", "rise of syx with the tangent of the tilt") \
+    X(syy_1, "weight d", "rise of syy with the tangent of the tilt") \
     X(floor_friction_0, "", "h/n at tilt 0") \
     X(bulk_friction_0, "", "tangent of the angle that the pile's mean stress mobilises, at tilt 0") \
-    X(floor_tilt_deg, "degree", "tilt at which h/n comes to the floor's mu") \
+    X(floor_tilt_deg, "degree", "tilt at which h/n reaches the floor's mu") \
     X(floor_friction_beyond, "", "h/n at 4 degrees less what the response of up to 2 degrees gives") \
     X(couple_0, "", "half of xy - yx, over the mean pressure, at tilt 0") \
     X(tilts, "", "tilts at which forces were read, before 5 % of the grains had moved 0.1 d") \

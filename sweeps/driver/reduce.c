@@ -54,15 +54,48 @@ static rp_status add_seconds(const sweep_row *row, void *sum)
     return RP_OK;
 }
 
+typedef struct {
+    const sweep_plan *plan;
+    XXH3_state_t *state;
+    size_t n_rows, n_outputs;
+} digester;
+
+static rp_status digest_row(const sweep_row *row, void *context)
+{
+    digester *d = context;
+    double values[SWEEP_MAX_OUTPUTS];
+    for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
+        values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
+    XXH3_128bits_update(d->state, d->plan->keys[row->run], sizeof d->plan->keys[row->run]);
+    XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
+    XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
+    d->n_rows++;
+    return RP_OK;
+}
+
+/* Of the rows that are stored; *n_rows is their number. */
+static rp_status find_digest(const sweep_plan *plan, sweep_store *store, char digest[33], size_t *n_rows)
+{
+    digester d = {.plan = plan, .state = XXH3_createState(), .n_outputs = count_outputs(plan->protocol)};
+    XXH3_128bits_reset(d.state);
+    rp_status status = sweep_store_visit(store, plan, digest_row, &d);
+    rp_hash_digits(XXH3_128bits_digest(d.state), digest);
+    XXH3_freeState(d.state);
+    *n_rows = d.n_rows;
+    return status;
+}
+
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command, FILE *out)
 {
     char text[256];
-    char hash[33];
+    char hash[33], digest[33];
     double seconds = 0.0;
+    size_t rows;
     sweep_counts counts;
     rp_status status = sweep_store_origin(store, text, sizeof text);
     if (!status) status = sweep_store_count(store, plan, &counts);
     if (!status) status = sweep_store_visit(store, plan, add_seconds, &seconds);
+    if (!status) status = find_digest(plan, store, digest, &rows);
     if (status) return status;
     rp_hash_digits(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
     rp_table_provenance(out, command);
@@ -71,6 +104,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
                   plan->shared_piles ? ", shared piles" : "");
     status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", hash);
+    rp_table_note(out, "digest", "%s (%zu runs)", digest, rows);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
     rp_table_note(out, "run_time", "%.1f s", seconds);
@@ -202,42 +236,15 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     return status;
 }
 
-typedef struct {
-    const sweep_plan *plan;
-    XXH3_state_t *state;
-    size_t n_rows, n_outputs;
-} digester;
-
-static rp_status digest_row(const sweep_row *row, void *context)
-{
-    digester *d = context;
-    double values[SWEEP_MAX_OUTPUTS];
-    for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
-        values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
-    XXH3_128bits_update(d->state, d->plan->keys[row->run], sizeof d->plan->keys[row->run]);
-    XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
-    XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
-    d->n_rows++;
-    return RP_OK;
-}
-
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows)
 {
     sweep_folder f;
     rp_status status = sweep_folder_open(dir, protocols, false, &f);
-    if (!status) {
-        digester d = {
-            .plan = &f.plan, .state = XXH3_createState(), .n_outputs = count_outputs(f.plan.protocol)};
-        XXH3_128bits_reset(d.state);
-        status = sweep_store_visit(f.store, &f.plan, digest_row, &d);
-        rp_hash_digits(XXH3_128bits_digest(d.state), digest);
-        XXH3_freeState(d.state);
-        *n_rows = d.n_rows;
-        if (!status && d.n_rows < f.plan.n_runs)
-            status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
-                             f.plan.n_runs - d.n_rows, f.plan.n_runs);
-    }
+    if (!status) status = find_digest(&f.plan, f.store, digest, n_rows);
+    if (!status && *n_rows < f.plan.n_runs)
+        status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
+                         f.plan.n_runs - *n_rows, f.plan.n_runs);
     sweep_folder_close(&f);
     return status;
 }

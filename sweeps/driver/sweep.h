@@ -11,6 +11,10 @@
  * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
  * and their differences can be taken pile by pile.
  *
+ * Two more settings are for `repose sweep make`: study, the replicas of a larger ensemble, and tables, what
+ * is derived from the runs, in order: tables = [ "lh3_phi = angle phi @/lh3_runs.tsv" ], where @
+ * is the folder of the tables. A file without a protocol has tables alone.
+ *
  * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
  * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */
 #ifndef SWEEP_SWEEP_H
@@ -47,6 +51,24 @@ typedef struct {
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
 } sweep_options;
+
+/* A table that `repose COMMAND` prints. */
+typedef struct {
+    char *name, *command;
+} sweep_table;
+
+/* What a sweep's file says of its tables. */
+typedef struct {
+    char name[64]; /* the file's, without folder and ending */
+    bool has_runs; /* false: tables alone */
+    size_t study;  /* replicas of the larger ensemble; 0: as many as else */
+    size_t n_tables;
+    sweep_table *tables;
+} sweep_recipe;
+
+/* Read a recipe. Afterwards sweep_recipe_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe);
+void sweep_recipe_free(sweep_recipe *recipe);
 
 /* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
  * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless

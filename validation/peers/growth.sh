@@ -11,12 +11,15 @@ cd "$work"
 # 1e6 grains: ten boxes of 100 000 at rest side by side, every other one a mirror image, so that the grains that
 # touched a wall touch their own images. A square box of a million grains would take hours to settle.
 joined() {
+    local i
     settle 100000
-    { printf '# x\ty\tr\n'
-      columns x y r <settled_100000.tsv | awk '{ x[NR] = $1; y[NR] = $2; r[NR] = $3 }
-          END { W = 0.2 * sqrt(NR)
-                for (i = 0; i < 10; i++) for (k = 1; k <= NR; k++)
-                    printf "%.17g\t%s\t%s\n", (i % 2 ? W * (i + 1) - x[k] : W * i + x[k]), y[k], r[k] }'; } >joined_1000000.tsv
+    {
+        printf '# x\ty\tr\n'
+        for i in $(seq 0 9); do
+            columns x y r <settled_100000.tsv |
+                awk -v i="$i" -v W="$(width 100000)" '{ printf "%.17g\t%s\t%s\n", (i % 2 ? W * (i + 1) - $1 : W * i + $1), $2, $3 }'
+        done
+    } >joined_1000000.tsv
 }
 
 growth() { # sizes
@@ -28,11 +31,14 @@ growth() { # sizes
         if [ "$n" = 1000000 ]; then joined; start=joined_$n.tsv width=632.4555320336759; else settle "$n"; fi
         for state in settled flowing; do "$repose" bench --start "$start" --width $width --state $state --repeat 3; done |
             columns grains median contacts pairs bytes | awk 'NR == 1 { row = $0 } END { print row, $2 }' OFS='\t' | tr ' ' '\t'
-    done | awk -F'\t' '{ line[NR] = $0; x = log($1); y = log($1 / $2); sx += x; sy += y; xx += x * x; xy += x * y }
-        END { if (NR > 1) printf "# exponent: %.3f (of the time of a step at rest)\n", (xy - sx * sy / NR) / (xx - sx * sx / NR)
-              print "# units: \t1e6/s\t1/grain\t1/grain\tB/grain\t1e6/s"
-              print "# grains\tsettled\tcontacts\tpairs\tbytes\tflowing"
-              for (i = 1; i <= NR; i++) print line[i] }'
+    done >growth.rows
+    if [ "$(wc -l <growth.rows)" -gt 1 ]; then
+        awk '{ print $1, $1 / $2 }' growth.rows | "$repose" stats fit - --x 1 --y 2 --scale log | columns slope |
+            xargs printf '# exponent: %.3f (of the time of a step at rest)\n'
+    fi
+    printf '# units: \t1e6/s\t1/grain\t1/grain\tB/grain\t1e6/s\n'
+    printf '# grains\tsettled\tcontacts\tpairs\tbytes\tflowing\n'
+    cat growth.rows
 }
 
 seconds() { # workers: wall time, and processor time of both
@@ -52,11 +58,12 @@ S
     local k
     for k in $(seq "$1"); do
         echo "$(seconds 1) $(seconds 2)" | awk '{ print $1, $4, $1 / (2 * $4), ($5 + $6) / (2 * $4) }' OFS='\t'
-    done | awk -F'\t' '{ line[NR] = $0; if (NR == 1 || $1 < one) one = $1; if (NR == 1 || $2 < two) two = $2 }
-        END { printf "# shortest: %.3g s by one, %.3g s by two, efficiency %.3f\n", one, two, one / (2 * two)
-              print "# units: s\ts\t\t"
-              print "# one\ttwo\tefficiency\tbusy"
-              for (i = 1; i <= NR; i++) print line[i] }'
+    done >workers.rows
+    echo "$(cut -f 1 workers.rows | sort -g | head -1) $(cut -f 2 workers.rows | sort -g | head -1)" |
+        awk '{ printf "# shortest: %.3g s by one, %.3g s by two, efficiency %.3f\n", $1, $2, $1 / (2 * $2) }'
+    printf '# units: s\ts\t\t\n'
+    printf '# one\ttwo\tefficiency\tbusy\n'
+    cat workers.rows
 }
 
 $table "$argument"

@@ -22,25 +22,23 @@ cd "$work"
 # Data files of the peers from a table of grains, all digits. LIGGGHTS' file has densities that give its disks the masses
 # of spheres, and a second type for walls.
 data() { # NAME N
-    local peer
+    local peer types density W
+    W=$(width "$2")
     for peer in lammps liggghts; do
-        columns x y r <"$1_$2.tsv" | awk -v n="$2" -v peer=$peer '
-            BEGIN { disks = peer == "liggghts" }
-            { line[NR] = sprintf("%d 1 %.17g %.17g %s %s 0", NR, 2 * $3, disks ? 4 * $3 / 3 : 1, $1, $2) }
-            END { W = 0.2 * sqrt(n)
-                  printf "grains\n\n%d atoms\n%d atom types\n", NR, disks ? 2 : 1
-                  printf "0 %.17g xlo xhi\n0 %.17g ylo yhi\n-0.2 0.2 zlo zhi\n\nAtoms # sphere\n\n", W, 2 * W + 1
-                  for (i = 1; i <= NR; i++) print line[i] }' >"$1_$2.$peer"
+        if [ $peer = liggghts ]; then types=2 density='4 * $3 / 3'; else types=1 density=1; fi
+        columns x y r <"$1_$2.tsv" | awk '{ printf "%d 1 %.17g %.17g %s %s 0\n", NR, 2 * $3, '"$density"', $1, $2 }' >atoms
+        {
+            printf 'grains\n\n%d atoms\n%d atom types\n' "$(wc -l <atoms)" $types
+            printf '0 %s xlo xhi\n0 %s ylo yhi\n-0.2 0.2 zlo zhi\n\nAtoms # sphere\n\n' "$W" "$(awk "BEGIN { printf \"%.17g\", 2 * $W + 1 }")"
+            cat atoms
+        } >"$1_$2.$peer"
     done
 }
 
-# Particle-steps of the timed steps of a peer, from its log.
+# Particle-steps of the timed steps of a peer, from its log: the trapezoids of lines "step atoms".
 grain_steps() {
-    awk '/^timed/ { on = 1 }
-         on && NF == 2 && $1 ~ /^[0-9]+$/ && $2 ~ /^[0-9]+$/ {
-             if (seen++) sum += ($1 - step) * ($2 + atoms) / 2
-             step = $1; atoms = $2 }
-         END { print sum }' "$1"
+    sed -n '/^timed/,$p' "$1" | grep -E '^ *[0-9]+ +[0-9]+ *$' |
+        awk 'NR > 1 { sum += ($1 - step) * ($2 + atoms) / 2 } { step = $1; atoms = $2 } END { print sum }'
 }
 
 # seconds of processor time of a whole process
@@ -59,9 +57,8 @@ measure_lammps() {
         seconds $pin lmp -in "$here/box.in" -log none -v data "dilute_$2.lammps" -v state sample -v final final.dump
     else
         $pin lmp -in "$here/box.in" -log none -v data "settled_$2.lammps" -v state "$1" -v warm 2000 -v steps "$3" >lmp.log
-        awk -v sum="$(grain_steps lmp.log)" '/^timed/ { on = 1 }
-            on && /^Loop time/ { loop = $4 }
-            on && /CPU use/ { print sum / (loop * $1 / 100) / 1e6; exit }' lmp.log
+        sed -n '/^timed/,$p' lmp.log | sed -n 's/^Loop time of \([^ ]*\) .*/\1/p; s/^\([^ ]*\)% CPU use.*/\1/p' | head -2 |
+            paste -s | awk -v sum="$(grain_steps lmp.log)" '{ print sum / ($1 * $2 / 100) / 1e6 }'
     fi
 }
 # LIGGGHTS does not report processor time: a shell that it starts reads that of its parent, ns.
@@ -77,27 +74,23 @@ measure_liggghts() {
     fi
 }
 
-# A row from lines "program value" of all rounds; nan where there is no such program.
+# Values of a program, one a round, from lines "program value".
+values() { sed -n "s/^$1 //p" rounds; }
+
+# Median of a peer and of our ratios to it, with the smallest and the largest; nan where there is no such program.
+compared() { # peer, columns of the ratio's numerator and denominator among "ours peer"
+    if [ -z "$(values "$1")" ]; then printf '\tnan\tnan\tnan\tnan'; return; fi
+    paste <(values ours) <(values "$1") | awk "{ print \$$2 / \$$3 }" | sort -g >ratios
+    printf '\t%s' "$(values "$1" | median)" "$(median <ratios)" "$(head -1 ratios)" "$(tail -1 ratios)"
+}
+
 row() { # state N steps
-    awk -v state="$1" -v head="$1\t$2\t$3" '{ value[$1, ++n[$1]] = $2 }
-        END { pairs = n["ours"]
-              for (i = 1; i <= pairs; i++) ours[i] = value["ours", i]
-              print head "\t" pairs "\t" median(ours) compared("lammps") compared("liggghts") }
-        function compared(peer,   i, middle) {
-            if (!n[peer]) return "\tnan\tnan\tnan\tnan"
-            for (i = 1; i <= pairs; i++) {
-                theirs[i] = value[peer, i]
-                ratio[i] = value["ours", i] / theirs[i]
-                if (state == "sample") ratio[i] = 1 / ratio[i]
-            }
-            middle = median(ratio)
-            return "\t" median(theirs) "\t" middle "\t" ratio[1] "\t" ratio[pairs]
-        }
-        function median(a,   i, j, t) { # and sorts
-            for (i = 2; i <= pairs; i++)
-                for (j = i; j > 1 && a[j] < a[j - 1]; j--) { t = a[j]; a[j] = a[j - 1]; a[j - 1] = t }
-            return a[int((pairs + 1) / 2)]
-        }'
+    local order='1 2'
+    if [ "$1" = sample ]; then order='2 1'; fi # seconds, no rates
+    printf '%s\t%s\t%s\t%s\t%s' "$1" "$2" "$3" "$(values ours | wc -l)" "$(values ours | median)"
+    compared lammps $order
+    compared liggghts $order
+    echo
 }
 
 compare() { # state N
@@ -109,7 +102,8 @@ compare() { # state N
             value=$(measure_$program "$1" "$2" $steps)
             echo "$program $value"
         done
-    done | row "$1" "$2" $steps
+    done >rounds
+    row "$1" "$2" $steps
 }
 
 provenance

@@ -1,11 +1,11 @@
 # Initial states of the benches, kept in the working folder of the calling script. Needs $repose.
 
 # Columns of a table of repose, by name.
-columns() {
-    awk -F'\t' -v names="$*" '/^#/ { head = substr($0, 3); next }
-        !n { n = split(head, h, "\t"); for (i = 1; i <= n; i++) at[h[i]] = i; k = split(names, want, " ") }
-        { for (i = 1; i <= k; i++) printf "%s%s", $at[want[i]], i < k ? " " : "\n" }'
-}
+columns() { "$repose" stats select - --columns "$(IFS=,; echo "$*")" --bare | tr '\t' ' '; }
+
+# Width of the box of N grains. Median of the numbers of standard input, the lower of two in the middle.
+width() { awk -v n="$1" 'BEGIN { printf "%.17f", 0.2 * sqrt(n) }'; }
+median() { sort -g | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'; }
 
 # Provenance of the program, as header lines.
 provenance() {
@@ -15,11 +15,14 @@ provenance() {
 
 # The scene of `repose bench`, without its grains.
 box() { # N steps
-    awk -v n="$1" -v steps="$2" 'BEGIN {
-        printf "steps = %d; dt = %s; tangential = { law = \"spring\"; mu = 0.2; };\n", steps, (n > 20000 ? "4e-5" : "5e-5") # a high fall
-        print "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },"
-        print "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },"
-        printf "          { point = [%.17f, 0.0]; direction = [-1.0, 0.0]; } );\n", 0.2 * sqrt(n) }'
+    local dt=5e-5
+    if [ "$1" -gt 20000 ]; then dt=4e-5; fi # a high fall
+    cat <<S
+steps = $2; dt = $dt; tangential = { law = "spring"; mu = 0.2; };
+walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },
+          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },
+          { point = [$(width "$1"), 0.0]; direction = [-1.0, 0.0]; } );
+S
 }
 
 # NAME_N.tsv: N grains, a number of steps after their fall began.
@@ -27,7 +30,7 @@ filled() { # NAME N steps
     [ ! -f "$1_$2.tsv" ] || return 0
     {
         box "$2" "$3"
-        awk -v n="$2" 'BEGIN { W = 0.2 * sqrt(n); printf "fill = { N = %d; W = %.17f; H = %.17f; };\n", n, W, 2 * W }'
+        echo "fill = { N = $2; W = $(width "$2"); H = $(width $((4 * $2))); };"
     } >"$1_$2.cfg"
     "$repose" run "$1_$2.cfg" >"$1_$2.new"
     mv "$1_$2.new" "$1_$2.tsv"

@@ -1,5 +1,6 @@
 # Beyond Lee & Herrmann 1993: measured theta_R + theta_T against (3) and theta_T against (4), with rays at 60 degrees
 # and at the inclination phi of best fit over all mu, with half its 95 % interval.
+# tables: lh3_phi.tsv
 width = 18.0
 height = 8.0
 load 'figures/style.gp'

@@ -3,10 +3,10 @@
 # Unequal disks: stable states of the same random draws; bars: standard errors over piles; H summed outwards over both
 # halves; deviation of N from diagonals alone; eps = 1e-4 and 1e-6 shifted sideways. Dashed: diagonals alone. A
 # negative D is a dip of N in the middle.
+# tables: li_disorder.tsv li_gaps.tsv li_wells.tsv
 width = 20.0
 height = 16.0
 load 'figures/style.gp'
-# t('li_wells.tsv') t('li_gaps.tsv') t('li_disorder.tsv')
 set multiplot layout 3, 3 columnsfirst
 set logscale x
 shapes = 'auto 45'

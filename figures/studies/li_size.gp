@@ -2,21 +2,21 @@
 # the deviation of N and H from the continuum, root mean square. Lines: limit + c/base by least squares, bases of 180
 # and more, for the wells close to the limit. Bases of 23 and 45 are in brackets: the steps at their ends differ from
 # those of the others. `make studies`.
+# tables: li_size.tsv li_size_limit_180_H_continuum_rms.tsv li_size_limit_180_H_ratio.tsv
+#    li_size_limit_180_N_continuum_rms.tsv
 width = 18.0
 height = 8.0
 load 'figures/style.gp'
-# t('li_size.tsv') t('li_size_large.tsv')
-# t('li_size_limit_180_H_ratio.tsv') t('li_size_limit_180_H_continuum_rms.tsv') t('li_size_limit_180_N_continuum_rms.tsv')
 set multiplot layout 1, 2
 set logscale x
 set xrange [60:1e6]
 set format x '10^{%T}'
 set xlabel 'disks'
-both = "< cat ".T."li_size.tsv ".T."li_size_large.tsv | awk '/^# well/ && !n++ { print substr($0, 3) } !/^#/'"
+both = t('li_size.tsv')
 wells = 'auto 1 100'
 names = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
 at(k, others) = strcol('well') eq word(wells, k) && others == (column('base') < 60) ? column('n_disks_mean') : NaN
-fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".T."li_size_limit_180_".what.".tsv"))
+fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size_limit_180_".what.".tsv")))
 array limit[6]; array c[6]
 whats = 'H_ratio H_continuum_rms N_continuum_rms'
 do for [q = 1:3] { do for [k = 1:2] {

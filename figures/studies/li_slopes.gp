@@ -2,10 +2,10 @@
 # 17 of Liffman, Chan & Hughes 1992. Base of 45 disks, eps = 1e-4, a = eps sigma where it is not varied. Diagonal
 # contacts alone give 1. Unequal disks: stable states of the same random draws; bars: standard errors over piles.
 # Marks of one value are shifted sideways. Steep piles of very unequal disks spread.
+# tables: li_slopes_disorder.tsv li_slopes_gaps.tsv li_slopes_wells.tsv
 width = 20.0
 height = 20.0
 load 'figures/style.gp'
-# t('li_slopes_wells.tsv') t('li_slopes_gaps.tsv') t('li_slopes_disorder.tsv')
 set multiplot layout 4, 3 rowsfirst
 set logscale x
 set format x '10^{%T}'

@@ -1,5 +1,6 @@
 # Beyond Lee & Herrmann 1993: stress in the mean of 20 piles at mu = 0.2, and the forces on the base against
 # those of rays at 60 degrees. Crosses: principal directions; lengths are proportional to the principal stresses.
+# tables: lh_stress_base.tsv lh_stress_field.tsv
 width = 18.0
 height = 13.0
 load 'figures/style.gp'

@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, section 3: friction of grains against friction of floor and walls, in boxes of three sizes.
-# t('lh_wall_trend_bottom.tsv')
+# tables: lh_grain_trend.tsv lh_wall.tsv lh_wall_trend.tsv lh_wall_trend_bottom.tsv
 stats t('lh_wall.tsv') using (column('n')) nooutput name 'P'
 set xlabel 'size of the box {/:Italic W} = {/:Italic H} (cm)'
 set ylabel 'change from {/:Italic μ} = 0.1 to 0.4 (degrees)'

@@ -1,8 +1,8 @@
 # Depth of the dip of N under tents, continuum: (max N - N in the middle)/max N.
+# tables: tent_map_20.tsv tent_map_30.tsv tent_map_38.tsv tent_map_45.tsv
 width = 17.0
 height = 15.0
 load 'figures/style.gp'
-# t('tent_map_20.tsv') t('tent_map_30.tsv') t('tent_map_38.tsv') t('tent_map_45.tsv')
 set multiplot layout 2, 2
 set size ratio -1
 set xlabel 'α_1, outer slope (degrees)'

@@ -1,5 +1,6 @@
 # Energy of five elastic disks in a box, by the implicit scheme (24) and by Verlet; frequency of a disk on its spring.
 # Time steps in contact times of two disks.
+# tables: validation_implicit_energy.tsv validation_implicit_phase.tsv
 set multiplot layout 1,2 margins 0.105,0.985,0.14,0.97 spacing 0.115
 set tics font ',9'
 set logscale xy

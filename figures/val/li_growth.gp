@@ -1,5 +1,6 @@
 # Processor time and memory of the static solver, linearised piles, against the number of disks; lines are the power
 # laws through the largest pile with the exponents in the table's header.
+# tables: validation_growth.tsv
 width = 16.0
 height = 8.0
 load 'figures/style.gp'
@@ -7,7 +8,7 @@ growth = t('validation_growth.tsv')
 of(alpha, what) = column('alpha_deg') == alpha ? column(what) : NaN
 power(what, alpha) = note('validation_growth.tsv', sprintf('%s_exponent_%d', what, alpha))
 name(what, alpha) = sprintf('slope of %d°: {/:Italic n}^{ %s}', alpha, power(what, alpha))
-largest(what, alpha) = real(system(sprintf("awk -F'\t' '!/^#/ && $1 == %d { y = $%d / $2^%s } END { print y }' ", alpha, what eq 'seconds' ? 3 : 4, power(what, alpha)).T.'validation_growth.tsv'))
+largest(what, alpha) = real(system(sprintf("awk -F'\t' '!/^#/ && $1 == %d { y = $%d / $2^%s } END { print y }' ", alpha, what eq 'seconds' ? 3 : 4, power(what, alpha)).path('validation_growth.tsv')))
 set multiplot layout 1, 2
 set logscale xy
 set format '10^{%T}'
