@@ -114,7 +114,12 @@ SWEEPS  := $(basename $(notdir $(wildcard sweeps/lh/*.cfg sweeps/li/*.cfg)))
 STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)))
 # These have larger ensembles too, which the report prefers.
 STUDIED := $(STUDIES) $(foreach s,$(SWEEPS),$(if $(filter study,$(file <$(wildcard sweeps/*/$(s).cfg))),$(s)))
-FIGURES := $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp figures/studies/*.gp)))
+owner     = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s) $(s)_% $(s)/%,$(1)),$(s)))))
+# Those of studies are drawn where the tables in results are there.
+tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
+lacks     = $(strip $(foreach t,$(call tables_of,$(1)),$(if $(filter $(STUDIES),$(call owner,$(t:.tsv=))),$(if $(wildcard results/$(t)),,$(t)))))
+FIGURES  = $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp))) $(BEYOND)
+BEYOND   = $(foreach f,$(basename $(notdir $(wildcard figures/studies/*.gp))),$(if $(call lacks,$(f)),,$(f)))
 CHECKED := $(filter-out bench,$(basename $(notdir $(wildcard figures/val/*.gp))))
 VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(basename $(notdir $(wildcard validation/*.c))))
 # A table is stale when any code but the commit's name has changed.
@@ -123,9 +128,11 @@ vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
 # Each core works on a sweep of its own, so that none waits for the last run of another; what takes longest comes first.
 LONGEST := lh5 lh2b lh_gamma lh3
-figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures
+figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg)
+	@$(REPOSE) report figures/paper-repro.md.in --tables results,$(T) -o $(B)/paper-repro.md
+	@echo "report  $(B)/paper-repro.md"
 
 validate: $(REPOSE) ## the validation at full size, tables and figures
 	@$(MAKE) -s -j$(JOBS) $(B)/check
@@ -134,7 +141,6 @@ validate: $(REPOSE) ## the validation at full size, tables and figures
 studies: $(STUDIED:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
 
 # Tables: NAME.tsv and NAME_*.tsv come from the sweep of the longest such name, and validation_SUITE_*.tsv from a suite.
-owner  = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s) $(s)_% $(s)/%,$(1)),$(s)))))
 suite  = $(firstword $(subst _, ,$(1:validation_%=%)))
 source = $(if $(filter validation_%,$(1)),$(B)/validated/$(suite),$(if $(filter $(STUDIES),$(owner)),results/$(1).tsv,$(B)/made/$(owner)))
 .SECONDEXPANSION:
@@ -164,7 +170,6 @@ $(T)/published.tsv: figures/claims.tsv $(CODE)
 	@$(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
-tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
 $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
 	@mkdir -p $(@D)
 	@for t in pdf png svg; do gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='$$t'; file='$(B)/figures/$*'" \
