@@ -339,7 +339,7 @@ static void test_protocol(void)
                                 "0.4")); /* so that it is stable at 4 degrees */
     CHECK_OK(p->check(params));
     sweep_result r;
-    CHECK_OK(p->run(params, 1993, 2, &r));
+    CHECK_OK(p->run(params, 1993, 2, NULL, &r));
     CU_ASSERT_STRING_EQUAL(r.status, "ok");
     /* at rest no net force exceeds 1e-2 m g, on some 70 grains */
     CHECK_NEAR(output(&r, "balance_error"), 0.0, 1e-2);

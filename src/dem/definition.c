@@ -121,10 +121,10 @@ static rp_status check_ground(const dem_definition *def)
     const dem_ground *g = &def->ground;
     if (g->wall == 0) return RP_OK;
     if (g->wall < 0 || (size_t)g->wall > def->n_walls)
-        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: there are %zu walls", g->wall, def->n_walls);
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: there are %zu walls", g->wall, def->n_walls);
     const dem_wall *w = &def->walls[g->wall - 1];
     if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
-        return rp_fail(RP_BAD_INPUT, "ground: wall = %d: must be a whole line that never opens", g->wall);
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens", g->wall);
     if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");

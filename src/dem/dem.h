@@ -65,7 +65,7 @@ typedef struct {
  * break. */
 typedef enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN } dem_well_set;
 typedef struct {
-    int wall; /* its number, from 1; 0: no ground, and nothing else here counts */
+    long wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
     dem_well_set set;
 } dem_ground;

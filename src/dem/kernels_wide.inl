@@ -160,7 +160,7 @@ INLINE void run_loop(dem_sim *sim, size_t from, size_t to, double h, laws law)
         wide_loop(sim, from, to, h, law, true, true);
 }
 
-void WIDE_PAIRS(dem_sim *sim, size_t from, size_t to, double h)
+void WIDE(pairs)(dem_sim *sim, size_t from, size_t to, double h)
 {
     laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
     switch (law.normal) {
@@ -246,7 +246,7 @@ INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i
 
 /* As apply_slot for slots k..end of one wall, a whole line at rest and not the ground. The last block is
  * filled up with its last slot. */
-void WIDE_LINE(dem_sim *sim, size_t k, size_t end, double h)
+void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
@@ -342,15 +342,15 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
 }
 
 /* As advance in verlet.c, spins included. */
-size_t WIDE_ADVANCE(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+size_t WIDE(advance)(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     return speed2 ? advance_grains(sim, from, to, left, speed2, false)
                   : advance_grains(sim, from, to, left, NULL, true);
 }
 
 /* As measure_slack in verlet.c. */
-size_t WIDE_BEYOND_MARGIN(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
-                          double *beyond)
+size_t WIDE(beyond_margin)(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
+                           double *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     wide widest = (wide){0} + *margin2, most = (wide){0} + *beyond;
@@ -375,7 +375,7 @@ size_t WIDE_BEYOND_MARGIN(const dem_sim *sim, size_t from, size_t to, unsigned *
 }
 
 /* As append_pairs in neighbours.c. */
-void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
+void WIDE(append_pairs)(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
                inverse_mass = zero + sim->grains.inverse_mass[i];
@@ -397,7 +397,7 @@ void WIDE_APPEND_PAIRS(dem_sim *sim, size_t i, size_t from, size_t to)
 }
 
 /* As predict_all in hard.c. */
-size_t WIDE_PREDICT(dem_sim *sim, size_t *beyond)
+size_t WIDE(predict)(dem_sim *sim, size_t *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const double dt = sim->def.dt;
@@ -449,7 +449,7 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE_NEXT_APPROACHING(const dem_sim *sim, size_t k, size_t end, bool apart)
+size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end, bool apart)
 {
     const uint64_t all = (1u << WIDTH) - 1;
     uint64_t left = ~0ull << k % 64;
@@ -469,7 +469,7 @@ size_t WIDE_NEXT_APPROACHING(const dem_sim *sim, size_t k, size_t end, bool apar
 }
 
 /* As next_collided in hard.c, of DEM_HITS grains at most. */
-size_t WIDE_NEXT_COLLIDED(const dem_sim *sim, size_t k, size_t end)
+size_t WIDE(next_collided)(const dem_sim *sim, size_t k, size_t end)
 {
     unsigned from = ~0u << k % WIDTH;
     for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {

@@ -8,6 +8,11 @@
 typedef double num;
 typedef bool lanes;
 
+static inline num num_of(double a)
+{
+    return a;
+}
+
 static inline num num_sqrt(num a)
 {
     return sqrt(a);

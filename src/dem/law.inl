@@ -92,8 +92,7 @@ static inline double linear_quotient(double k_n, double before, double after, do
 LAW num constant_rate(double k_n, double gamma_n, num m_eff, num overlap)
 {
     (void)k_n, (void)m_eff, (void)overlap;
-    const num zero = {0};
-    return zero + gamma_n;
+    return num_of(gamma_n);
 }
 
 static inline double constant_mean_rate(double k_n, double gamma_n, double m_eff, double before, double after)
@@ -213,8 +212,7 @@ typedef struct {
 
 LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, double gamma, double mu)
 {
-    const num zero = {0};
-    return (dem_slider){zero + k, zero + 1.0 / k, zero + gamma, zero + mu, slip, damping};
+    return (dem_slider){num_of(k), num_of(1.0 / k), num_of(gamma), num_of(mu), slip, damping};
 }
 
 LAW dem_slider dem_shear_of(const dem_definition *def, const dem_material *c, double mu)

@@ -111,8 +111,7 @@ rp_status dem_physics_resolve(dem_definition *def)
         dem_material *m = &def->walls[w].material;
         status = find_damping(def, mass, v, m);
         if (status) return rp_prefix(status, "wall %zu: ", w + 1);
-        const dem_material given = *m;
-        *m = dem_wall_material(&given, &def->material);
+        *m = dem_wall_material(m, &def->material);
     }
     return RP_OK;
 }

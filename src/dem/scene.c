@@ -19,22 +19,6 @@ typedef struct {
     const char *particles_file;
 } scene_values;
 
-typedef struct {
-    long wall;
-    dem_ground ground;
-} ground_values;
-
-typedef struct {
-    dem_material material;
-    long open_at_step;
-    double open_speed;
-} wall_values;
-
-typedef struct {
-    double x, y, r, m, vx, vy, angle, omega;
-    bool fixed;
-} particle_values;
-
 #define AT(type, field) offsetof(type, field)
 #define TOP(...)        DEM_KEY_ROW(scene_values, physics., __VA_ARGS__)
 #define ROW(...)        DEM_KEY_ROW(dem_physics, , __VA_ARGS__)
@@ -67,12 +51,12 @@ static const rp_param tangential_schema[] = {DEM_TANGENTIAL_PARAMS(ROW){0}};
 static const rp_param rolling_schema[] = {DEM_ROLLING_PARAMS(ROW){0}};
 
 static const rp_param ground_schema[] = {
-    {"wall", "", RP_INT, AT(ground_values, wall), "1", "[1, 8]", "its number: a whole line"},
-    {"mu_static", "", RP_REAL, AT(ground_values, ground.mu_static), NULL, "[0, inf)",
+    {"wall", "", RP_INT, AT(dem_ground, wall), "1", "[1, 8]", "its number: a whole line"},
+    {"mu_static", "", RP_REAL, AT(dem_ground, mu_static), NULL, "[0, inf)",
      "static friction: largest force of a well over the normal force"},
-    {"a", "cm", RP_REAL, AT(ground_values, ground.a), NULL, "(0, inf)",
+    {"a", "cm", RP_REAL, AT(dem_ground, a), NULL, "(0, inf)",
      "half-width of a well, beyond which it is broken"},
-    {"set", "", RP_CHOICE, AT(ground_values, ground.set), "rest", "touch | rest | again",
+    {"set", "", RP_CHOICE, AT(dem_ground, set), "rest", "touch | rest | again",
      "when a grain gets its well: at first touch; once it is at rest; then and again after each break"},
     {0}};
 
@@ -94,28 +78,27 @@ static const rp_param implicit_schema[] = {
 
 #define WALL_AUTO(kind, name, key, unit, type, fallback, range, further, value, wall, meaning)               \
     DEM_IF_MATERIAL(kind,                                                                                    \
-                    {#name, unit, type, AT(wall_values, material.name), "auto", range " | auto",             \
+                    {#name, unit, type, AT(dem_wall, material.name), "auto", range " | auto",                \
                      "of this wall; auto: the grains', times " #wall}, )
 
 static const rp_param wall_schema[] = {
-    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_values, open_at_step), "never",
+    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(dem_wall, open_at_step), "never",
                            "[0, 2147483647] | never", "step from which the wall is gone"},
-    {"open_speed", "cm/s", RP_REAL, AT(wall_values, open_speed), "instant", "[0, inf) | instant",
+    {"open_speed", "cm/s", RP_REAL, AT(dem_wall, open_speed), "instant", "[0, inf) | instant",
      "speed at which its lower end moves then"},
     {0}};
 
 static const rp_param particle_schema[] = {
-    {"x", "cm", RP_REAL, AT(particle_values, x), NULL, "(-inf, inf)", "centre"},
-    {"y", "cm", RP_REAL, AT(particle_values, y), NULL, "(-inf, inf)", "centre"},
-    {"r", "cm", RP_REAL, AT(particle_values, r), NULL, "(0, inf)", "radius"},
-    {"m", "g", RP_REAL, AT(particle_values, m), "auto", "(0, inf) | auto",
-     "mass; auto: from density and shape"},
-    {"vx", "cm/s", RP_REAL, AT(particle_values, vx), "0.0", "(-inf, inf)", "velocity"},
-    {"vy", "cm/s", RP_REAL, AT(particle_values, vy), "0.0", "(-inf, inf)", "velocity"},
-    {"angle", "rad", RP_REAL, AT(particle_values, angle), "0.0", "(-inf, inf)", "0 where nothing rotates"},
-    {"omega", "rad/s", RP_REAL, AT(particle_values, omega), "0.0", "(-inf, inf)",
+    {"x", "cm", RP_REAL, AT(dem_grain, x), NULL, "(-inf, inf)", "centre"},
+    {"y", "cm", RP_REAL, AT(dem_grain, y), NULL, "(-inf, inf)", "centre"},
+    {"r", "cm", RP_REAL, AT(dem_grain, r), NULL, "(0, inf)", "radius"},
+    {"m", "g", RP_REAL, AT(dem_grain, m), "auto", "(0, inf) | auto", "mass; auto: from density and shape"},
+    {"vx", "cm/s", RP_REAL, AT(dem_grain, vx), "0.0", "(-inf, inf)", "velocity"},
+    {"vy", "cm/s", RP_REAL, AT(dem_grain, vy), "0.0", "(-inf, inf)", "velocity"},
+    {"angle", "rad", RP_REAL, AT(dem_grain, angle), "0.0", "(-inf, inf)", "0 where nothing rotates"},
+    {"omega", "rad/s", RP_REAL, AT(dem_grain, omega), "0.0", "(-inf, inf)",
      "spin, counter-clockwise; 0 where nothing rotates"},
-    {"fixed", "", RP_BOOL, AT(particle_values, fixed), "false", "", "whether it never moves"},
+    {"fixed", "", RP_BOOL, AT(dem_grain, fixed), "false", "", "whether it never moves"},
     {0}};
 
 #define FILL(...) DEM_KEY_ROW(dem_fill, , __VA_ARGS__)
@@ -139,11 +122,6 @@ const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
                                              {"particles", particle_schema},
                                              {"fill", fill_schema},
                                              {NULL, NULL}};
-
-static double or_else(double value, double fallback)
-{
-    return value < 0.0 ? fallback : value;
-}
 
 /* The groups of the contacts' parameters, and what they are of. */
 static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
@@ -169,16 +147,14 @@ static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_
 static rp_status read_wall(const config_setting_t *setting, const dem_definition *def, dem_wall *wall)
 {
     static const char *const others[] = {"point", "direction", "extent", NULL};
-    wall_values v;
-    rp_params_defaults(wall_schema, &v);
-    rp_status status = rp_config_group(setting, wall_schema, &v, others);
+    *wall = (dem_wall){.extent = {-INFINITY, INFINITY}};
+    rp_params_defaults(wall_schema, wall);
+    rp_status status = rp_config_group(setting, wall_schema, wall, others);
     if (status) return status;
     const config_setting_t *point = config_setting_get_member(setting, "point");
     const config_setting_t *direction = config_setting_get_member(setting, "direction");
     const config_setting_t *extent = config_setting_get_member(setting, "extent");
     if (!point || !direction) return rp_config_fail(setting, "%s: missing", point ? "direction" : "point");
-    *wall = (dem_wall){
-        .extent = {-INFINITY, INFINITY}, .open_at_step = v.open_at_step, .open_speed = v.open_speed};
     status = rp_config_pair(point, wall->point);
     if (!status) status = rp_config_pair(direction, wall->direction);
     if (!status && extent) status = rp_config_pair(extent, wall->extent);
@@ -189,7 +165,7 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     if (!(wall->extent[0] < wall->extent[1]))
         return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
                               wall->extent[1]);
-    wall->material = dem_wall_material(&v.material, &def->material);
+    wall->material = dem_wall_material(&wall->material, &def->material);
     status = dem_material_check(def, &wall->material);
     return status ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
 }
@@ -209,34 +185,14 @@ static rp_status read_walls(const config_setting_t *root, dem_definition *def)
     return RP_OK;
 }
 
-static rp_status read_ground(const config_setting_t *root, dem_definition *def)
+/* A group that may be missing; its values then stay as they are. */
+static rp_status read_group(const config_setting_t *root, const char *name, const rp_param *schema,
+                            void *values)
 {
-    const config_setting_t *group = config_setting_get_member(root, "ground");
-    ground_values v;
-    rp_params_defaults(ground_schema, &v);
-    rp_status status = group ? rp_config_group(group, ground_schema, &v, NULL) : RP_OK;
-    if (!group || status) return status;
-    def->ground = v.ground;
-    def->ground.wall = (int)v.wall;
-    return RP_OK;
-}
-
-static rp_status read_hard(const config_setting_t *root, dem_definition *def)
-{
-    const config_setting_t *group = config_setting_get_member(root, "hard");
-    rp_params_defaults(hard_schema, &def->hard);
-    def->hard.on = group != NULL;
-    return group ? rp_config_group(group, hard_schema, &def->hard, NULL) : RP_OK;
-}
-
-static rp_status read_implicit(const config_setting_t *root, dem_definition *def)
-{
-    const config_setting_t *group = config_setting_get_member(root, "implicit");
+    const config_setting_t *group = config_setting_get_member(root, name);
     if (!group) return RP_OK;
-    if (def->integrator != DEM_IMPLICIT)
-        return rp_config_fail(group, "implicit: needs integrator = \"implicit\"");
-    rp_params_defaults(implicit_schema, &def->implicit);
-    return rp_config_group(group, implicit_schema, &def->implicit, NULL);
+    rp_params_defaults(schema, values);
+    return rp_config_group(group, schema, values, NULL);
 }
 
 static rp_status read_particles(const config_setting_t *list, const scene_values *top, dem_scene *scene)
@@ -246,13 +202,12 @@ static rp_status read_particles(const config_setting_t *list, const scene_values
     scene->grains = malloc((n + 1) * sizeof *scene->grains);
     if (!scene->grains) return rp_fail(RP_NO_MEMORY, "particles: out of memory");
     for (size_t i = 0; i < n; i++) {
-        particle_values v;
-        rp_params_defaults(particle_schema, &v);
+        dem_grain *p = &scene->grains[i];
+        rp_params_defaults(particle_schema, p);
         rp_status status =
-            rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, &v, NULL);
+            rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
         if (status) return status;
-        double m = or_else(v.m, dem_mass(top->physics.shape, top->physics.density, v.r));
-        scene->grains[i] = (dem_grain){v.x, v.y, v.r, m, v.vx, v.vy, v.angle, v.omega, v.fixed};
+        if (p->m < 0.0) p->m = dem_mass(top->physics.shape, top->physics.density, p->r);
     }
     scene->def.n_grains = n;
     return RP_OK;
@@ -403,9 +358,13 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     scene->steps = top.steps;
     status = read_physics(root, &top.physics, def);
     if (!status) status = read_walls(root, def);
-    if (!status) status = read_ground(root, def);
-    if (!status) status = read_hard(root, def);
-    if (!status) status = read_implicit(root, def);
+    def->hard.on = config_setting_get_member(root, "hard") != NULL;
+    const config_setting_t *implicit = config_setting_get_member(root, "implicit");
+    if (!status) status = read_group(root, "ground", ground_schema, &def->ground);
+    if (!status) status = read_group(root, "hard", hard_schema, &def->hard);
+    if (!status && implicit && def->integrator != DEM_IMPLICIT)
+        status = rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
+    if (!status) status = read_group(root, "implicit", implicit_schema, &def->implicit);
     if (!status) status = read_grains(path, root, &top, scene);
     return status;
 }
@@ -481,14 +440,13 @@ static void write_walls(FILE *out, const dem_definition *def)
     fputs("walls = (", out);
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &def->walls[w];
-        const wall_values values = {wall->material, wall->open_at_step, wall->open_speed};
         fputs(w ? ",\n  { " : "\n  { ", out);
         write_pair(out, "point", wall->point);
         write_pair(out, "direction", wall->direction);
         /* libconfig has no infinity: an open end is written as a number far away */
         double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
         if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
-        rp_config_write(out, wall_schema, &values);
+        rp_config_write(out, wall_schema, wall);
         fputs("}", out);
     }
     fputs(" );\n", out);
@@ -498,10 +456,8 @@ static void write_particles(FILE *out, const dem_scene *scene)
 {
     fputs("particles = (", out);
     for (size_t i = 0; i < scene->def.n_grains; i++) {
-        const dem_grain *p = &scene->grains[i];
-        const particle_values values = {p->x, p->y, p->r, p->m, p->vx, p->vy, p->angle, p->omega, p->fixed};
         fputs(i ? ",\n  { " : "\n  { ", out);
-        rp_config_write(out, particle_schema, &values);
+        rp_config_write(out, particle_schema, &scene->grains[i]);
         fputs("}", out);
     }
     fputs(" );\n", out);
@@ -516,8 +472,7 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     write_group(out, "tangential", tangential_schema, &physics);
     write_group(out, "rolling", rolling_schema, &physics);
     write_walls(out, def);
-    const ground_values ground = {def->ground.wall, def->ground};
-    if (def->ground.wall) write_group(out, "ground", ground_schema, &ground);
+    if (def->ground.wall) write_group(out, "ground", ground_schema, &def->ground);
     if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
     if (def->integrator == DEM_IMPLICIT) write_group(out, "implicit", implicit_schema, &def->implicit);
     if (scene->has_fill)

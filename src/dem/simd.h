@@ -1,6 +1,7 @@
 /* Eight or four doubles as one value, as many as the instructions hold that the including file asks for with
- * `#pragma GCC target`. The operators act on each by itself and round as they do for one number, so that
- * every width gives the same bits. Below is what operators cannot say. */
+ * `#pragma GCC target`. Operators act on each number by itself and round as they do for one number, so that
+ * every width gives the same bits. Shuffles are written once, by the index of each number; the rest depends
+ * on the instructions. */
 #ifndef DEM_SIMD_H
 #define DEM_SIMD_H
 
@@ -11,29 +12,96 @@
 #ifdef __AVX512F__
 enum { WIDTH = 8 };
 typedef __m512d wide;
-typedef __mmask8 lanes; /* a yes or no for each number */
+typedef __m512d_u wide_unaligned;
+typedef __mmask8 lanes; /* a truth value for each number */
+#define WIDE_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
+#define WIDE_PD(operation) _mm512_##operation##_pd
+#else /* AVX2 */
+enum { WIDTH = 4 };
+typedef __m256d wide;
+typedef __m256d_u wide_unaligned;
+typedef __m256d lanes;
+#define WIDE_INDEX         ((__m256i){0, 1, 2, 3})
+#define WIDE_PD(operation) _mm256_##operation##_pd
+#endif
+#define WIDE_ODD (WIDE_INDEX & 1)
 
 static inline wide wide_load(const double *from)
 {
-    return _mm512_loadu_pd(from);
+    return *(const wide_unaligned *)from;
 }
 
 static inline void wide_store(double *to, wide a)
 {
-    _mm512_storeu_pd(to, a);
+    *(wide_unaligned *)to = a;
+}
+
+static inline wide num_of(double a)
+{
+    return a - (wide){0};
+}
+
+/* A wide also holds WIDTH/2 vectors of the plane, (a0, a1), (a2, a3), ... The first numbers of the vectors of
+ * a, each followed by that of b; the second numbers; the even vectors of a, then of b; the odd vectors. */
+static inline wide wide_zip_firsts(wide a, wide b)
+{
+    return __builtin_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH);
+}
+
+static inline wide wide_zip_seconds(wide a, wide b)
+{
+    return __builtin_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH + 1);
+}
+
+static inline wide wide_evens(wide a, wide b)
+{
+    return __builtin_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD);
+}
+
+static inline wide wide_odds(wide a, wide b)
+{
+    return __builtin_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD + 2);
+}
+
+/* The first number of each vector of a, then of b. */
+static inline wide wide_firsts(wide a, wide b)
+{
+    return __builtin_shuffle(a, b, 2 * WIDE_INDEX);
+}
+
+/* (y, x) of each vector. */
+static inline wide wide_swap(wide a)
+{
+    return __builtin_shuffle(a, WIDE_INDEX ^ 1);
+}
+
+/* WIDTH/2 records of two vectors. */
+static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
+{
+    const wide a = wide_load((const double *)from), b = wide_load((const double *)from + WIDTH);
+    *x = wide_evens(a, b);
+    *v = wide_odds(a, b);
+}
+
+static inline void wide_store_records(void *to, wide x, wide v)
+{
+    const __typeof__(WIDE_INDEX) low = WIDE_INDEX / 2 % 2 * WIDTH + WIDE_INDEX / 4 * 2 + WIDE_ODD;
+    wide_store(to, __builtin_shuffle(x, v, low));
+    wide_store((double *)to + WIDTH, __builtin_shuffle(x, v, low + WIDTH / 2));
 }
 
 static inline wide num_sqrt(wide a)
 {
-    return _mm512_sqrt_pd(a);
+    return WIDE_PD(sqrt)(a);
 }
 
 /* a where a > b, else b */
 static inline wide num_max(wide a, wide b)
 {
-    return _mm512_max_pd(a, b);
+    return WIDE_PD(max)(a, b);
 }
 
+#ifdef __AVX512F__
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
@@ -85,34 +153,9 @@ static inline wide wide_gather(const double *from, const uint32_t *index, int st
     return _mm512_i32gather_pd(at, from, 8);
 }
 
-/* Positions and velocities of grains i[] relative to grains j[]. */
-static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
-                                   wide *y, wide *vx, wide *vy)
+static inline wide wide_repeat(dem_vec a)
 {
-    wide d[4];
-    for (int a = 0; a < 4; a++) {
-        const int p = a % 2 + a / 2 * 4, q = p + 2;
-        wide first = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&grain[i[p]].x[0])),
-                                        _mm256_load_pd(&grain[i[q]].x[0]), 1);
-        wide second = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&grain[j[p]].x[0])),
-                                         _mm256_load_pd(&grain[j[q]].x[0]), 1);
-        d[a] = first - second;
-    }
-    wide lo[2] = {_mm512_unpacklo_pd(d[0], d[1]), _mm512_unpacklo_pd(d[2], d[3])};
-    wide hi[2] = {_mm512_unpackhi_pd(d[0], d[1]), _mm512_unpackhi_pd(d[2], d[3])};
-    *x = _mm512_shuffle_f64x2(lo[0], lo[1], 0x88);
-    *y = _mm512_shuffle_f64x2(hi[0], hi[1], 0x88);
-    *vx = _mm512_shuffle_f64x2(lo[0], lo[1], 0xdd);
-    *vy = _mm512_shuffle_f64x2(hi[0], hi[1], 0xdd);
-}
-
-/* The vectors (x, y). */
-static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
-{
-    const __m512i low = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11),
-                  high = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
-    wide_store((double *)to, _mm512_permutex2var_pd(x, low, y));
-    wide_store((double *)(to + 4), _mm512_permutex2var_pd(x, high, y));
+    return _mm512_broadcast_f64x2(a);
 }
 
 /* Forces and torques (x, y, torque); the fourth number is arbitrary. */
@@ -126,70 +169,29 @@ static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, 
     }
 }
 
-/* From here on a wide holds WIDTH/2 vectors. */
-static inline wide wide_repeat(dem_vec a)
-{
-    return _mm512_broadcast_f64x2(a);
-}
-
+/* WIDTH/2 numbers, each twice. */
 static inline wide wide_load_twice(const double *from)
 {
     const __m512i index = _mm512_setr_epi64(0, 0, 1, 1, 2, 2, 3, 3);
     return _mm512_permutexvar_pd(index, _mm512_castpd256_pd512(_mm256_loadu_pd(from)));
 }
 
-static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
+/* The vectors (x, y). */
+static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
 {
-    wide a = wide_load((const double *)from), b = wide_load((const double *)(from + 2));
-    *x = _mm512_shuffle_f64x2(a, b, 0x88);
-    *v = _mm512_shuffle_f64x2(a, b, 0xdd);
+    const __m512i low = WIDE_INDEX / 2 + WIDE_ODD * WIDTH;
+    wide_store((double *)to, __builtin_shuffle(x, y, low));
+    wide_store((double *)(to + 4), __builtin_shuffle(x, y, low + WIDTH / 2));
 }
 
-static inline void wide_store_records(dem_motion *to, wide x, wide v)
+/* Record i[0], followed by record i[2]. */
+static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
 {
-    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
-                  high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-    wide_store((double *)to, _mm512_permutex2var_pd(x, low, v));
-    wide_store((double *)(to + 2), _mm512_permutex2var_pd(x, high, v));
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&grain[i[0]].x[0])),
+                              _mm256_load_pd(&grain[i[2]].x[0]), 1);
 }
 
-/* (y, x) of each. */
-static inline wide wide_swap(wide a)
-{
-    return _mm512_permute_pd(a, 0x55);
-}
-
-/* The first number of each vector of a, then of b. */
-static inline wide wide_firsts(wide a, wide b)
-{
-    return _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), b);
-}
-
-#else /* AVX2 */
-enum { WIDTH = 4 };
-typedef __m256d wide;
-typedef __m256d lanes;
-
-static inline wide wide_load(const double *from)
-{
-    return _mm256_loadu_pd(from);
-}
-
-static inline void wide_store(double *to, wide a)
-{
-    _mm256_storeu_pd(to, a);
-}
-
-static inline wide num_sqrt(wide a)
-{
-    return _mm256_sqrt_pd(a);
-}
-
-static inline wide num_max(wide a, wide b)
-{
-    return _mm256_max_pd(a, b);
-}
-
+#else
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm256_cmp_pd(a, b, _CMP_LT_OQ);
@@ -238,39 +240,19 @@ static inline wide wide_gather(const double *from, const uint32_t *index, int st
     return _mm256_i32gather_pd(from, at, 8);
 }
 
-static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
-                                   wide *y, wide *vx, wide *vy)
+static inline wide wide_repeat(dem_vec a)
 {
-    wide d[4];
-    for (int p = 0; p < 4; p++) d[p] = _mm256_load_pd(&grain[i[p]].x[0]) - _mm256_load_pd(&grain[j[p]].x[0]);
-    wide lo[2] = {_mm256_unpacklo_pd(d[0], d[1]), _mm256_unpacklo_pd(d[2], d[3])};
-    wide hi[2] = {_mm256_unpackhi_pd(d[0], d[1]), _mm256_unpackhi_pd(d[2], d[3])};
-    *x = _mm256_permute2f128_pd(lo[0], lo[1], 0x20);
-    *y = _mm256_permute2f128_pd(hi[0], hi[1], 0x20);
-    *vx = _mm256_permute2f128_pd(lo[0], lo[1], 0x31);
-    *vy = _mm256_permute2f128_pd(hi[0], hi[1], 0x31);
-}
-
-static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
-{
-    wide even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y);
-    wide_store((double *)to, _mm256_permute2f128_pd(even, odd, 0x20));
-    wide_store((double *)(to + 2), _mm256_permute2f128_pd(even, odd, 0x31));
+    return _mm256_set_m128d(a, a);
 }
 
 static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
 {
-    wide even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y),
-         t_even = _mm256_unpacklo_pd(torque, torque), t_odd = _mm256_unpackhi_pd(torque, torque);
-    wide_store((double *)to, _mm256_permute2f128_pd(even, t_even, 0x20));
-    wide_store((double *)(to + 1), _mm256_permute2f128_pd(odd, t_odd, 0x20));
-    wide_store((double *)(to + 2), _mm256_permute2f128_pd(even, t_even, 0x31));
-    wide_store((double *)(to + 3), _mm256_permute2f128_pd(odd, t_odd, 0x31));
-}
-
-static inline wide wide_repeat(dem_vec a)
-{
-    return _mm256_set_m128d(a, a);
+    const wide even = wide_zip_firsts(x, y), odd = wide_zip_seconds(x, y),
+               t_even = wide_zip_firsts(torque, torque), t_odd = wide_zip_seconds(torque, torque);
+    wide_store((double *)to, wide_evens(even, t_even));
+    wide_store((double *)(to + 1), wide_evens(odd, t_odd));
+    wide_store((double *)(to + 2), wide_odds(even, t_even));
+    wide_store((double *)(to + 3), wide_odds(odd, t_odd));
 }
 
 static inline wide wide_load_twice(const double *from)
@@ -278,29 +260,33 @@ static inline wide wide_load_twice(const double *from)
     return _mm256_permute4x64_pd(_mm256_castpd128_pd256(_mm_loadu_pd(from)), 0x50);
 }
 
-static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
+static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
 {
-    wide a = wide_load((const double *)from), b = wide_load((const double *)(from + 1));
-    *x = _mm256_permute2f128_pd(a, b, 0x20);
-    *v = _mm256_permute2f128_pd(a, b, 0x31);
+    wide_store_records(to, wide_zip_firsts(x, y), wide_zip_seconds(x, y));
 }
 
-static inline void wide_store_records(dem_motion *to, wide x, wide v)
+static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
 {
-    wide_store((double *)to, _mm256_permute2f128_pd(x, v, 0x20));
-    wide_store((double *)(to + 1), _mm256_permute2f128_pd(x, v, 0x31));
-}
-
-static inline wide wide_swap(wide a)
-{
-    return _mm256_permute_pd(a, 0x5);
-}
-
-static inline wide wide_firsts(wide a, wide b)
-{
-    return _mm256_permute4x64_pd(_mm256_unpacklo_pd(a, b), 0xd8);
+    return _mm256_load_pd(&grain[i[0]].x[0]);
 }
 #endif
+
+/* Positions and velocities of grains i[] relative to grains j[]. */
+static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
+                                   wide *y, wide *vx, wide *vy)
+{
+    wide d[4];
+    for (int a = 0; a < 4; a++) {
+        const int p = a % 2 + a / 2 * (WIDTH / 2);
+        d[a] = wide_load_record(grain, i + p) - wide_load_record(grain, j + p);
+    }
+    const wide lo[2] = {wide_zip_firsts(d[0], d[1]), wide_zip_firsts(d[2], d[3])},
+               hi[2] = {wide_zip_seconds(d[0], d[1]), wide_zip_seconds(d[2], d[3])};
+    *x = wide_evens(lo[0], lo[1]);
+    *y = wide_evens(hi[0], hi[1]);
+    *vx = wide_odds(lo[0], lo[1]);
+    *vy = wide_odds(hi[0], hi[1]);
+}
 
 typedef wide num;
 #include "dem/law.inl"

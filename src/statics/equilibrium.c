@@ -116,6 +116,19 @@ static void name_disks(char *text, size_t size, size_t n, const size_t disks[])
     if (n > NAMED && used < size) snprintf(text + used, size - used, " and %zu more", n - NAMED);
 }
 
+static rp_status no_memory(size_t n)
+{
+    return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+}
+
+/* A solve without a result; `why` is known where Newton's method converged. */
+static rp_status no_result(statics_pile *pile, statics_fault fault, const char *why)
+{
+    pile->why = why;
+    pile->result.fault = fault;
+    return RP_NO_RESULT;
+}
+
 /* ---- Making a pile ---- */
 
 static rp_status check_number(const char *name, double value, double lo, double hi, const char *allowed)
@@ -216,8 +229,7 @@ static rp_status find_network(statics_pile *pile)
     pile->n_changes = (size_t)(UPDATE_MAX * sqrt((double)pile->n));
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
     pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
-    if (!pile->bonds || !pile->changed || !pile->direction)
-        return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    if (!pile->bonds || !pile->changed || !pile->direction) return no_memory(pile->n);
     status = make_bonds(pile);
     if (!status) make_wells(pile);
     return status ? status : rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
@@ -229,14 +241,14 @@ rp_status statics_create(const statics_definition *def, statics_pile **made)
     if (status) return status;
     const size_t n = def->n;
     statics_pile *pile = calloc(1, sizeof *pile);
-    if (!pile) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+    if (!pile) return no_memory(n);
     pile->def = *def;
     pile->n = n;
     pile->disks = malloc(n * sizeof *pile->disks);
     pile->wells = malloc(n * sizeof *pile->wells);
     pile->block = calloc(10 * n, sizeof *pile->block);
     if (!pile->disks || !pile->wells || !pile->block)
-        status = rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
+        status = no_memory(n);
     else {
         memcpy(pile->disks, def->disks, n * sizeof *pile->disks);
         pile->def.disks = pile->disks;
@@ -283,6 +295,12 @@ static double bond_push(const statics_pile *pile, size_t k, const double *w, dou
     n[1] = (b->d[1] + eps * ey) / r;
     *length = r;
     return b->rest - q / (r + b->length);
+}
+
+static double push_of(const statics_pile *pile, size_t k)
+{
+    double n[2], length;
+    return bond_push(pile, k, pile->w, n, &length);
 }
 
 static double ground_push(const statics_pile *pile, size_t i, const double *w)
@@ -361,7 +379,7 @@ static double energy(const statics_pile *pile)
         sum += f * f / 2 + pile->disks[i].weight * pile->w[2 * i + 1];
     }
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r, f = fmax(bond_push(pile, k, pile->w, n, &r), 0);
+        const double f = fmax(push_of(pile, k), 0);
         sum += f * f / 2;
     }
     for (size_t i = 0; i < pile->n_wells; i++) {
@@ -374,9 +392,7 @@ static double energy(const statics_pile *pile)
 static bool same_contacts(const statics_pile *pile)
 {
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r;
-        const bool pushes = bond_push(pile, k, pile->w, n, &r) > 0;
-        if (pushes ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
+        if (push_of(pile, k) > 0 ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
     }
     return true;
 }
@@ -385,16 +401,8 @@ static bool same_contacts(const statics_pile *pile)
 static double largest_push(const statics_pile *pile)
 {
     double most = 0;
-    for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r;
-        most = fmax(most, bond_push(pile, k, pile->w, n, &r));
-    }
+    for (size_t k = 0; k < pile->n_bonds; k++) most = fmax(most, push_of(pile, k));
     return most;
-}
-
-static double softening_of_turns(const statics_pile *pile)
-{
-    return fmin(fmax(SOFTEN_TURN * pile->eps * largest_push(pile), SOFTEN_MIN), 1);
 }
 
 /* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
@@ -411,12 +419,11 @@ static rp_status factorise(statics_pile *pile, bool start, int mode, bool fallin
         pile->result.factored++;
         if (status) return status;
         if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
-        if (hold > 0) {
-            pile->result.fault = STATICS_SINGULAR;
-            return RP_NO_RESULT;
-        }
+        if (hold > 0) return no_result(pile, STATICS_SINGULAR, "");
         if (soften == 1) hold = HOLD;
-        soften = soften > 0 ? fmin(10 * soften, 1) : mode == STRIDE ? softening_of_turns(pile) : SOFTEN_FIRST;
+        soften = soften > 0       ? fmin(10 * soften, 1)
+                 : mode == STRIDE ? fmin(fmax(SOFTEN_TURN * pile->eps * largest_push(pile), SOFTEN_MIN), 1)
+                                  : SOFTEN_FIRST;
     }
     pile->soften = soften;
     pile->moved = 0;
@@ -435,10 +442,8 @@ static double next_stiffness(const bond *b, bool pushes, bool settled, double so
 static size_t changed_contacts(const statics_pile *pile)
 {
     size_t changed = 0;
-    for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r;
-        changed += (bond_push(pile, k, pile->w, n, &r) > 0) != (pile->bonds[k].hard == 1);
-    }
+    for (size_t k = 0; k < pile->n_bonds; k++)
+        changed += (push_of(pile, k) > 0) != (pile->bonds[k].hard == 1);
     return changed;
 }
 
@@ -452,9 +457,7 @@ static bool update(statics_pile *pile, rp_status *status)
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
             bond *b = &pile->bonds[k];
-            double n_now[2], r;
-            const double next =
-                next_stiffness(b, bond_push(pile, k, pile->w, n_now, &r) > 0, settled, pile->soften);
+            const double next = next_stiffness(b, push_of(pile, k) > 0, settled, pile->soften);
             if (add ? !(next > b->hard) : !(next < b->hard)) continue;
             if (n == pile->n_changes) return false;
             const double part = sqrt(fabs(next - b->hard));
@@ -480,13 +483,15 @@ static double largest(const double *v, size_t n)
     return most;
 }
 
-/* Largest relative displacement of neighbours. */
-static double largest_stretch(const statics_pile *pile, const double *w)
+/* Largest relative displacement of neighbours; *where, if not NULL, is their bond. */
+static double largest_stretch(const statics_pile *pile, const double *w, size_t *where)
 {
     double most = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b];
-        most = fmax(most, fmax(fabs(wb[0] - wa[0]), fabs(wb[1] - wa[1])));
+        const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b],
+                     moved = fmax(fabs(wb[0] - wa[0]), fabs(wb[1] - wa[1]));
+        if (where && moved > most) *where = k;
+        most = fmax(most, moved);
     }
     return most;
 }
@@ -497,10 +502,11 @@ static double tolerance(const statics_pile *pile)
     return 32 * DBL_EPSILON * fmax(largest(pile->w, 2 * pile->n), 1);
 }
 
-static bool spread(const statics_pile *pile)
+/* Whether neighbours are apart by more than `linear`, or where sigma has a meaning by SPREAD. */
+static bool spread(const statics_pile *pile, double linear)
 {
-    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SPREAD_LINEAR;
-    return !(largest_stretch(pile, pile->w) < limit);
+    const double limit = pile->eps > 0 ? SPREAD / pile->eps : linear;
+    return !(largest_stretch(pile, pile->w, NULL) < limit);
 }
 
 static double slope_along(const statics_pile *pile)
@@ -516,7 +522,7 @@ static double slope_along(const statics_pile *pile)
  * its sign does not matter. Returns the residual there. */
 static double advance(statics_pile *pile, bool whole)
 {
-    const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p),
+    const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p, NULL),
                  reach = stretch * pile->eps;
     double t = reach > STEP_MAX ? STEP_MAX / reach : 1, residual = INFINITY;
     double below = 0, s_below = 1, above = INFINITY,
@@ -549,7 +555,7 @@ static double advance(statics_pile *pile, bool whole)
 static statics_fault hopeless(const statics_pile *pile, int mode, int step, double first)
 {
     static const int most[] = {[FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND, [STRIDE] = STEPS_DESCEND};
-    if (spread(pile)) return pile->result.broken ? STATICS_SPREADS : STATICS_COLLAPSES;
+    if (spread(pile, SPREAD_LINEAR)) return pile->result.broken ? STATICS_SPREADS : STATICS_COLLAPSES;
     if (step == most[mode] || !(pile->result.residual < INFINITY)) return STATICS_NOT_CONVERGED;
     return mode == FOLLOW && pile->pivots.negative && pile->result.residual > APART * first
                ? STATICS_NOT_CONVERGED
@@ -647,9 +653,7 @@ static rp_status converge(statics_pile *pile, bool start, int mode)
         rp_status status = newton(pile, start, mode);
         if (status || !follow_wells(pile)) return status;
     }
-    pile->why = "the wells' stiffness does not settle; ";
-    pile->result.fault = STATICS_NOT_CONVERGED;
-    return RP_NO_RESULT;
+    return no_result(pile, STATICS_NOT_CONVERGED, "the wells' stiffness does not settle; ");
 }
 
 /* Equilibrium, with the wells that hold. */
@@ -660,9 +664,7 @@ static rp_status settle(statics_pile *pile, int mode)
         if (status || !break_wells(pile)) return status;
         follow_wells(pile);
     }
-    pile->why = "wells are left as often as they are set anew; ";
-    pile->result.fault = STATICS_CREEPS;
-    return RP_NO_RESULT;
+    return no_result(pile, STATICS_CREEPS, "wells are left as often as they are set anew; ");
 }
 
 /* A branch is left at once where wells have broken. What the pile then does, its way downhill from the last
@@ -673,10 +675,9 @@ static rp_status go_on_downhill(statics_pile *pile, double to)
     pile->eps = to;
     pile->factored = false;
     rp_status status = settle(pile, STRIDE);
-    if (status) return status;
-    pile->why = "the branch was lost as wells broke, but downhill there is rest; ";
-    pile->result.fault = STATICS_NOT_CONVERGED;
-    return RP_NO_RESULT;
+    return status ? status
+                  : no_result(pile, STATICS_NOT_CONVERGED,
+                              "the branch was lost as wells broke, but downhill there is rest; ");
 }
 
 /* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
@@ -750,14 +751,14 @@ static rp_status expect_contacts(statics_pile *pile, double a)
     if (!touching) return RP_OK;
     statics_pile *half = NULL;
     rp_pair *parents = malloc(pile->n * sizeof *parents);
-    if (!parents) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    if (!parents) return no_memory(pile->n);
     rp_status status = solve_half(pile, a, parents, &half);
     for (size_t i = 0; half && i < 2 * pile->n; i++) {
         const size_t p = parents[i / 2].a, q = parents[i / 2].b;
         pile->w[i] = p < half->n && q < half->n ? half->w[2 * p + i % 2] + half->w[2 * q + i % 2] : NAN;
     }
     for (size_t k = 0; half && k < pile->n_bonds; k++) {
-        double n[2], r, f = bond_push(pile, k, pile->w, n, &r);
+        const double f = push_of(pile, k);
         if (!isnan(f)) pile->bonds[k].expected = f > 0;
     }
     statics_free(half);
@@ -831,9 +832,7 @@ static rp_status count_modes(statics_pile *pile)
     pile->result.smallest_pivot = pile->pivots.smallest;
     pile->result.pivot_disk = pile->pivots.disk;
     if (status || pile->pivots.smallest > SINGULAR) return status;
-    pile->result.fault =
-        STATICS_SINGULAR; /* an equilibrium, but indifferent, and its modes are not counted */
-    return RP_NO_RESULT;
+    return no_result(pile, STATICS_SINGULAR, ""); /* an indifferent equilibrium: its modes are not counted */
 }
 
 /* Leave a saddle along a direction close to its least stable mode, by inverse iteration with the stiffness
@@ -859,7 +858,7 @@ static rp_status kick(statics_pile *pile)
         status = rp_stiffness_solve(pile->matrix, pile->p, pile->p);
     }
     if (status) return status;
-    const double scale = KICK * largest_push(pile) / largest_stretch(pile, pile->p);
+    const double scale = KICK * largest_push(pile) / largest_stretch(pile, pile->p, NULL);
     for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] += scale * pile->p[i];
     pile->factored = false;
     return RP_OK;
@@ -875,10 +874,8 @@ static rp_status go_to_minimum(statics_pile *pile)
         if (status) return status;
     }
     if (pile->def.leave && !pile->result.jumps) pile->result.released = primary - energy(pile);
-    if (!pile->result.negative_modes) return RP_OK;
-    pile->why = "no stable state downhill; ";
-    pile->result.fault = STATICS_NOT_CONVERGED;
-    return RP_NO_RESULT;
+    return pile->result.negative_modes ? no_result(pile, STATICS_NOT_CONVERGED, "no stable state downhill; ")
+                                       : RP_OK;
 }
 
 /* Pairs that overlap where the disks now are, and were no neighbours. */
@@ -888,7 +885,7 @@ static rp_status check_meetings(statics_pile *pile)
     size_t n_met = 0;
     statics_disk *moved = malloc(pile->n * sizeof *moved);
     rp_pair *met = NULL;
-    if (!moved) return rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", pile->n);
+    if (!moved) return no_memory(pile->n);
     for (size_t i = 0; i < pile->n; i++) {
         moved[i] = pile->disks[i];
         moved[i].x += eps * pile->w[2 * i];
@@ -905,17 +902,14 @@ static rp_status check_meetings(statics_pile *pile)
     }
     free(met);
     free(moved);
-    if (status || !pile->n_met) return status;
-    pile->result.fault = STATICS_MEETS;
-    return RP_NO_RESULT;
+    return status || !pile->n_met ? status : no_result(pile, STATICS_MEETS, "");
 }
 
 static void count_contacts(statics_pile *pile)
 {
     pile->result.contacts = pile->result.horizontal = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r;
-        const bool closed = bond_push(pile, k, pile->w, n, &r) > 0;
+        const bool closed = push_of(pile, k) > 0;
         pile->result.contacts += closed;
         pile->result.horizontal += closed && pile->bonds[k].horizontal;
     }
@@ -928,21 +922,6 @@ static size_t worst_disk(const statics_pile *pile)
     for (size_t i = 0; i < 2 * pile->n; i++)
         if (fabs(pile->g[i]) > fabs(pile->g[worst])) worst = i;
     return worst / 2;
-}
-
-/* Neighbours moved most against one another; there is a pair. */
-static rp_pair most_apart(const statics_pile *pile)
-{
-    size_t most = 0;
-    double largest_yet = 0;
-    for (size_t k = 0; k < pile->n_bonds; k++) {
-        const double *wa = &pile->w[2 * pile->pairs[k].a], *wb = &pile->w[2 * pile->pairs[k].b];
-        const double moved = fmax(fabs(wb[0] - wa[0]), fabs(wb[1] - wa[1]));
-        if (!(moved > largest_yet)) continue;
-        largest_yet = moved;
-        most = k;
-    }
-    return pile->pairs[most];
 }
 
 static void name_wells(const statics_pile *pile, char *text, size_t size)
@@ -966,8 +945,9 @@ static void name_cause(const statics_pile *pile, char *text, size_t size)
     size_t used = 0;
     *text = '\0';
     if (fault == STATICS_SPREADS || fault == STATICS_COLLAPSES) {
-        const rp_pair apart = most_apart(pile);
-        const double moved = largest_stretch(pile, pile->w);
+        size_t widest = 0;
+        const double moved = largest_stretch(pile, pile->w, &widest);
+        const rp_pair apart = pile->pairs[widest];
         used = (size_t)snprintf(text, size, "neighbours %u and %u moved by %.3g %s against one another; ",
                                 apart.a + 1, apart.b + 1, pile->eps > 0 ? pile->eps * moved : moved,
                                 pile->eps > 0 ? "sigma" : "eps sigma");
@@ -997,20 +977,13 @@ static rp_status explain(const statics_pile *pile)
                    statics_fault_text(r->fault), wells, cause, r->load, residual, r->steps);
 }
 
-/* Whether neighbours slid apart, wells having broken. */
-static bool slid_apart(const statics_pile *pile)
-{
-    const double limit = pile->eps > 0 ? SPREAD / pile->eps : SLID_LINEAR * ((double)pile->n + pile->a);
-    return !(largest_stretch(pile, pile->w) < limit);
-}
-
 /* What is known of the state in which a solve was given up. */
 static void give_up(statics_pile *pile)
 {
     statics_result *r = &pile->result;
     r->residual = gradient(pile, pile->w, pile->g);
     r->eps = pile->eps;
-    if (r->broken && slid_apart(pile)) r->fault = STATICS_SPREADS;
+    if (r->broken && spread(pile, SLID_LINEAR * ((double)pile->n + pile->a))) r->fault = STATICS_SPREADS;
     const bool free_disk = r->fault == STATICS_SINGULAR;
     r->negative_modes = STATICS_UNCOUNTED;
     r->smallest_pivot = free_disk ? pile->pivots.smallest : NAN;
