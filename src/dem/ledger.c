@@ -89,24 +89,22 @@ static rp_status reserve_contacts(dem_sim *sim)
     return RP_OK;
 }
 
-/* Relative motion of a contact, by which its laws give their forces. */
-typedef struct {
-    double m_eff, overlap, v_n, v_s, v_roll, spring, roll;
-} relative;
-
 /* The parts of the normal, tangential and rolling force, springs as they are after the step. */
-static double split_forces(const dem_sim *sim, const dem_material *c, double mu, const relative *r,
-                           ledger_contact *e)
+static double split_forces(const dem_sim *sim, const dem_relative *r, double h, ledger_contact *e)
 {
     const dem_definition *def = &sim->def;
+    const dem_material *c = r->c;
+    e->n = r->n, e->s = r->s, e->point = r->point;
+    e->arm_a = r->arm_a, e->arm_b = r->arm_b, e->r_eff = r->r_eff;
+    e->sheared = r->v_s * h, e->rolled = r->v_roll * h;
     const double f_n =
         dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
     e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
     e->damping = f_n - e->elastic;
-    const dem_slider shear = dem_shear_of(def, c, mu);
+    const dem_slider shear = dem_shear_of(def, c, r->mu);
     double ds = r->spring, pull = c->k_s * ds;
     const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
-                 cap = mu * fmax(f_n, 0.0);
+                 cap = r->mu * fmax(f_n, 0.0);
     switch (def->tangential) {
     case DEM_NONE: break;
     case DEM_SPRING:
@@ -129,31 +127,12 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
 {
     const bool swap = sim->grains.id[sim->pairs.i[k]] > sim->grains.id[sim->pairs.j[k]];
     const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
-    const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x,
-                  v = sim->grains.motion[i].v - sim->grains.motion[j].v;
-    const double distance = sqrt(dem_dot(d, d)), overlap = sim->pairs.radii[k] - distance;
-    *e = (ledger_contact){
-        .a = sim->grains.id[i], .b = sim->grains.id[j], .index = k, .n = d * (1.0 / distance)};
+    *e = (ledger_contact){.a = sim->grains.id[i], .b = sim->grains.id[j], .index = k};
     e->key = (uint64_t)e->a << 32 | e->b;
     if (one_force(sim)) return;
-    e->s = dem_clockwise(e->n);
-    relative r = {.m_eff = sim->pairs.m_eff[k],
-                  .overlap = overlap,
-                  .v_n = dem_dot(v, e->n),
-                  .v_s = dem_dot(v, e->s),
-                  .spring = sim->pairs.spring[k]};
-    if (sim->grains.omega) {
-        e->arm_a = sim->grains.radius[i] - 0.5 * overlap;
-        e->arm_b = sim->grains.radius[j] - 0.5 * overlap;
-        e->r_eff = sim->grains.radius[i] * sim->grains.radius[j] / sim->pairs.radii[k];
-        r.v_s += e->arm_a * sim->grains.omega[i] + e->arm_b * sim->grains.omega[j];
-        r.v_roll = e->r_eff * (sim->grains.omega[i] - sim->grains.omega[j]);
-    }
-    if (sim->pairs.rolling) r.roll = swap ? -sim->pairs.roll[k] : sim->pairs.roll[k];
-    e->sheared = r.v_s * h;
+    const dem_relative r = dem_pair_relative(sim, k, swap);
+    split_forces(sim, &r, h, e);
     if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], e->s);
-    e->rolled = r.v_roll * h;
-    split_forces(sim, &sim->def.material, sim->mu, &r, e);
 }
 
 static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
@@ -163,36 +142,14 @@ static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
 
 static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
-    dem_wall_slot slot = sim->walls.slot[k];
-    const size_t i = slot.grain;
-    dem_vec wall_velocity;
-    double overlap;
-    *e = (ledger_contact){.a = sim->grains.id[i], .index = k};
-    e->key = slot_key(sim, &slot);
-    if (one_force(sim) || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
-        return;
-    const dem_vec v = sim->grains.motion[i].v - wall_velocity;
-    e->s = dem_clockwise(e->n);
-    e->point = sim->grains.motion[i].x - (sim->grains.radius[i] - overlap) * e->n;
-    e->own_velocity = wall_velocity - dem_box_velocity(&sim->walls, e->point);
-    relative r = {.m_eff = sim->grains.mass[i],
-                  .overlap = overlap,
-                  .v_n = dem_dot(v, e->n),
-                  .v_s = dem_dot(v, e->s),
-                  .spring = slot.spring,
-                  .roll = slot.roll};
-    if (sim->grains.omega) {
-        e->arm_a = sim->grains.radius[i] - overlap;
-        e->r_eff = sim->grains.radius[i];
-        r.v_s += e->arm_a * sim->grains.omega[i];
-        r.v_roll = e->r_eff * (sim->grains.omega[i] + sim->walls.swing[1]);
-    }
-    e->sheared = r.v_s * h;
-    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i], e->s);
-    e->rolled = r.v_roll * h;
-    const double f_n =
-        split_forces(sim, &sim->def.walls[slot.wall].material, sim->walls.mu[slot.wall], &r, e);
-    if (dem_is_ground(sim, &slot)) e->well = dem_ground_force(sim, &slot, f_n);
+    const dem_wall_slot *slot = &sim->walls.slot[k];
+    dem_relative r;
+    *e = (ledger_contact){.a = sim->grains.id[slot->grain], .index = k, .key = slot_key(sim, slot)};
+    if (one_force(sim) || !dem_slot_relative(sim, k, &r)) return;
+    const double f_n = split_forces(sim, &r, h, e);
+    e->own_velocity = r.wall_velocity - dem_box_velocity(&sim->walls, e->point);
+    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[slot->grain], e->s);
+    if (dem_is_ground(sim, slot)) e->well = dem_ground_force(sim, slot, f_n);
 }
 
 static int by_key(const void *a, const void *b)
