@@ -1,17 +1,14 @@
-/* Energy ledger: where the energy of a run goes, beside a simulation that it does not touch.
+/* Energy ledger: the channels into which a run's energy goes. The simulation does not depend on it.
  *
- * A step takes each grain by D. The forces F of its two ends do the work (F_0 + F_1) . D/2, split over the
- * contacts and there over the parts of the law. The work of damping, sliding and moving walls is the
- * channel's; the work of what has a potential is set against the change of the potential, and the sum of all
- * works on a grain against the change of its kinetic energy: what is left of these two is what the scheme
- * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
- * the grains, and the potentials are those of dem_energies.
+ * In a step with displacement D, the forces F of the step's two ends do the work (F_0 + F_1) . D/2. The work
+ * is split over the contacts, and at each contact over the parts of its law. Damping, sliding and moving
+ * walls are channels. The work of a spring is compared with the change of its potential, and the work on a
+ * grain with the change of its kinetic energy; both differences are the channel `integration`. Energy and
+ * ledger then agree to round-off if the parts of all contacts add up to the forces that moved the grains.
  *
- * An integrator may have one force all through a step, whose parts it knows: there the contacts of a step's
- * ends have energies alone, and a list of their own has the works.
+ * An integrator with one force throughout a step gives the parts of that force itself.
  *
- * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
- * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
+ * A truncated spring slides by the law's increment of displacement less the change of the spring. */
 #include "dem/ledger.h"
 
 #include <math.h>
@@ -24,16 +21,16 @@
 #include "dem/law.h"
 #include "dem/sim.h"
 
-/* A grain, by id, at the end of the last step; its displacement and turn in the step, and the energy that
- * hard collisions of the step gave to it. Mass 0: it is fixed. */
+/* A grain, by id, at the end of the last step, with its displacement and turn in the step. `hard` is the
+ * energy gained in the step's hard collisions; mass 0 means fixed. */
 typedef struct {
     bool present, seen;
     dem_vec x, force, displacement;
     double angle, torque, turn, mass, kinetic, hard;
 } ledger_grain;
 
-/* A contact of grain a with b, or with a wall, where b is 0: its frame, its forces on a along n and s and of
- * rolling on r_eff (omega_a - omega_b), the law's increments of displacement, and its energies. */
+/* A contact of grain a with grain b, or with a wall (b = 0): frame, parts of the force on a, increments of
+ * the shear and rolling displacements, energies. */
 typedef struct {
     uint64_t key;
     uint32_t a, b, index; /* index of the pair or wall slot */
@@ -89,7 +86,7 @@ static rp_status reserve_contacts(dem_sim *sim)
     return RP_OK;
 }
 
-/* The parts of the normal, tangential and rolling force, springs as they are after the step. */
+/* The parts of the normal, tangential and rolling force; gives the normal force. */
 static double split_forces(const dem_sim *sim, const dem_relative *r, double h, ledger_contact *e)
 {
     const dem_definition *def = &sim->def;
@@ -234,8 +231,8 @@ static void add(dem_ledger *sum, const dem_ledger *l)
     sum->turnover += fabs(l->wall_work);
 }
 
-/* Displacements of all grains in the step, and the gain of their kinetic energies beyond the work of the
- * forces. A grain that is gone was taken out with its energy of the step's start. */
+/* Displacements in the step, and the gain of kinetic energy beyond the work of the forces. A grain that left
+ * takes its energy of the step's start with it. */
 static void move_grains(dem_sim *sim)
 {
     struct dem_ledger_state *b = sim->ledger;
@@ -310,8 +307,7 @@ static void add_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
     add(&b->sum, &step);
 }
 
-/* Energies of a contact in the step, from its start to its end; `was` or `is` is empty where it begins or
- * ends. */
+/* Energies of a contact over the step. `was` is empty for a new contact, `is` for an ended one. */
 static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger_contact *is)
 {
     dem_ledger step = {0};
@@ -326,7 +322,7 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     add_step(sim, was->a ? was : is, step);
 }
 
-/* The same of a force that is one all through the step. */
+/* Energies of a contact with one force throughout the step. */
 static void settle_between(dem_sim *sim, const ledger_contact *c)
 {
     dem_ledger step = {0};
