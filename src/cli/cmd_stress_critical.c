@@ -32,10 +32,7 @@ static const cli_command critical_command = {
     "protocol stress (repose sweep export; rows whose status is not ok are left out). Mean response of the "
     "piles,\n"
     "extrapolated in the tangent of the tilt; errors and 95 % intervals by bootstrap over piles.\n"
-    "floor_tilt: friction on the floor comes to mu; floor_less: that less the measured theta_t. bulk_tilt: "
-    "the\n"
-    "angle mobilised inside comes to atan mu; negative if it is beyond without tilt, nan if it is at any "
-    "tilt.\n"
+    "floor_tilt: friction on the floor comes to mu; floor_less: that less the measured theta_t.\n"
     "..._friction_0, _t: friction mobilised without tilt and at the measured theta_t. rank: Spearman's\n"
     "correlation of the piles' own floor_tilt and theta_t.",
     "repose stress critical build/tables/lh_stress_runs.tsv",
