@@ -245,7 +245,7 @@ static sweep_result run(const char *const changes[])
     for (; changes[0]; changes += 2)
         CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[0]), p, changes[1]));
     CHECK_OK(sweep_protocol_drop.check(p));
-    CHECK_OK(sweep_protocol_drop.run(p, 5, 1, &result));
+    CHECK_OK(sweep_protocol_drop.run(p, 5, 1, NULL, &result));
     free(p);
     return result;
 }

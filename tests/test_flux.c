@@ -6,7 +6,7 @@
 #include "stats/stats.h"
 #include "core/random.h"
 #include "core/table.h"
-#include "sweeps/driver/protocol_flux.h"
+#include "sweeps/driver/box.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
@@ -16,17 +16,17 @@ static void height_closed_forms(void)
 {
     const double gap = 1e-3;
     dem_state s[3] = {{.x = 1.0, .y = 0.7, .r = 0.15}};
-    CHECK_NEAR(sweep_flux_height(0, s, 0.1, 0.1, gap), 0.101, 1e-15);
-    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* beyond contact */
-    CHECK_NEAR(sweep_flux_height(1, s, 1.0, 0.1, gap), 0.7 + 0.25 + gap, 1e-15);
+    CHECK_NEAR(sweep_touch_height(0, s, 0.1, 0.1, gap), 0.101, 1e-15);
+    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* beyond contact */
+    CHECK_NEAR(sweep_touch_height(1, s, 1.0, 0.1, gap), 0.7 + 0.25 + gap, 1e-15);
     s[0] = (dem_state){.x = 0.4, .y = 0.7, .r = 0.399}; /* with 0.1 + gap a triangle of 3, 4, 5 tenths */
-    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 1.1, 1e-15);
+    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 1.1, 1e-15);
     s[1] = (dem_state){.x = 0.1, .y = 0.9, .r = 0.1}; /* the higher of two, in either order */
-    CHECK_NEAR(sweep_flux_height(2, s, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    CHECK_NEAR(sweep_touch_height(2, s, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
     s[2] = s[0];
-    CHECK_NEAR(sweep_flux_height(2, s + 1, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    CHECK_NEAR(sweep_touch_height(2, s + 1, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
     s[0].y = -0.4; /* at the height of the floor's contact, not above it */
-    CHECK_NEAR(sweep_flux_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15);
+    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15);
 }
 
 /* Free at that height and everywhere above, not free just below it. */
@@ -42,7 +42,7 @@ static void height_of_random_piles(void)
                                .y = 2.0 * gsl_rng_uniform(rng),
                                .r = 0.07 + 0.06 * gsl_rng_uniform(rng)};
         const double r = 0.07 + 0.06 * gsl_rng_uniform(rng), x = r + 0.5 * gsl_rng_uniform(rng);
-        const double y = sweep_flux_height(N, s, x, r, gap);
+        const double y = sweep_touch_height(N, s, x, r, gap);
         bool supported = y - below < r + gap;
         CU_ASSERT(y >= r + gap);
         for (int i = 0; i < N; i++) {
@@ -97,7 +97,7 @@ static void trace(const char *const changes[], traced *t)
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(t->folder));
     const sweep_tables tables = {t->folder, 1000000, no_header};
     CHECK_OK(protocol->check(p));
-    CHECK_OK(protocol->trace(p, 1993, 0, &tables, &t->result));
+    CHECK_OK(protocol->run(p, 1993, 0, &tables, &t->result));
     snprintf(path, sizeof path, "%s/series.tsv", t->folder);
     CHECK_OK(rp_table_read(path, &t->series));
     snprintf(path, sizeof path, "%s/pile_grains.tsv", t->folder);
@@ -219,9 +219,9 @@ static void outputs_from_series(void)
 
     sweep_result again;
     void *p = params(small);
-    CHECK_OK(protocol->run(p, 1993, 0, &again));
+    CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
-    CHECK_OK(protocol->run(p, 1993, 1, &again)); /* another stream, another pile */
+    CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
     CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
     free(p);
     trace_free(&t);
@@ -233,7 +233,7 @@ static void ends_without_result(void)
     static const char *const short_of_steps[] = {"W=1", "steps_max=30000", NULL};
     sweep_result result;
     void *p = params(rising);
-    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "not_level");
     CU_ASSERT(strstr(result.message, "has not levelled off") != NULL);
     CU_ASSERT(isnan(output(&result, "theta_deg")) && output(&result, "insertions_made") == 26.0);
@@ -241,13 +241,13 @@ static void ends_without_result(void)
     /* too short for a correlation time: mean and largest angle stay */
     static const char *const no_plateau[] = {"W=1.4", "insertions=44", NULL};
     p = params(no_plateau);
-    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "ok");
     CU_ASSERT(isnan(output(&result, "tau_insertions")) && isnan(output(&result, "theta_max_draws_deg")));
     CU_ASSERT(output(&result, "theta_max_deg") > output(&result, "theta_deg"));
     free(p);
     p = params(short_of_steps);
-    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT(output(&result, "steps") == 30000.0);
     CU_ASSERT(output(&result, "insertions_made") > 4.0 && output(&result, "insertions_made") < 100.0);
     free(p);
@@ -260,7 +260,7 @@ static void ends_without_result(void)
     double limit = atof(strstr(rp_message(), "the limit is ") + strlen("the limit is "));
     memcpy((char *)p + dt->offset, &(double){0.995 * limit}, sizeof limit); /* three digits are printed */
     CHECK_OK(protocol->check(p));
-    CHECK_OK(protocol->run(p, 1993, 0, &result));
+    CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "too_high");
     CU_ASSERT(strstr(result.message, "new particle: dt = ") != NULL);
     free(p);

@@ -185,7 +185,7 @@ static void check_run(const golden_run *g)
         CHECK_OK(rp_params_set_text(param, params, s->value));
     }
     CHECK_OK(p->check(params));
-    CHECK_OK(p->run(params, 1993, 0, &result));
+    CHECK_OK(p->run(params, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, g->status);
     double values[MAX_HASHED];
     size_t n = 0;

@@ -195,7 +195,7 @@ static rp_status run(const char *const changes[], unsigned long number, sweep_re
         CHECK_OK(rp_params_set_text(rp_params_find(p->schema, name), params, value));
     }
     rp_status status = p->check(params);
-    if (!status) status = p->run(params, 1992, number, result);
+    if (!status) status = p->run(params, 1992, number, NULL, result);
     free(params);
     return status;
 }
@@ -504,7 +504,7 @@ static void traced(void)
     rp_params_defaults(sweep_pile_schema, &p);
     p.base = 12;
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
-    CHECK_OK(sweep_protocol_pile.trace(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
+    CHECK_OK(sweep_protocol_pile.run(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
     snprintf(path, sizeof path, "%s/base.tsv", folder);
     CHECK_OK(rp_table_read(path, &t));
     double weight = 0, most = 0;

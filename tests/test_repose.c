@@ -57,7 +57,7 @@ static void traced_run(const setting *settings, sweep_result *result)
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
     void *params = make_params(settings);
     CHECK_OK(protocol->check(params));
-    CHECK_OK(protocol->trace(params, 1993, 0, &(sweep_tables){folder, 1000, no_header}, result));
+    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, no_header}, result));
     free(params);
 }
 

@@ -9,52 +9,76 @@
 #include "core/status.h"
 #include "core/table.h"
 
-/* One subcommand: text of --help, and options of the parser. Options of one letter take one dash. */
-typedef struct {
+/* One command: text of --help, options of the parser, and the function that acts on their values. Options of
+ * one letter take one dash. A first word of the synopsis in capitals is an argument, with three dots after it
+ * one or more, in brackets an optional one. */
+typedef struct cli_command {
     const char *name;     /* "angle tilt" */
-    const char *synopsis; /* arguments on the usage line */
+    const char *summary;  /* in the overview of its group */
+    const char *synopsis; /* arguments and options on the usage line */
     const char *about;    /* one or more lines */
     const char *example;
-    const rp_param *options;
-    int min_arguments, max_arguments;
+    const rp_param *options; /* NULL: none */
+    rp_status (*act)(const void *values);
+    rp_status (*on_table)(rp_table *table, const void *values); /* the argument, read by cli_table_read */
+    const struct cli_command *const *group;                     /* subcommands, to NULL; no `act` */
+    rp_status (*run)(int argc, char **argv);                    /* parses by itself, in place of all */
 } cli_command;
 
-/* Parse argv[1..] by the options' schema into `values` (defaults first). Boolean options take no value.
- * Arguments that are not options go to arguments[0..*n_arguments), NULL for a command without. After --help,
- * *done is true: the text has been printed. Errors: RP_USAGE (unknown option, missing value, required option
- * or argument), RP_BAD_INPUT (a value). */
-rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
-                    int *n_arguments, bool *done);
+/* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
+ * options take no value. --help prints its text. Errors: RP_USAGE (unknown option or subcommand, missing
+ * value, required option or argument), RP_BAD_INPUT (a value), and the action's own. */
+rp_status cli_run(const cli_command *command, int argc, char **argv);
+
+/* Argument number i of the command line that was parsed last, NULL beyond their end. */
+const char *cli_argument(int i);
 
 /* Whether option `name` was on the command line that was parsed last. */
-bool cli_given(const cli_command *command, const char *name);
-
-/* A command without arguments: parse, act with the options `values`. Errors: those of cli_parse, and the
- * action's own. */
-rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,
-                    rp_status (*act)(const void *values));
-
-/* The option --where of commands on tables, in a field rp_texts `where` of the structure T. */
-#define CLI_WHERE(T)                                                                                         \
-    {                                                                                                        \
-        "where", "", RP_TEXTS, offsetof(T, where), "", "",                                                   \
-            "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold"               \
-    }
+bool cli_given(const char *name);
 
 /* Read a table, and keep the rows that meet the option --where of the command's options `values`, if it has
  * one. Free with rp_table_free, also after an error. Errors: those of rp_table_read and rp_table_where. */
 rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
 
-/* A command on one table: parse, cli_table_read of the table that the argument names, act on it with the
- * options `values`, free it. Errors: those of cli_parse and cli_table_read, and the action's own. */
-rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
-                         rp_status (*act)(rp_table *table, const void *values));
-
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 
+/* clang-format off */
+/* The option --where of commands on tables, in a field rp_texts `where` of the structure T. */
+#define CLI_WHERE(T)                                                                                         \
+    {"where", "", RP_TEXTS, offsetof(T, where), "", "",                                                      \
+     "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold"}
+
+/* Options that several commands have, in fields of the structure T named like them. */
+#define CLI_TEXT(T, field, fallback, meaning) {#field, "", RP_TEXT, offsetof(T, field), fallback, "", meaning}
+#define CLI_BOOL(T, field, meaning) {#field, "", RP_BOOL, offsetof(T, field), "false", "", meaning}
+#define CLI_SEED(T, fallback, meaning)                                                                       \
+    {"seed", "", RP_INT, offsetof(T, seed), fallback, "[0, 2147483647]", meaning}
+#define CLI_BOOTSTRAP(T, fallback)                                                                           \
+    {"bootstrap", "", RP_INT, offsetof(T, bootstrap), fallback, "[2, 10000000]", "resamples of the piles"},  \
+    CLI_SEED(T, "1993", "seed of the resamples")
+#define CLI_BY(T, fallback, what)                                                                            \
+    CLI_TEXT(T, by, fallback, "columns (a or a,b,...) whose different cells make the " what)
+#define CLI_RANGE(T, what)                                                                                   \
+    {"from", "", RP_REAL, offsetof(T, from), "-1e308", "(-inf, inf)", "smallest " what " that is used"},     \
+    {"to", "", RP_REAL, offsetof(T, to), "1e308", "(-inf, inf)", "largest " what " that is used"}
+#define CLI_PHI(T)                                                                                           \
+    {"phi-deg", "deg", RP_REAL, offsetof(T, phi_deg), "60", "(0, 90)", "inclination of the rays of force"}
+#define CLI_WORKERS(T)                                                                                       \
+    {"j", "", RP_INT, offsetof(T, j), "auto", "[1, 4096] | auto", "worker processes; auto: one per processor"}
+/* clang-format on */
+
 /* Start a table on standard output: provenance, `schema` with its values as notes (may be NULL). */
 void cli_table(FILE *out, const rp_param *schema, const void *values);
+
+/* One row of numbers, and one with a word in the last column. */
+#define CLI_NUMBERS(...)                                                                                     \
+    sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[])                                             \
+    {                                                                                                        \
+        __VA_ARGS__                                                                                          \
+    }
+#define CLI_ROW(...)            rp_table_row(stdout, CLI_NUMBERS(__VA_ARGS__))
+#define CLI_ROW_WORD(word, ...) rp_table_row_word(stdout, CLI_NUMBERS(__VA_ARGS__), word)
 
 /* Read "0.1,0.25,..." into a new array (free it). Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n);
@@ -86,37 +110,30 @@ void cli_column_unit(const rp_table *table, int column, char unit[32]);
 /* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
 
-/* A group of commands such as `repose angle`. */
-typedef struct {
-    const char *name;
-    rp_status (*function)(int, char **);
-    const char *summary;
-} cli_subcommand;
-
-/* Run the command that argv[1] names out of a list that ends with {0}, or print the list. Errors: RP_USAGE.
- */
-rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc, char **argv);
-
-/* The subcommands: name, function, summary. The dispatcher and the overview read this list. */
+/* The commands, in the order of the overview. */
 #define CLI_COMMANDS(X)                                                                                      \
-    X("lattice", cmd_lattice, "forces on the base of a close-packed pile, lattice model (37)-(44)")          \
-    X("continuum", cmd_continuum, "forces on the base of a triangular pile, continuum model (49)-(59)")      \
-    X("tent", cmd_tent, "forces on the base of a tent-shaped pile")                                          \
-    X("pile", cmd_pile, "static equilibrium of a close-packed pile of soft disks")                           \
-    X("angle", cmd_angle, "angles of repose, tilting and marginal stability from plain numbers")             \
-    X("stress", cmd_stress, "stress in piles, forces and dip of pressure on their base")                     \
-    X("stats", cmd_stats, "lines, trends, thresholds and costs from tables of runs")                         \
-    X("run", cmd_run, "simulate any scene, described in a file")                                             \
-    X("sweep", cmd_sweep, "plan, run and read parameter sweeps")                                             \
-    X("calibrate", cmd_calibrate, "friction that gives a measured angle of repose, with its interval")       \
-    X("claims", cmd_claims, "published claims and their verdicts")                                           \
-    X("forensics", cmd_forensics, "unspecified choices of a paper against its published numbers")            \
-    X("params", cmd_params, "every parameter of a protocol or scene file, with unit, default and range")     \
-    X("bench", cmd_bench, "particle-steps per second on this machine")                                       \
-    X("report", cmd_report, "fill a report's template from tables")
+    X(lattice)                                                                                               \
+    X(continuum)                                                                                             \
+    X(tent)                                                                                                  \
+    X(pile)                                                                                                  \
+    X(angle)                                                                                                 \
+    X(stress)                                                                                                \
+    X(stats)                                                                                                 \
+    X(run)                                                                                                   \
+    X(sweep)                                                                                                 \
+    X(calibrate)                                                                                             \
+    X(claims)                                                                                                \
+    X(forensics)                                                                                             \
+    X(params)                                                                                                \
+    X(bench)                                                                                                 \
+    X(report)
 
-#define X(name, function, summary) rp_status function(int argc, char **argv);
+#define X(name) extern const cli_command cmd_##name;
 CLI_COMMANDS(X)
 #undef X
+
+/* Subcommands with a file of their own. */
+extern const cli_command cmd_angle_slope, cmd_angle_compare, cmd_angle_phi, cmd_stress_dip,
+    cmd_stress_critical, cmd_stats_fit, cmd_stats_trend, cmd_stats_size, cmd_stats_threshold, cmd_stats_cost;
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "angle/angle.h"
 #include "cli/cli.h"
-#include "cli/cmd_angle.h"
 
 static const double deg = M_PI / 180.0;
 
@@ -18,17 +17,7 @@ typedef struct {
     double mu, phi_deg;
 } marginal_options;
 
-static const rp_param marginal_params[] = {MU_PARAM(marginal_options), PHI_PARAM(marginal_options), {0}};
-
-static const cli_command marginal_command = {
-    "angle marginal",
-    "--mu MU [options]",
-    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)).\n"
-    "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
-    "repose angle marginal --mu 0.2",
-    marginal_params,
-    0,
-    0};
+static const rp_param marginal_params[] = {MU_PARAM(marginal_options), CLI_PHI(marginal_options), {0}};
 
 static rp_status print_marginal(const void *values)
 {
@@ -38,16 +27,20 @@ static rp_status print_marginal(const void *values)
     rp_status status = ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated);
     if (status) return status;
     cli_table(stdout, marginal_params, o);
-    rp_table_columns(stdout, 2, (const char *const[][2]){{"theta_ms_deg", "deg"}, {"status", ""}});
-    rp_table_row_word(stdout, 1, (double[]){theta_ms / deg}, extrapolated ? "extrapolated" : "ok");
+    rp_table_header(stdout, "theta_ms_deg [deg], status");
+    CLI_ROW_WORD(extrapolated ? "extrapolated" : "ok", theta_ms / deg);
     return RP_OK;
 }
 
-static rp_status marginal(int argc, char **argv)
-{
-    marginal_options o;
-    return cli_plain(&marginal_command, argc, argv, &o, print_marginal);
-}
+static const cli_command marginal = {
+    "angle marginal",
+    "angle of marginal stability, (3)",
+    "--mu MU [options]",
+    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)).\n"
+    "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
+    "repose angle marginal --mu 0.2",
+    marginal_params,
+    .act = print_marginal};
 
 /* ---- tilt ---- */
 
@@ -61,23 +54,8 @@ static const rp_param tilt_params[] = {
     {"theta-r-deg", "deg", RP_REAL, offsetof(tilt_options, theta_r_deg), NULL, "[0, 90)",
      "slope of the pile"},
     {"form", "", RP_CHOICE, offsetof(tilt_options, form), "balanced", ANG_FORM_WORDS, "form of (4)"},
-    PHI_PARAM(tilt_options),
+    CLI_PHI(tilt_options),
     {0}};
-
-static const cli_command tilt_command = {
-    "angle tilt",
-    "--mu MU --theta-r-deg ANGLE [options]",
-    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS -\n"
-    "theta_R, and the tilt up to which the form is defined.\n"
-    "form: balanced (rays fixed to gravity, forces balance), lattice (rays fixed to the pile, forces\n"
-    "balance), sine ((4b) with sines for tangents), printed.\n"
-    "status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable (margin\n"
-    "negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi, no theory:\n"
-    "exit status 1).",
-    "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
-    tilt_params,
-    0,
-    0};
 
 static rp_status print_tilt(const void *values)
 {
@@ -86,14 +64,9 @@ static rp_status print_tilt(const void *values)
     rp_status status = ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r);
     if (status) return status;
     cli_table(stdout, tilt_params, o);
-    static const char *const columns[][2] = {{"theta_t_deg", "deg"},
-                                             {"theta_ms_deg", "deg"},
-                                             {"margin_deg", "deg"},
-                                             {"limit_deg", "deg"},
-                                             {"status", ""}};
-    rp_table_columns(stdout, N_OF(columns), columns);
-    rp_table_row_word(stdout, 4, (double[]){r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg},
-                      ang_tilt_word(r.status));
+    rp_table_header(stdout,
+                    "theta_t_deg [deg], theta_ms_deg [deg], margin_deg [deg], limit_deg [deg], status");
+    CLI_ROW_WORD(ang_tilt_word(r.status), r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg);
     if (r.status == ANG_TILT_RAYS_MISS)
         return rp_fail(RP_NO_RESULT,
                        "theta-r-deg = %g: the rays of inclination %g deg never leave through the flank",
@@ -101,22 +74,25 @@ static rp_status print_tilt(const void *values)
     return RP_OK;
 }
 
-static rp_status tilt(int argc, char **argv)
-{
-    tilt_options o;
-    return cli_plain(&tilt_command, argc, argv, &o, print_tilt);
-}
+static const cli_command tilt = {
+    "angle tilt",
+    "tilt at which a pile slides, (4)",
+    "--mu MU --theta-r-deg ANGLE [options]",
+    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS -\n"
+    "theta_R, and the tilt up to which the form is defined.\n"
+    "form: balanced (rays fixed to gravity, forces balance), lattice (rays fixed to the pile, forces\n"
+    "balance), sine ((4b) with sines for tangents), printed.\n"
+    "status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable\n"
+    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi,\n"
+    "no theory:\n"
+    "exit status 1).",
+    "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
+    tilt_params,
+    .act = print_tilt};
 
-/* ---- dispatch ---- */
+/* ---- group ---- */
 
-rp_status cmd_angle(int argc, char **argv)
-{
-    static const cli_subcommand list[] = {
-        {"marginal", marginal, "angle of marginal stability, (3)"},
-        {"tilt", tilt, "tilt at which a pile slides, (4)"},
-        {"slope", cmd_angle_slope, "slope of a table of grains by three methods"},
-        {"compare", cmd_angle_compare, "measured angles against (3) and (4)"},
-        {"phi", cmd_angle_phi, "inclination of the rays, fitted to measured angles"},
-        {0}};
-    return cli_dispatch("angle", list, argc, argv);
-}
+static const cli_command *const commands[] = {&marginal,          &tilt,          &cmd_angle_slope,
+                                              &cmd_angle_compare, &cmd_angle_phi, NULL};
+const cli_command cmd_angle = {"angle", "angles of repose, tilting and marginal stability from plain numbers",
+                               .group = commands};

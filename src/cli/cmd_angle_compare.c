@@ -5,7 +5,6 @@
 
 #include "angle/angle.h"
 #include "cli/cli.h"
-#include "cli/cmd_angle.h"
 #include "core/random.h"
 
 static const double deg = M_PI / 180.0;
@@ -21,29 +20,12 @@ typedef struct {
 } compare_options;
 
 static const rp_param compare_params[] = {
-    PHI_PARAM(compare_options),
+    CLI_PHI(compare_options),
     {"bootstrap", "", RP_INT, offsetof(compare_options, bootstrap), "2000", "[2, 10000000]",
      "resamples of the piles"},
     {"seed", "", RP_INT, offsetof(compare_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
     CLI_WHERE(compare_options),
     {0}};
-
-static const cli_command compare_command = {
-    "angle compare",
-    "FILE [options]",
-    "Measured piles against (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
-    "FILE (- for standard input): one row a pile, columns mu theta_r3_deg theta_t_displacement_deg status, "
-    "as\n"
-    "repose sweep export writes; rows whose status is not ok, or with nan in an angle, are left out.\n"
-    "rt: theta_R + theta_T, measured pile by pile, or with theta_T of (4) at the mean theta_R; diff: "
-    "measured\n"
-    "minus theory. theta_r_se, theta_t_se, theta_rt_se: SD/sqrt(n); the other errors: bootstrap over piles.\n"
-    "n_unstable: piles steeper than theta_MS; n_lost: resamples without theta_T, left out. status: that of\n"
-    "repose angle tilt at the mean theta_R, of the first form that is not ok.",
-    "repose angle compare piles.tsv",
-    compare_params,
-    1,
-    1};
 
 /* Piles ordered by mu, then as in the file. */
 typedef struct {
@@ -195,11 +177,22 @@ static rp_status compare_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_angle_compare(int argc, char **argv)
-{
-    compare_options o;
-    return cli_with_table(&compare_command, argc, argv, &o, compare_table);
-}
+const cli_command cmd_angle_compare = {
+    "angle compare",
+    "measured angles against (3) and (4)",
+    "FILE [options]",
+    "Measured piles against (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
+    "FILE (- for standard input): one row a pile, columns mu theta_r3_deg theta_t_displacement_deg\n"
+    "status, as repose sweep export writes; rows whose status is not ok, or with nan in an angle, are\n"
+    "left out.\n"
+    "rt: theta_R + theta_T, measured pile by pile, or with theta_T of (4) at the mean theta_R; diff:\n"
+    "measured minus theory. theta_r_se, theta_t_se, theta_rt_se: SD/sqrt(n); the other errors:\n"
+    "bootstrap over piles.\n"
+    "n_unstable: piles steeper than theta_MS; n_lost: resamples without theta_T, left out. status: that\n"
+    "of repose angle tilt at the mean theta_R, of the first form that is not ok.",
+    "repose angle compare piles.tsv",
+    compare_params,
+    .on_table = compare_table};
 
 /* ---- phi ---- */
 
@@ -218,32 +211,6 @@ static const rp_param phi_params[] = {
     CLI_WHERE(phi_options),
     {0}};
 
-static const cli_command phi_command = {
-    "angle phi",
-    "FILE [options]",
-    "Inclination phi of the rays at which (3), tan theta_MS = mu tan^2 phi, meets measured theta_R + "
-    "theta_T,\n"
-    "and (4) in its balanced and lattice forms measured theta_T: one phi for all mu (mu = nan), and one for\n"
-    "each. against: the equation; ..._less_marginal: by how much phi of (4) exceeds that of (3), which "
-    "cannot\n"
-    "both hold with one phi for a pile that stands a tilt. The sine form is not fitted: phi would absorb "
-    "the\n"
-    "forces that it leaves unbalanced.\n"
-    "FILE (- for standard input): as for repose angle compare; rows with mu = 0 are left out.\n"
-    "phi_lo, phi_hi: 95 % interval where chi2 has risen by 3.84 (profile likelihood); boot_lo, boot_hi: by\n"
-    "bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a difference: if "
-    "there\n"
-    "is none); below 0.05 it does not (one_phi 0), and the intervals are those of a compromise. open: -1, 1\n"
-    "where the data give no bound on phi from below, from above, 2 from neither side: phi is not "
-    "identified.\n"
-    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with the "
-    "phi of\n"
-    "all mu, and with 60 degrees.",
-    "repose angle phi build/tables/lh3_runs.tsv",
-    phi_params,
-    1,
-    1};
-
 /* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
 static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
                            const ang_phi *fit, double phi_all)
@@ -255,13 +222,10 @@ static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, an
     if (piles && against < ANG_BALANCED_LESS_MARGINAL)
         status = ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given);
     if (!status)
-        rp_table_row_word(stdout, 17,
-                          (double[]){piles ? piles->mu : NAN, (double)n_groups, (double)n, fit->phi / deg,
-                                     fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
-                                     fit->chi2, (double)fit->dof, fit->p_value,
-                                     fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open, measured.mean / deg,
-                                     measured.se / deg, given[0] / deg, given[1] / deg},
-                          ang_against_word(against));
+        CLI_ROW_WORD(ang_against_word(against), piles ? piles->mu : NAN, (double)n_groups, (double)n,
+                     fit->phi / deg, fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
+                     fit->chi2, (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN,
+                     open, measured.mean / deg, measured.se / deg, given[0] / deg, given[1] / deg);
     return status;
 }
 
@@ -303,24 +267,6 @@ static rp_status group_piles(size_t n, const pile piles[], const phi_options *o,
 static rp_status phi_table(rp_table *table, const void *values)
 {
     const phi_options *o = values;
-    static const char *const columns[][2] = {{"mu", ""},
-                                             {"n_mu", ""},
-                                             {"n", ""},
-                                             {"phi_deg", "deg"},
-                                             {"phi_lo_deg", "deg"},
-                                             {"phi_hi_deg", "deg"},
-                                             {"boot_lo_deg", "deg"},
-                                             {"boot_hi_deg", "deg"},
-                                             {"chi2", ""},
-                                             {"dof", ""},
-                                             {"p_value", ""},
-                                             {"one_phi", ""},
-                                             {"open", ""},
-                                             {"measured_deg", "deg"},
-                                             {"measured_se_deg", "deg"},
-                                             {"fitted_deg", "deg"},
-                                             {"sixty_deg", "deg"},
-                                             {"against", ""}};
     pile *piles;
     size_t n, n_groups;
     rp_status status = read_piles(table, &piles, &n);
@@ -332,7 +278,10 @@ static rp_status phi_table(rp_table *table, const void *values)
     if (!status) {
         cli_table(stdout, phi_params, o);
         rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
-        rp_table_columns(stdout, N_OF(columns), columns);
+        rp_table_header(stdout,
+                        "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
+                        "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
+                        "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
         status = group_piles(n, piles, o, angles, groups, &n_groups);
         if (!status) status = fit_phis(n_groups, groups, o, rng);
         if (status) rp_prefix(status, "%s: ", table->path);
@@ -344,8 +293,23 @@ static rp_status phi_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_angle_phi(int argc, char **argv)
-{
-    phi_options o;
-    return cli_with_table(&phi_command, argc, argv, &o, phi_table);
-}
+const cli_command cmd_angle_phi = {
+    "angle phi",
+    "inclination of the rays, fitted to measured angles",
+    "FILE [options]",
+    "Inclination phi of the rays at which (3), tan theta_MS = mu tan^2 phi, meets measured theta_R +\n"
+    "theta_T, and (4) in its balanced and lattice forms measured theta_T: one phi for all mu (mu =\n"
+    "nan), and one for each. against: the equation; ..._less_marginal: by how much phi of (4) exceeds\n"
+    "that of (3), which cannot both hold with one phi for a pile that stands a tilt. The sine form is\n"
+    "not fitted: phi would absorb the forces that it leaves unbalanced.\n"
+    "FILE (- for standard input): as for repose angle compare; rows with mu = 0 are left out.\n"
+    "phi_lo, phi_hi: 95 % interval where chi2 has risen by 3.84 (profile likelihood); boot_lo, boot_hi:\n"
+    "by bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a\n"
+    "difference: if there is none); below 0.05 it does not (one_phi 0), and the intervals are those of\n"
+    "a compromise. open: -1, 1 where the data give no bound on phi from below, from above, 2 from\n"
+    "neither side: phi is not identified.\n"
+    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with\n"
+    "the phi of all mu, and with 60 degrees.",
+    "repose angle phi build/tables/lh3_runs.tsv",
+    phi_params,
+    .on_table = phi_table};

@@ -5,7 +5,6 @@
 
 #include "angle/angle.h"
 #include "cli/cli.h"
-#include "cli/cmd_angle.h"
 
 static const double deg = M_PI / 180.0;
 
@@ -30,19 +29,6 @@ static const rp_param slope_params[] = {
      "parabola of method 3: three coefficients, or through the origin"},
     CLI_WHERE(slope_options),
     {0}};
-
-static const cli_command slope_command = {
-    "angle slope",
-    "FILE --width W [options]",
-    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann\n"
-    "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard\n"
-    "error is propagated from the scatter of h about its straight line.\n"
-    "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r is\n"
-    "needed for --height top only. Fewer than 5 occupied cells: no_pile, exit status 1.",
-    "repose angle slope pile.tsv --width 4",
-    slope_params,
-    1,
-    1};
 
 static rp_status place_columns(const rp_table *table, bool with_r, int columns[3])
 {
@@ -81,17 +67,13 @@ static rp_status refuse_several_steps(const rp_table *table)
 /* Without slopes: rows without result. */
 static void print_slopes(const slope_options *o, const ang_surface *surface, const ang_slope *slopes)
 {
-    static const char *const columns[][2] = {{"method", ""},          {"slope", ""},   {"theta_deg", "deg"},
-                                             {"theta_se_deg", "deg"}, {"n_cells", ""}, {"n_occupied", ""},
-                                             {"status", ""}};
     cli_table(stdout, slope_params, o);
-    rp_table_columns(stdout, N_OF(columns), columns);
+    rp_table_header(stdout,
+                    "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     for (int i = 0; i < ANG_N_METHODS; i++) {
         ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
-        rp_table_row_word(stdout, 6,
-                          (double[]){i + 1, s.slope, s.theta / deg, s.theta_se / deg,
-                                     (double)surface->n_cells, (double)surface->n_occupied},
-                          slopes ? "ok" : "no_pile");
+        CLI_ROW_WORD(slopes ? "ok" : "no_pile", i + 1, s.slope, s.theta / deg, s.theta_se / deg,
+                     (double)surface->n_cells, (double)surface->n_occupied);
     }
 }
 
@@ -121,8 +103,15 @@ static rp_status slope_of_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_angle_slope(int argc, char **argv)
-{
-    slope_options o;
-    return cli_with_table(&slope_command, argc, argv, &o, slope_of_table);
-}
+const cli_command cmd_angle_slope = {
+    "angle slope",
+    "slope of a table of grains by three methods",
+    "FILE --width W [options]",
+    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee &\n"
+    "Herrmann 1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The\n"
+    "standard error is propagated from the scatter of h about its straight line.\n"
+    "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r\n"
+    "is needed for --height top only. Fewer than 5 occupied cells: no_pile, exit status 1.",
+    "repose angle slope pile.tsv --width 4",
+    slope_params,
+    .on_table = slope_of_table};

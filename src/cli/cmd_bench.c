@@ -42,24 +42,6 @@ static const rp_param options[] = {
     {"o", "", RP_TEXT, offsetof(bench_options, final), "", "", "table for the final grains of a sample"},
     {0}};
 
-static const cli_command command = {
-    "bench",
-    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps "
-    "N] "
-    "[--kernel NAME] [--repeat N] [-o TABLE]",
-    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them settle,\n"
-    "and time the simulator on one core: 1e6 particle-steps per second of processor time, best and median "
-    "of\n"
-    "several runs. An extra run times the phases one after another: shares of contacts, neighbour lists,\n"
-    "integration and walls, and `bound`, the rate without lists and walls. Numbers of contacts and listed\n"
-    "pairs are per grain, at the end. `bytes` is the memory held per grain, `peak_bytes` the largest memory "
-    "of\n"
-    "the process so far.",
-    "repose bench --n 1600 --state flowing --floor absorbs",
-    options,
-    0,
-    0};
-
 static int ascending(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -218,23 +200,20 @@ static double heap(void)
 static void write_row(const bench_options *o, double rates[], const bench_run *last, const dem_phases *times,
                       const double memory[2], double seconds)
 {
-    static const char *const columns[][2] = {
-        {"grains", ""},      {"steps", ""},          {"best", "1e6/s"},        {"median", "1e6/s"},
-        {"bound", "1e6/s"},  {"seconds", "s"},       {"contacts", "1/grain"},  {"pairs", "1/grain"},
-        {"rebuilds", ""},    {"share_contacts", ""}, {"share_lists", ""},      {"share_integration", ""},
-        {"share_walls", ""}, {"bytes", "B/grain"},   {"peak_bytes", "B/grain"}};
     const double steps = o->state == SAMPLE ? FILL_STEPS + RELAX_STEPS : (double)o->steps;
     const double all = times->contacts + times->lists + times->integration + times->walls;
     const double inner = times->contacts + times->integration;
     qsort(rates, (size_t)o->repeat, sizeof *rates, ascending);
     const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
-    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    rp_table_header(stdout,
+                    "grains, steps, best [1e6/s], median [1e6/s], bound [1e6/s], seconds [s], contacts "
+                    "[1/grain], pairs [1/grain], rebuilds, share_contacts, share_lists, share_integration, "
+                    "share_walls, bytes [B/grain], peak_bytes [B/grain]");
     /* the bound follows from the shares, so that the cost of the clocks enters only through them */
-    rp_table_row(stdout, sizeof columns / sizeof *columns,
-                 (double[]){n, steps, rates[o->repeat - 1], median, median * all / inner, seconds,
-                            (double)last->counts.contacts / grains, (double)last->counts.pairs / grains,
-                            (double)last->rebuilds, times->contacts / all, times->lists / all,
-                            times->integration / all, times->walls / all, memory[0] / n, memory[1] / n});
+    CLI_ROW(n, steps, rates[o->repeat - 1], median, median * all / inner, seconds,
+            (double)last->counts.contacts / grains, (double)last->counts.pairs / grains,
+            (double)last->rebuilds, times->contacts / all, times->lists / all, times->integration / all,
+            times->walls / all, memory[0] / n, memory[1] / n);
 }
 
 static rp_status measure(const void *values)
@@ -268,8 +247,17 @@ static rp_status measure(const void *values)
     return status;
 }
 
-rp_status cmd_bench(int argc, char **argv)
-{
-    bench_options o;
-    return cli_plain(&command, argc, argv, &o, measure);
-}
+const cli_command cmd_bench = {
+    "bench",
+    "particle-steps per second on this machine",
+    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps "
+    "N] [--kernel NAME] [--repeat N] [-o TABLE]",
+    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them\n"
+    "settle, and time the simulator on one core: 1e6 particle-steps per second of processor time, best\n"
+    "and median of several runs. An extra run times the phases one after another: shares of contacts,\n"
+    "neighbour lists, integration and walls, and `bound`, the rate without lists and walls. Numbers of\n"
+    "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain,\n"
+    "`peak_bytes` the largest memory of the process so far.",
+    "repose bench --n 1600 --state flowing --floor absorbs",
+    options,
+    .act = measure};

@@ -44,30 +44,6 @@ static const rp_param params[] = {
      "seed of the resamples and of hold-out"},
     {0}};
 
-static const cli_command command = {
-    "calibrate",
-    "--theta-r-deg ANGLE --error-deg SE [options]",
-    "Friction that gives a measured angle. Piles are simulated over a range of friction (some minutes the "
-    "first\n"
-    "time, stored in -o); their mean angles, weighted with their errors, are fitted by powers or a "
-    "saturating form\n"
-    "of least AIC; the fit is inverted. lower, upper: 95 % interval, from the errors of measurement and "
-    "response\n"
-    "and the response's lack of fit. se: delta method. boot_*: the same by bootstrap over piles, as a "
-    "check.\n"
-    "status: ok; at_least, at_most: the interval is cut off by the range; not_identified: the range says "
-    "nothing;\n"
-    "several: one row an interval; above_range, below_range, no_match: nothing in the range agrees;\n"
-    "underdetermined: two parameters and one angle. Exit status 1 unless ok.\n"
-    "The answer holds for the model and protocol that the header names: two-dimensional piles in a box "
-    "opened on\n"
-    "one side. It does not carry over to another model, protocol or size.\n"
-    "--verify: one row a case; exit status 1 if fewer than 90 % of the intervals hold the truth.",
-    "repose calibrate --theta-r-deg 25 --error-deg 1",
-    params,
-    0,
-    0};
-
 enum { N_ANGLES = 2 };
 static const char *const angle_names[N_ANGLES] = {"theta_r", "theta_t"};
 static const char *const angle_columns[N_ANGLES] = {"theta_r3_deg", "theta_t_displacement_deg"};
@@ -264,21 +240,16 @@ static const char *fit_name(const char *fit, size_t p, char name[64])
 
 static void print_found(const options *o, size_t n_params, const stats_calibrated found[])
 {
-    static const char *const columns[][2] = {{"parameter", ""},  {"value", ""},      {"se", ""},
-                                             {"lower", ""},      {"upper", ""},      {"boot_se", ""},
-                                             {"boot_lower", ""}, {"boot_upper", ""}, {"status", ""}};
     char name[64];
-    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    rp_table_header(stdout, "parameter, value, se, lower, upper, boot_se, boot_lower, boot_upper, status");
     for (size_t p = 0; p < n_params; p++)
         for (size_t k = 0; k < (found[p].n_solutions ? found[p].n_solutions : 1); k++) {
             const stats_calibrated *f = &found[p];
             bool none = f->n_solutions == 0;
             printf("%s\t", fit_name(o->fit, p, name));
-            rp_table_row_word(
-                stdout, 7,
-                (double[]){none ? NAN : f->solutions[k].value, f->se, none ? NAN : f->solutions[k].lower,
-                           none ? NAN : f->solutions[k].upper, f->boot_se, f->boot_lower, f->boot_upper},
-                stats_calibrated_word(f->status));
+            CLI_ROW_WORD(stats_calibrated_word(f->status), none ? NAN : f->solutions[k].value, f->se,
+                         none ? NAN : f->solutions[k].lower, none ? NAN : f->solutions[k].upper, f->boot_se,
+                         f->boot_lower, f->boot_upper);
         }
 }
 
@@ -439,34 +410,19 @@ static void print_cases(const trial *t, const options *o)
             const double *m = c->measured.angle, *e = c->measured.error;
             bool r = t->mask & 1, both = t->mask == 3;
             printf("%s\t%s\t", mask_word(t->mask), fit_name(o->fit, p, name));
-            rp_table_row_word(stdout, 10,
-                              (double[]){c->truth[p], r ? m[0] : NAN, r ? e[0] : NAN,
-                                         both ? m[1]
-                                         : r  ? NAN
-                                              : m[0],
-                                         both ? e[1]
-                                         : r  ? NAN
-                                              : e[0],
-                                         f->value, f->se, lower, upper, c->covered[p]},
-                              stats_calibrated_word(f->status));
+            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], r ? m[0] : NAN, r ? e[0] : NAN,
+                         both ? m[1]
+                         : r  ? NAN
+                              : m[0],
+                         both ? e[1]
+                         : r  ? NAN
+                              : e[0],
+                         f->value, f->se, lower, upper, c->covered[p]);
         }
 }
 
 static rp_status verify(const source *response, const source *planted, const options *o)
 {
-    static const char *const columns[][2] = {{"angles", ""},
-                                             {"parameter", ""},
-                                             {"truth", ""},
-                                             {"theta_r_deg", "deg"},
-                                             {"error_deg", "deg"},
-                                             {"theta_t_deg", "deg"},
-                                             {"theta_t_error_deg", "deg"},
-                                             {"value", ""},
-                                             {"se", ""},
-                                             {"lower", ""},
-                                             {"upper", ""},
-                                             {"covered", ""},
-                                             {"status", ""}};
     trial trials[3] = {{0}};
     bool good = true;
     size_t n = 0;
@@ -482,7 +438,9 @@ static rp_status verify(const source *response, const source *planted, const opt
         n += trials[mask - 1].n;
     }
     if (!status) {
-        rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+        rp_table_header(stdout,
+                        "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
+                        "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
         for (int i = 0; i < 3; i++) print_cases(&trials[i], o);
         if (n == 0)
             status = rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
@@ -542,8 +500,22 @@ static rp_status answer(const void *values)
     return status;
 }
 
-rp_status cmd_calibrate(int argc, char **argv)
-{
-    options o;
-    return cli_plain(&command, argc, argv, &o, answer);
-}
+const cli_command cmd_calibrate = {
+    "calibrate",
+    "friction that gives a measured angle of repose, with its interval",
+    "--theta-r-deg ANGLE --error-deg SE [options]",
+    "Friction that gives a measured angle. Piles are simulated over a range of friction (some minutes\n"
+    "the first time, stored in -o); their mean angles, weighted with their errors, are fitted by powers\n"
+    "or a saturating form of least AIC; the fit is inverted. lower, upper: 95 % interval, from the\n"
+    "errors of measurement and response and the response's lack of fit. se: delta method. boot_*: the\n"
+    "same by bootstrap over piles, as a check.\n"
+    "status: ok; at_least, at_most: the interval is cut off by the range; not_identified: the range\n"
+    "says nothing;\n"
+    "several: one row an interval; above_range, below_range, no_match: nothing in the range agrees;\n"
+    "underdetermined: two parameters and one angle. Exit status 1 unless ok.\n"
+    "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
+    "opened on one side. It does not carry over to another model, protocol or size.\n"
+    "--verify: one row a case; exit status 1 if fewer than 90 % of the intervals hold the truth.",
+    "repose calibrate --theta-r-deg 25 --error-deg 1",
+    params,
+    .act = answer};

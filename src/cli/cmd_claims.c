@@ -26,21 +26,6 @@ static const rp_param options[] = {
      "only the published numbers, for figures; reads no tables"},
     {0}};
 
-static const cli_command command = {
-    "claims",
-    "[options]",
-    "Every claim of both papers with its verdict; first, as notes, how many have which verdict.\n"
-    "reproduced, not reproduced: as the claim's test says, see figures/claims.tsv; undecided: our error or "
-    "the\n"
-    "paper's is too large, or the verdict depends on the reading of the paper's +-; can't be tested: with "
-    "the\n"
-    "reason; by eye: a picture without a number; no data: the table that answers has not been made.\n"
-    "Claims of paper `ours` are this program's own, beyond the papers.",
-    "repose claims --paper lh",
-    options,
-    0,
-    0};
-
 static const char *const papers[] = {"all", "lh", "li", "ours"};
 
 static bool one_alone(const claims_options *o)
@@ -75,11 +60,9 @@ static rp_status note_counts(const cli_claims *all, const cli_judged judged[], c
 
 static void print_verdicts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
 {
-    static const char *const columns[][2] = {
-        {"id", ""},        {"paper", ""},       {"place", ""},  {"statement", ""}, {"test", ""},
-        {"published", ""}, {"samples", ""},     {"answer", ""}, {"ours", ""},      {"n", ""},
-        {"z_error", ""},   {"z_deviation", ""}, {"detail", ""}, {"verdict", ""}};
-    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    rp_table_header(stdout,
+                    "id, paper, place, statement, test, published, samples, answer, ours, n, z_error, "
+                    "z_deviation, detail, verdict");
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
         const cli_judged *j = &judged[i];
@@ -109,10 +92,8 @@ static rp_status judge_all(const cli_claims *all, const claims_options *o)
 
 static void print_published(const cli_claims *all, const claims_options *o)
 {
-    static const char *const columns[][2] = {
-        {"id", ""}, {"paper", ""}, {"published", "own"}, {"published_se", "own"}, {"samples", ""}};
     cli_table(stdout, options, o);
-    rp_table_columns(stdout, sizeof columns / sizeof *columns, columns);
+    rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
         if (!chosen(c, o) || *c->of || isnan(c->published.value)) continue;
@@ -121,21 +102,31 @@ static void print_published(const cli_claims *all, const claims_options *o)
     }
 }
 
-rp_status cmd_claims(int argc, char **argv)
+static rp_status print_claims(const void *values)
 {
-    claims_options o;
+    const claims_options *o = values;
     cli_claims all;
     const cli_claim *one = NULL;
-    int n;
-    bool done;
-    rp_status status = cli_parse(&command, argc, argv, &o, NULL, &n, &done);
-    if (status || done) return status;
-    status = cli_claims_read(o.claims, &all);
-    if (!status && one_alone(&o)) status = cli_claims_find(&all, o.id, &one);
-    if (!status && o.published)
-        print_published(&all, &o);
+    rp_status status = cli_claims_read(o->claims, &all);
+    if (!status && one_alone(o)) status = cli_claims_find(&all, o->id, &one);
+    if (!status && o->published)
+        print_published(&all, o);
     else if (!status)
-        status = judge_all(&all, &o);
+        status = judge_all(&all, o);
     cli_claims_free(&all);
     return status;
 }
+
+const cli_command cmd_claims = {
+    "claims",
+    "published claims and their verdicts",
+    "[options]",
+    "Every claim of both papers with its verdict; first, as notes, how many have which verdict.\n"
+    "reproduced, not reproduced: as the claim's test says, see figures/claims.tsv; undecided: our error\n"
+    "or the paper's is too large, or the verdict depends on the reading of the paper's +-; can't be\n"
+    "tested: with the reason; by eye: a picture without a number; no data: the table that answers has\n"
+    "not been made.\n"
+    "Claims of paper `ours` are this program's own, beyond the papers.",
+    "repose claims --paper lh",
+    options,
+    .act = print_claims};

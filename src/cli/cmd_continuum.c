@@ -16,19 +16,6 @@ static const rp_param schema[] = {
     {0},
 };
 
-static const cli_command command = {
-    .name = "continuum",
-    .synopsis = "--alpha-deg ANGLE [--points N | --at X,X,...]",
-    .about = "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan &\n"
-             "Hughes 1992. x is a fraction of the base B. N is the normal force of the ground. H is the\n"
-             "horizontal force of the pile on the ground, positive to the right. The unit of both is\n"
-             "chi g B, where chi is the mass per length of a diagonal.",
-    .example = "repose continuum --alpha-deg 30 --at 0.1,0.25",
-    .options = schema,
-};
-
-static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}};
-
 static rp_status write_triangle(const void *values)
 {
     const options *o = values;
@@ -40,18 +27,24 @@ static rp_status write_triangle(const void *values)
     if (status) return status;
     cli_table(stdout, schema, o);
     rp_table_note(stdout, "x_c/B", "%.17g", x_c);
-    rp_table_columns(stdout, 3, columns);
+    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (size_t i = 0; i < n && !status; i++) {
         an_force f = {0};
         status = an_continuum(alpha, x[i], &f);
-        rp_table_row(stdout, 3, (double[]){x[i], f.N, f.H});
+        CLI_ROW(x[i], f.N, f.H);
     }
     free(x);
     return status;
 }
 
-rp_status cmd_continuum(int argc, char **argv)
-{
-    options o;
-    return cli_plain(&command, argc, argv, &o, write_triangle);
-}
+const cli_command cmd_continuum = {
+    "continuum",
+    "forces on the base of a triangular pile, continuum model (49)-(59)",
+    "--alpha-deg ANGLE [--points N | --at X,X,...]",
+    "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan & Hughes 1992.\n"
+    "x is a fraction of the base B. N is the normal force of the ground. H is the horizontal force of\n"
+    "the pile on the ground, positive to the right. The unit of both is chi g B, where chi is the mass\n"
+    "per length of a diagonal.",
+    "repose continuum --alpha-deg 30 --at 0.1,0.25",
+    schema,
+    .act = write_triangle};

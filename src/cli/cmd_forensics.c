@@ -39,33 +39,6 @@ static const rp_param options[] = {
     {"seed", "", RP_INT, offsetof(forensics_options, seed), "1993", "[0, 2147483647]", "seed of the draws"},
     {0}};
 
-static const cli_command command = {
-    "forensics",
-    "RUNS --factors LIST [options]",
-    "Which combinations of unsaid choices agree with all published numbers at once?\n"
-    "RUNS: one row a run, as repose sweep export writes; a grid point with fewer than half of its runs ok "
-    "has no\n"
-    "number, and a combination without one of the numbers is incomplete: not computable as it stands.\n"
-    "Claims: the rows of the claims' file with a cell `forensics`, [held] [+|-] COLUMN key=value ... [less "
-    "COLUMN\n"
-    "key=value ...]: the published number +- its error of a mean at a grid point, or after + or - the sign "
-    "of a\n"
-    "difference of two; keys that are not given are those of the header line `at`. Errors are taken up to a "
-    "common\n"
-    "scale, averaged over 1/5 to 2; signs have none. COLUMN is without _deg: every surface variant\n"
-    "COLUMN_VARIANT_deg makes a combination of its own. Claims that are `held` do not judge: they test the\n"
-    "combinations that are not excluded.\n"
-    "combinations: likelihood, p-value, status and numbers; simulated: rank of a simulated combination, at "
-    "its best\n"
-    "surface, 0 at the others; effects: change of each number from a factor's "
-    "first "
-    "level\n"
-    "(95 % interval; the residual holds interactions); levels: what is left of each level.",
-    "repose forensics build/tables/lh_forensics_runs.tsv --factors slip,shape,floor",
-    options,
-    1,
-    1};
-
 /* How the surface of a pile is read; a column of the first has its stem alone. */
 #define VARIANT(height, empty) #height "_" #empty, #height "_" #empty "_origin",
 static const char *const variants[] = {ANG_SURFACES(VARIANT)};
@@ -461,13 +434,7 @@ static void print_levels(const study *s, const stats_agreement *a)
         if (a[c].complete) top = fmax(top, a[c].log_likelihood);
     for (size_t c = 0; c < m; c++)
         if (a[c].complete) total += exp(a[c].log_likelihood - top);
-    rp_table_columns(stdout, 6,
-                     (const char *const[][2]){{"factor", ""},
-                                              {"level", ""},
-                                              {"tested", ""},
-                                              {"complete", ""},
-                                              {"not_excluded", ""},
-                                              {"share", ""}});
+    rp_table_header(stdout, "factor, level, tested, complete, not_excluded, share");
     for (size_t f = 0; f <= s->n_factors; f++) {
         size_t n_levels = f < s->n_factors ? s->factor[f].n_levels : (size_t)N_VARIANTS;
         for (size_t l = 0; l < n_levels; l++) {
@@ -548,18 +515,10 @@ static rp_status print_effects(const study *s)
     size_t *level = malloc((s->n_combinations + 1) * s->n_factors * sizeof *level);
     rp_status status = y && level ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     if (!status)
-        rp_table_columns(stdout, 11,
-                         (const char *const[][2]){{"claim", ""},
-                                                  {"factor", ""},
-                                                  {"level", ""},
-                                                  {"reference", ""},
-                                                  {"effect_deg", "deg"},
-                                                  {"effect_se_deg", "deg"},
-                                                  {"lower_deg", "deg"},
-                                                  {"upper_deg", "deg"},
-                                                  {"p_value", ""},
-                                                  {"n", ""},
-                                                  {"residual_sd_deg", "deg"}});
+        rp_table_header(
+            stdout,
+            "claim, factor, level, reference, effect_deg [deg], effect_se_deg [deg], lower_deg [deg], "
+            "upper_deg [deg], p_value, n, residual_sd_deg [deg]");
     for (size_t k = 0; k < s->n_claims && !status; k++) {
         status = factor_effects(s, k, y, level);
         if (!status) status = surface_effects(s, k, y);
@@ -644,8 +603,22 @@ static rp_status judge_runs(rp_table *runs, const void *values)
     return status;
 }
 
-rp_status cmd_forensics(int argc, char **argv)
-{
-    forensics_options o;
-    return cli_with_table(&command, argc, argv, &o, judge_runs);
-}
+const cli_command cmd_forensics = {
+    "forensics",
+    "unspecified choices of a paper against its published numbers",
+    "RUNS --factors LIST [options]",
+    "Which combinations of unsaid choices agree with all published numbers at once? RUNS: one row a\n"
+    "run, as repose sweep export writes; a grid point with fewer than half of its runs ok has no\n"
+    "number, and a combination without one of the numbers is incomplete: not computable as it stands.\n"
+    "Claims: the rows of the claims' file with a cell `forensics`, [held] [+|-] COLUMN key=value ...\n"
+    "[less COLUMN key=value ...]: the published number +- its error of a mean at a grid point, or after\n"
+    "+ or - the sign of a difference of two; keys that are not given are those of the header line `at`.\n"
+    "Errors are taken up to a common scale, averaged over 1/5 to 2; signs have none. COLUMN is without\n"
+    "_deg: every surface variant COLUMN_VARIANT_deg makes a combination of its own. Claims that are\n"
+    "`held` do not judge: they test the combinations that are not excluded.\n"
+    "combinations: likelihood, p-value, status and numbers; simulated: rank of a simulated combination,\n"
+    "at its best surface, 0 at the others; effects: change of each number from a factor's first level\n"
+    "(95 % interval; the residual holds interactions); levels: what is left of each level.",
+    "repose forensics build/tables/lh_forensics_runs.tsv --factors slip,shape,floor",
+    options,
+    .on_table = judge_runs};

@@ -28,23 +28,6 @@ static const rp_param schema[] = {
     {0},
 };
 
-static const cli_command command = {
-    .name = "lattice",
-    .synopsis = "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
-    .about =
-        "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice\n"
-        "carry force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the\n"
-        "same force balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i\n"
-        "from the left. N is the normal force of the ground. H is the horizontal force of the pile on\n"
-        "the ground, positive to the right. The columns in chi g B (chi = m/sigma) compare with\n"
-        "`repose continuum`; B is the base of the triangle of equal weight.",
-    .example = "repose lattice --base 45 --alpha-deg 30",
-    .options = schema,
-};
-
-static const char *const columns[][2] = {{"i", ""},   {"N/mg", ""},        {"H/mg", ""},
-                                         {"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}};
-
 static rp_status check_usage(const options *o)
 {
     bool cut = o->base > 0, sloped = o->alpha_deg > 0;
@@ -76,11 +59,11 @@ static void print(const options *o, long k, double alpha, double theta, const an
     cli_table(stdout, schema, o);
     rp_table_note(stdout, "disks", "%.0f", disks);
     rp_table_note(stdout, "B", "%.17g sigma, the base of the triangle of equal weight", base);
-    rp_table_columns(stdout, 6, columns);
+    rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
     for (long i = 1; i <= k; i++) {
         an_force f = force[i - 1];
         double x = 0.5 + ((double)i - (double)(k + 1) / 2) * 2 * sin(theta) / base;
-        rp_table_row(stdout, 6, (double[]){(double)i, f.N, f.H, x, f.N / base, f.H / base});
+        CLI_ROW((double)i, f.N, f.H, x, f.N / base, f.H / base);
     }
 }
 
@@ -105,8 +88,16 @@ static rp_status write_pile(const void *values)
     return status;
 }
 
-rp_status cmd_lattice(int argc, char **argv)
-{
-    options o;
-    return cli_plain(&command, argc, argv, &o, write_pile);
-}
+const cli_command cmd_lattice = {
+    "lattice",
+    "forces on the base of a close-packed pile, lattice model (37)-(44)",
+    "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
+    "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice\n"
+    "carry force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same\n"
+    "force balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the\n"
+    "left. N is the normal force of the ground. H is the horizontal force of the pile on the ground,\n"
+    "positive to the right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B\n"
+    "is the base of the triangle of equal weight.",
+    "repose lattice --base 45 --alpha-deg 30",
+    schema,
+    .act = write_pile};

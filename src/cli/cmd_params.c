@@ -55,35 +55,30 @@ static void print_protocol(const sweep_protocol *protocol)
         printf("  %-36s %-10s %s\n", o->name, shown(o->unit), o->meaning);
 }
 
-rp_status cmd_params(int argc, char **argv)
+static rp_status print_all(const void *values)
 {
-    static const rp_param schema[] = {{0}};
-    static const cli_command command = {"params",
-                                        "[PROTOCOL | scene]",
-                                        "The parameters of a sweep's protocol, with unit, type, default, "
-                                        "range and meaning, and its outputs;\n"
-                                        "or the keys of a scene file; without an argument, all of them.",
-                                        "repose params repose",
-                                        schema,
-                                        0,
-                                        1};
-    const char *arguments[1];
-    int n;
-    bool done, found = false;
-    char values;
-    rp_status status = cli_parse(&command, argc, argv, &values, arguments, &n, &done);
-    if (status || done) return status;
+    (void)values;
+    const char *name = cli_argument(0);
+    bool found = false;
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
-        if (n == 1 && strcmp(arguments[0], (*p)->name) != 0) continue;
+        if (name && strcmp(name, (*p)->name) != 0) continue;
         if (found) putchar('\n');
         print_protocol(*p);
         found = true;
     }
-    if (n == 0 || strcmp(arguments[0], "scene") == 0) {
+    if (!name || strcmp(name, "scene") == 0) {
         if (found) putchar('\n');
         print_scene();
         found = true;
     }
-    return found ? RP_OK
-                 : rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol; repose params lists them", arguments[0]);
+    return found ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol; repose params lists them", name);
 }
+
+const cli_command cmd_params = {
+    "params",
+    "every parameter of a protocol or scene file, with unit, default and range",
+    "[PROTOCOL | scene]",
+    "The parameters of a sweep's protocol, with unit, type, default, range and meaning, and its\n"
+    "outputs; or the keys of a scene file; without an argument, all of them.",
+    "repose params repose",
+    .act = print_all};

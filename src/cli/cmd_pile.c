@@ -53,37 +53,6 @@ static void make_schema(void)
     memcpy(&schema[n], own, sizeof own);
 }
 
-static const cli_command command = {
-    .name = "pile",
-    .synopsis =
-        "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E]\n"
-        "       [--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n"
-        "       [--disorder S [--seed N] [--piles N]] [--summary | --threshold] [-o DIR]",
-    .about =
-        "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
-        "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left; N is the normal force of "
-        "the\n"
-        "ground on it, H the force of the pile on the ground there, positive to the right. Beside them what\n"
-        "diagonal contacts alone would carry, the exact limit of hard disks in which no contact within a "
-        "row\n"
-        "closes, and the columns in chi g B of `repose continuum`. The header tells whether the state is\n"
-        "stable: negative_modes counts the directions in which it is not. The primary state need not be: it "
-        "is\n"
-        "a result all the same, exit status 0, and a note on standard error tells.\n"
-        "\n"
-        "Without an equilibrium: exit status 1, a message that names disks and wells, in the tables of -o "
-        "the\n"
-        "state in which the solve was given up, and one of these statuses.\n"
-        "  spreads        wells broke, and neighbours slid apart\n"
-        "  collapses      they did so though no well broke: toppled, or disks or springs too soft\n"
-        "  creeps         with --set-again: wells are set anew without end\n"
-        "  meets          disks overlap that were no neighbours\n"
-        "  not_converged  the solver gave up\n"
-        "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
-    .example = "repose pile --alpha-deg 30 --base 45",
-    .options = schema,
-};
-
 static rp_status no_memory(void)
 {
     return rp_fail(RP_NO_MEMORY, "pile: out of memory");
@@ -208,7 +177,7 @@ static rp_status check_idle(const options *o)
                 {"mu", !(p->well > 0), "goes with --well"},
                 {"seed", !(p->disorder > 0), "goes with --disorder"}};
     for (size_t i = 0; i < sizeof idle / sizeof *idle; i++)
-        if (idle[i].idle && cli_given(&command, idle[i].option))
+        if (idle[i].idle && cli_given(idle[i].option))
             return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
                            idle[i].why);
     return RP_OK;
@@ -295,26 +264,14 @@ static rp_status solve_one(const options *o, sweep_outline *h, unsigned long run
 static rp_status write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
                              const double *N, const double *H)
 {
-    static const char *const columns[][2] = {
-        {"i", ""},
-        {"x/B", ""},
-        {"N/mg", ""},
-        {"N_se/mg", ""},
-        {"H/mg", ""},
-        {"H_se/mg", ""},
-        {"N_diagonals/mg", ""},
-        {"H_diagonals/mg", ""},
-        {"N/(chi*g*B)", ""},
-        {"N_se/(chi*g*B)", ""},
-        {"H/(chi*g*B)", ""},
-        {"H_se/(chi*g*B)", ""},
-    };
     const size_t piles = (size_t)o->piles;
     write_header(stdout);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
     rp_table_note(stdout, "B", "%.17g sigma", h->B);
     rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
-    rp_table_columns(stdout, 12, columns);
+    rp_table_header(stdout,
+                    "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "
+                    "N_se/(chi*g*B), H/(chi*g*B), H_se/(chi*g*B)");
     rp_status status = RP_OK;
     for (size_t i = 0; !status && i < h->k; i++) {
         stats_summary n, f;
@@ -322,9 +279,8 @@ static rp_status write_means(const options *o, const sweep_outline *h, size_t so
         if (!status) status = stats_mean(solved, H + i * piles, &f);
         const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->pile.gap) / h->B;
         if (!status)
-            rp_table_row(stdout, 12,
-                         (double[]){(double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N,
-                                    h->exact[i].H, n.mean / h->B, n.se / h->B, f.mean / h->B, f.se / h->B});
+            CLI_ROW((double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N, h->exact[i].H, n.mean / h->B,
+                    n.se / h->B, f.mean / h->B, f.se / h->B);
     }
     return status;
 }
@@ -369,9 +325,36 @@ static rp_status solve_any(const void *values)
     return status;
 }
 
-rp_status cmd_pile(int argc, char **argv)
+static const cli_command command = {
+    "pile",
+    "static equilibrium of a close-packed pile of soft disks",
+    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E]\n       "
+    "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n       [--disorder S [--seed N] "
+    "[--piles N]] [--summary | --threshold] [-o DIR]",
+    "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
+    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left; N is the normal force of\n"
+    "the ground on it, H the force of the pile on the ground there, positive to the right. Beside them\n"
+    "what diagonal contacts alone would carry, the exact limit of hard disks in which no contact within\n"
+    "a row closes, and the columns in chi g B of `repose continuum`. The header tells whether the state\n"
+    "is stable: negative_modes counts the directions in which it is not. The primary state need not be:\n"
+    "it is a result all the same, exit status 0, and a note on standard error tells.\n"
+    "\n"
+    "Without an equilibrium: exit status 1, a message that names disks and wells, in the tables of -o\n"
+    "the state in which the solve was given up, and one of these statuses.\n"
+    "  spreads        wells broke, and neighbours slid apart\n"
+    "  collapses      they did so though no well broke: toppled, or disks or springs too soft\n"
+    "  creeps         with --set-again: wells are set anew without end\n"
+    "  meets          disks overlap that were no neighbours\n"
+    "  not_converged  the solver gave up\n"
+    "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
+    "repose pile --alpha-deg 30 --base 45",
+    schema,
+    .act = solve_any};
+
+static rp_status run(int argc, char **argv)
 {
-    options o;
     make_schema();
-    return cli_plain(&command, argc, argv, &o, solve_any);
+    return cli_run(&command, argc, argv);
 }
+
+const cli_command cmd_pile = {"pile", "static equilibrium of a close-packed pile of soft disks", .run = run};

@@ -23,28 +23,6 @@ static const rp_param options[] = {
     {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
     {0}};
 
-static const cli_command command = {
-    "report",
-    "TEMPLATE [--tables DIR,...] [--needs] [-o FILE]",
-    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all key=value.\n"
-    "  {{value T k=v COL}}          value +- standard error\n"
-    "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
-    "  {{note T KEY}}               a header line of the table\n"
-    "  {{rows T k=v ... | COL ...}} one line of a table for each row; COL:FORMAT, COL:+- for value +- "
-    "error;\n"
-    "                               key=FROM:TO for a range\n"
-    "  {{published ID}}             the number that the paper gives\n"
-    "  {{verdict ID}}               verdict on a claim\n"
-    "  {{claims SECTION}}           the claims of a section with ours, verdict and variants\n"
-    "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
-    "verdict\n"
-    "  {{include FILES}}            texts beside the template, filled alike\n"
-    "A table that has not been made gives `no data`.",
-    "repose report figures/paper-repro.md.in -o paper-repro.md",
-    options,
-    1,
-    1};
-
 enum { MAX_DEPTH = 2 };
 
 typedef struct {
@@ -332,20 +310,39 @@ static void print_claim_tables(const report *r)
     }
 }
 
-rp_status cmd_report(int argc, char **argv)
+static rp_status fill_report(const void *values)
 {
-    report_options o;
-    report r = {.options = &o};
-    int n;
-    bool done;
-    rp_status status = cli_parse(&command, argc, argv, &o, &r.template, &n, &done);
-    if (status || done) return status;
-    status = cli_claims_read(o.claims, &r.claims);
-    if (!status && (status = rp_file_open(o.output, &r.out)) == RP_OK) {
-        if (o.needs) print_claim_tables(&r);
-        status = rp_file_close(o.output, r.out, fill_file(&r, r.template));
+    const report_options *o = values;
+    report r = {.options = o, .template = cli_argument(0)};
+    rp_status status = cli_claims_read(o->claims, &r.claims);
+    if (!status && (status = rp_file_open(o->output, &r.out)) == RP_OK) {
+        if (o->needs) print_claim_tables(&r);
+        status = rp_file_close(o->output, r.out, fill_file(&r, r.template));
     }
     free(r.judged);
     cli_claims_free(&r.claims);
     return status;
 }
+
+const cli_command cmd_report = {
+    "report",
+    "fill a report's template from tables",
+    "TEMPLATE [--tables DIR,...] [--needs] [-o FILE]",
+    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all\n"
+    "key=value.\n"
+    "  {{value T k=v COL}}          value +- standard error\n"
+    "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
+    "  {{note T KEY}}               a header line of the table\n"
+    "  {{rows T k=v ... | COL ...}} one line of a table for each row; COL:FORMAT, COL:+- for value +- "
+    "error;\n"
+    "                               key=FROM:TO for a range\n"
+    "  {{published ID}}             the number that the paper gives\n"
+    "  {{verdict ID}}               verdict on a claim\n"
+    "  {{claims SECTION}}           the claims of a section with ours, verdict and variants\n"
+    "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
+    "verdict\n"
+    "  {{include FILES}}            texts beside the template, filled alike\n"
+    "A table that has not been made gives `no data`.",
+    "repose report figures/paper-repro.md.in -o paper-repro.md",
+    options,
+    .act = fill_report};

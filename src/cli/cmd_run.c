@@ -31,27 +31,6 @@ static const rp_param options[] = {
      "of a sweep file: number of the run, from 0"},
     {0}};
 
-static const cli_command command = {
-    "run",
-    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | SWEEP.cfg [--row N] [--every N] "
-    "[--ledger] "
-    "-o DIR",
-    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y "
-    "(cm),\n"
-    "angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
-    "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
-    "A file with the key `protocol` is a sweep: one of its runs is made again, and its results are printed. "
-    "The\n"
-    "folder has its tables: grains and contacts, energies, and of a box scene.cfg, which runs to the same "
-    "bits;\n"
-    "of a static pile disks, contacts, wells and the forces on the base. `repose params scene` lists the "
-    "keys of\n"
-    "a scene file.",
-    "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
-    options,
-    1,
-    1};
-
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
     const char *directory; /* NULL: standard output */
@@ -106,14 +85,13 @@ static rp_status write_contacts(const char *directory, const dem_sim *sim)
 
 static rp_status write_walls(const char *directory, const dem_scene *scene, const dem_sim *sim)
 {
-    static const char *const columns[][2] = {{"wall", ""}, {"fx", "dyn"}, {"fy", "dyn"}};
     double forces[2 * DEM_MAX_WALLS];
     char path[4096];
     FILE *out;
     rp_status status = open_in(directory, "walls.tsv", path, &out);
     if (status) return status;
     dem_wall_forces(sim, forces);
-    rp_table_columns(out, 3, columns);
+    rp_table_header(out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < scene->def.n_walls; w++)
         rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
     return rp_file_close(path, out, RP_OK);
@@ -222,8 +200,7 @@ static rp_status run_file(const char *path, const run_options *o)
 {
     dem_scene scene;
     dem_sim *sim = NULL;
-    if (cli_given(&command, "row"))
-        return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
+    if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     rp_status status = dem_scene_read(path, &o->set, &scene);
     if (o->ledger) scene.def.ledger = true;
     if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
@@ -233,14 +210,27 @@ static rp_status run_file(const char *path, const run_options *o)
     return status;
 }
 
-rp_status cmd_run(int argc, char **argv)
+static rp_status run_any(const void *values)
 {
-    run_options o;
-    const char *path;
-    int n;
-    bool done, sweep;
-    rp_status status = cli_parse(&command, argc, argv, &o, &path, &n, &done);
-    if (status || done) return status;
-    status = is_sweep(path, &sweep);
-    return status ? status : sweep ? run_row(path, &o) : run_file(path, &o);
+    const char *path = cli_argument(0);
+    bool sweep;
+    rp_status status = is_sweep(path, &sweep);
+    return status ? status : sweep ? run_row(path, values) : run_file(path, values);
 }
+
+const cli_command cmd_run = {
+    "run",
+    "simulate any scene, described in a file",
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | SWEEP.cfg [--row N] [--every N] "
+    "[--ledger] -o DIR",
+    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y\n"
+    "(cm), angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
+    "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
+    "A file with the key `protocol` is a sweep: one of its runs is made again, and its results are\n"
+    "printed. The folder has its tables: grains and contacts, energies, and of a box scene.cfg, which\n"
+    "runs to the same bits;\n"
+    "of a static pile disks, contacts, wells and the forces on the base. `repose params scene` lists\n"
+    "the keys of a scene file.",
+    "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
+    options,
+    .act = run_any};

@@ -5,7 +5,6 @@
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/cmd_stats.h"
 #include "core/random.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
@@ -28,21 +27,8 @@ static const rp_param maximum_params[] = {
     CLI_WHERE(maximum_options),
     {0}};
 
-static const cli_command maximum_command = {
-    "stats maximum",
-    "TABLE --column COLUMN --draws N [options]",
-    "Expected largest of N of a column's values, so that maxima of ensembles of different size compare;\n"
-    "maximum_se: bootstrap over the values. TABLE (- for standard input): columns by name, or 1, 2, ...\n"
-    "without header; rows with nan are left out.",
-    "repose stats maximum piles.tsv --column theta_r3_deg --draws 10",
-    maximum_params,
-    1,
-    1};
-
 static rp_status print_maximum(size_t n, const double v[], double work[], const maximum_options *o)
 {
-    static const char *const columns[][2] = {{"n", ""},     {"mean", ""},    {"sd", ""},
-                                             {"draws", ""}, {"maximum", ""}, {"maximum_se", ""}};
     stats_summary stats;
     double largest, se = NAN;
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
@@ -51,9 +37,8 @@ static rp_status print_maximum(size_t n, const double v[], double work[], const 
     if (!status) status = stats_maximum_error(n, v, (size_t)o->draws, (size_t)o->bootstrap, rng, work, &se);
     if (rng) gsl_rng_free(rng);
     if (status) return status;
-    rp_table_columns(stdout, N_OF(columns), columns);
-    rp_table_row(stdout, N_OF(columns),
-                 (double[]){(double)n, stats.mean, stats.sd, (double)o->draws, largest, se});
+    rp_table_header(stdout, "n, mean, sd, draws, maximum, maximum_se");
+    CLI_ROW((double)n, stats.mean, stats.sd, (double)o->draws, largest, se);
     return RP_OK;
 }
 
@@ -80,11 +65,16 @@ static rp_status maximum_of_table(rp_table *table, const void *options)
     return status;
 }
 
-static rp_status maximum(int argc, char **argv)
-{
-    maximum_options o;
-    return cli_with_table(&maximum_command, argc, argv, &o, maximum_of_table);
-}
+static const cli_command maximum = {
+    "stats maximum",
+    "expected largest of a number of values",
+    "TABLE --column COLUMN --draws N [options]",
+    "Expected largest of N of a column's values, so that maxima of ensembles of different size compare;\n"
+    "maximum_se: bootstrap over the values. TABLE (- for standard input): columns by name, or 1, 2, ...\n"
+    "without header; rows with nan are left out.",
+    "repose stats maximum piles.tsv --column theta_r3_deg --draws 10",
+    maximum_params,
+    .on_table = maximum_of_table};
 
 /* ---- select ---- */
 
@@ -99,17 +89,6 @@ static const rp_param select_params[] = {
     {"bare", "", RP_BOOL, offsetof(select_options, bare), "false", "", "print the rows without a header"},
     CLI_WHERE(select_options),
     {0}};
-
-static const cli_command select_command = {
-    "stats select",
-    "TABLE [options]",
-    "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables with "
-    "the\n"
-    "same columns, one after the other, are read as one.",
-    "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
-    select_params,
-    1,
-    1};
 
 enum { MOST_COLUMNS = 1024 };
 
@@ -144,24 +123,20 @@ static rp_status select_of_table(rp_table *t, const void *options)
     return RP_OK;
 }
 
-static rp_status select_rows(int argc, char **argv)
-{
-    select_options o;
-    return cli_with_table(&select_command, argc, argv, &o, select_of_table);
-}
+static const cli_command select_rows = {
+    "stats select",
+    "rows and columns of a table",
+    "TABLE [options]",
+    "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables\n"
+    "with the same columns, one after the other, are read as one.",
+    "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
+    select_params,
+    .on_table = select_of_table};
 
-/* ---- dispatch ---- */
+/* ---- group ---- */
 
-rp_status cmd_stats(int argc, char **argv)
-{
-    static const cli_subcommand list[] = {
-        {"fit", cmd_stats_fit, "straight line or power law through a table"},
-        {"trend", cmd_stats_trend, "does a column of a table of runs depend on another?"},
-        {"size", cmd_stats_size, "limit of infinite size, from a table of runs"},
-        {"maximum", maximum, "expected largest of a number of values"},
-        {"threshold", cmd_stats_threshold, "where runs cease to fail as a parameter grows"},
-        {"cost", cmd_stats_cost, "time that a standard error of 1 takes, by setting"},
-        {"select", select_rows, "rows and columns of a table"},
-        {0}};
-    return cli_dispatch("stats", list, argc, argv);
-}
+static const cli_command *const commands[] = {
+    &cmd_stats_fit,       &cmd_stats_trend, &cmd_stats_size, &maximum,
+    &cmd_stats_threshold, &cmd_stats_cost,  &select_rows,    NULL};
+const cli_command cmd_stats = {"stats", "lines, trends, thresholds and costs from tables of runs",
+                               .group = commands};

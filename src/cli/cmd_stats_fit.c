@@ -6,7 +6,6 @@
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/cmd_stats.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
@@ -34,21 +33,6 @@ static const rp_param fit_params[] = {
      "smallest p with which a line is accepted, for --successive"},
     CLI_WHERE(fit_options),
     {0}};
-
-static const cli_command fit_command = {
-    "stats fit",
-    "TABLE --x COLUMN --y COLUMN [options]",
-    "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
-    "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a larger\n"
-    "chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
-    "--successive orders the points by x and adds one after the other. bend: coefficient of x^2 of the\n"
-    "parabola, p_bend its two-sided p. linear_to, bend_free_to (header): largest x up to which every line\n"
-    "has p_value, or p_bend, of at least --level; nan if there is none.\n"
-    "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left out.",
-    "repose stats fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
-    fit_params,
-    1,
-    1};
 
 /* Pack the usable points of the blocks x, y, se of n values each to their fronts. */
 static size_t select_points(size_t n, double *block, const fit_options *o, size_t *n_missing)
@@ -99,10 +83,6 @@ static rp_status sort_points(size_t n, size_t used, double *block)
 static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
                                   double level)
 {
-    static const char *const columns[][2] = {
-        {"x_to", "x"},         {"n", ""},      {"slope", "y/x"}, {"slope_se", "y/x"}, {"intercept", "y"},
-        {"intercept_se", "y"}, {"chi2", ""},   {"dof", ""},      {"p_value", ""},     {"bend", "y/x^2"},
-        {"bend_se", "y/x^2"},  {"p_bend", ""}, {"status", ""}};
     double linear_to, bend_free_to;
     stats_prefix *fits = malloc((n + 1) * sizeof *fits);
     if (!fits) return rp_fail(RP_NO_MEMORY, "fit: out of memory");
@@ -110,16 +90,16 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
     if (!status) {
         rp_table_note(stdout, "linear_to", "%g", linear_to);
         rp_table_note(stdout, "bend_free_to", "%g", bend_free_to);
-        rp_table_columns(stdout, N_OF(columns), columns);
+        rp_table_header(
+            stdout, "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
+                    "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, status");
     }
     for (size_t k = 0; k + 3 <= n && !status; k++) {
         const stats_line *l = &fits[k].line;
         const stats_contrast *bend = &fits[k].bend;
-        rp_table_row_word(stdout, N_OF(columns) - 1,
-                          (double[]){x[k + 2], (double)l->n, l->slope, l->slope_se, l->intercept,
-                                     l->intercept_se, l->chi2, (double)l->dof, l->p_value, bend->value,
-                                     bend->se, fits[k].p_bend},
-                          l->p_value < level || fits[k].p_bend < level ? "curved" : "ok");
+        CLI_ROW_WORD(l->p_value < level || fits[k].p_bend < level ? "curved" : "ok", x[k + 2], (double)l->n,
+                     l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof,
+                     l->p_value, bend->value, bend->se, fits[k].p_bend);
     }
     free(fits);
     return status;
@@ -128,24 +108,19 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
 static rp_status print_fit(size_t n, const double x[], const double y[], const double se[], bool logarithms,
                            const double range[2])
 {
-    static const char *const columns[][2] = {
-        {"slope", "y/x"},      {"slope_se", "y/x"},     {"intercept", "y"},
-        {"intercept_se", "y"}, {"covariance", "y^2/x"}, {"chi2", ""},
-        {"dof", ""},           {"p_value", ""},         {"n", ""},
-        {"x_from", "x"},       {"x_to", "x"},           {"line", ""}};
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) {
         rp_status status = stats_line_fit(n, x, y, se, i == 1, &lines[i]);
         if (status) return status;
     }
-    rp_table_columns(stdout, N_OF(columns), columns);
+    rp_table_header(stdout,
+                    "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
+                    "dof, p_value, n, x_from [x], x_to [x], line");
     for (int i = 0; i < n_lines; i++) {
         const stats_line *l = &lines[i];
-        rp_table_row_word(stdout, N_OF(columns) - 1,
-                          (double[]){l->slope, l->slope_se, l->intercept, l->intercept_se, l->covariance,
-                                     l->chi2, (double)l->dof, l->p_value, (double)l->n, range[0], range[1]},
-                          i == 1 ? "origin" : "free");
+        CLI_ROW_WORD(i == 1 ? "origin" : "free", l->slope, l->slope_se, l->intercept, l->intercept_se,
+                     l->covariance, l->chi2, (double)l->dof, l->p_value, (double)l->n, range[0], range[1]);
     }
     return RP_OK;
 }
@@ -186,8 +161,18 @@ static rp_status fit_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_stats_fit(int argc, char **argv)
-{
-    fit_options o;
-    return cli_with_table(&fit_command, argc, argv, &o, fit_table);
-}
+const cli_command cmd_stats_fit = {
+    "stats fit",
+    "straight line or power law through a table",
+    "TABLE --x COLUMN --y COLUMN [options]",
+    "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
+    "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
+    "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
+    "--successive orders the points by x and adds one after the other. bend: coefficient of x^2 of the\n"
+    "parabola, p_bend its two-sided p. linear_to, bend_free_to (header): largest x up to which every\n"
+    "line has p_value, or p_bend, of at least --level; nan if there is none.\n"
+    "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
+    "out.",
+    "repose stats fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
+    fit_params,
+    .on_table = fit_table};

@@ -5,7 +5,6 @@
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/cmd_stats.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
@@ -46,31 +45,19 @@ static const rp_param threshold_params[] = {
     CLI_WHERE(threshold_options),
     {0}};
 
-static const cli_command threshold_command = {
-    "stats threshold",
-    "TABLE --x COLUMN [options]",
-    "Where runs cease to fail as x grows, one row a group: falls_x, the largest x of a row whose status is\n"
-    "not ok; stands_x, the smallest x of one whose status is ok (x is the column's name); nan where there "
-    "is\n"
-    "no such row. mixed: rows with status ok below falls_x. TABLE (- for standard input): one row a run.",
-    "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
-    threshold_params,
-    1,
-    1};
-
 static rp_status print_thresholds(const rp_table *t, const threshold_options *o, const cli_groups *g,
                                   const double *block, const int columns[2], int status_column)
 {
-    char falls[80], stands[80], unit[32];
+    char unstable[80], stable[80], unit[32];
     const size_t n = t->n_rows;
     const bool most = columns[1] >= 0, grouped = strcmp(o->by, "none") != 0;
     double *x = malloc((n + 1) * sizeof *x);
     bool *holds = malloc((n + 1) * sizeof *holds);
     rp_status status = x && holds ? RP_OK : rp_fail(RP_NO_MEMORY, "threshold: out of memory");
-    snprintf(falls, sizeof falls, "falls_%s", o->x);
-    snprintf(stands, sizeof stands, "stands_%s", o->x);
+    snprintf(unstable, sizeof unstable, "unstable_%s", o->x);
+    snprintf(stable, sizeof stable, "stable_%s", o->x);
     cli_column_unit(t, columns[0], unit);
-    const char *const own[][2] = {{"n", ""}, {falls, unit}, {stands, unit}, {"mixed", ""}, {o->most, ""}};
+    const char *const own[][2] = {{"n", ""}, {unstable, unit}, {stable, unit}, {"mixed", ""}, {o->most, ""}};
     const size_t n_own = N_OF(own) - !most;
     cli_table(stdout, threshold_params, o);
     if (!status) status = print_columns(t, o->by, n_own, own);
@@ -113,11 +100,17 @@ static rp_status threshold_of_table(rp_table *t, const void *values)
     return status;
 }
 
-rp_status cmd_stats_threshold(int argc, char **argv)
-{
-    threshold_options o;
-    return cli_with_table(&threshold_command, argc, argv, &o, threshold_of_table);
-}
+const cli_command cmd_stats_threshold = {
+    "stats threshold",
+    "where runs cease to fail as a parameter grows",
+    "TABLE --x COLUMN [options]",
+    "Where runs cease to fail as x grows, one row a group: unstable_x, the largest x of a row whose status\n"
+    "is not ok; stable_x, the smallest x of one whose status is ok (x is the column's name); nan where\n"
+    "there is no such row. mixed: rows with status ok below unstable_x. TABLE (- for standard input): one\n"
+    "row a run.",
+    "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
+    threshold_params,
+    .on_table = threshold_of_table};
 
 /* ---- cost ---- */
 
@@ -134,19 +127,6 @@ static const rp_param cost_params[] = {{"y", "", RP_TEXT, offsetof(cost_options,
                                        CLI_WHERE(cost_options),
                                        {0}};
 
-static const cli_command cost_command = {
-    "stats cost",
-    "TABLE --y COLUMN --by COLUMNS [options]",
-    "Time that a standard error of 1 in y takes, one row a setting. sd: of y over its runs; bias: mean\n"
-    "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the least\n"
-    "time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where no other\n"
-    "setting has both less cost and less bias. TABLE (- for standard input): one row a run, columns\n"
-    "replica, seconds, steps, status; rows whose status is not ok are left out.",
-    "repose stats cost build/tables/val_cost_runs.tsv --y theta_r3_deg --by W,dt,rest_energy --size W",
-    cost_params,
-    1,
-    1};
-
 static rp_status print_costs(const rp_table *t, const cost_options *o, const cli_groups *g,
                              const stats_cost costs[], int y_column)
 {
@@ -159,9 +139,7 @@ static rp_status print_costs(const rp_table *t, const cost_options *o, const cli
     for (size_t s = 0; s < g->n_groups && !status; s++) {
         const stats_cost *c = &costs[s];
         printf("%s\t", g->words[s]);
-        rp_table_row(
-            stdout, N_OF(own),
-            (double[]){(double)c->n, c->mean, c->sd, c->bias, c->bias_se, c->seconds, c->cost, c->front});
+        CLI_ROW((double)c->n, c->mean, c->sd, c->bias, c->bias_se, c->seconds, c->cost, c->front);
     }
     return status;
 }
@@ -196,8 +174,15 @@ static rp_status cost_of_table(rp_table *t, const void *values)
     return status;
 }
 
-rp_status cmd_stats_cost(int argc, char **argv)
-{
-    cost_options o;
-    return cli_with_table(&cost_command, argc, argv, &o, cost_of_table);
-}
+const cli_command cmd_stats_cost = {
+    "stats cost",
+    "time that a standard error of 1 takes, by setting",
+    "TABLE --y COLUMN --by COLUMNS [options]",
+    "Time that a standard error of 1 in y takes, one row a setting. sd: of y over its runs; bias: mean\n"
+    "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the\n"
+    "least time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where\n"
+    "no other setting has both less cost and less bias. TABLE (- for standard input): one row a run,\n"
+    "columns replica, seconds, steps, status; rows whose status is not ok are left out.",
+    "repose stats cost build/tables/val_cost_runs.tsv --y theta_r3_deg --by W,dt,rest_energy --size W",
+    cost_params,
+    .on_table = cost_of_table};

@@ -5,7 +5,6 @@
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "cli/cmd_stats.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
@@ -47,39 +46,7 @@ static const rp_param trend_params[] = {
      "compare rows of the same pile (column pile)"},
     {0}};
 
-static const cli_command trend_command = {
-    "stats trend",
-    "TABLE --x COLUMN --y COLUMN [options]",
-    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
-    "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as they "
-    "appear.\n"
-    "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of 90 "
-    "%;\n"
-    "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
-    "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest difference "
-    "of\n"
-    "the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for far more.\n"
-    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
-    "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
-    "repose stats trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
-    trend_params,
-    1,
-    1};
-
 static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
-
-static const cli_command size_command = {
-    "stats size",
-    "TABLE --x COLUMN --y COLUMN [options]",
-    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at "
-    "each\n"
-    "x; lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number "
-    "of\n"
-    "groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n" TABLE_HELP,
-    "repose stats size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
-    size_params,
-    1,
-    1};
 
 /* What is printed of a trend. */
 static const char *const trend_columns[][2] = {
@@ -192,31 +159,12 @@ static void print_trend(const stats_trend *t, size_t n_rows, double p_holm, cons
     double lo[2], hi[2];
     stats_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
-    rp_table_row_word(stdout, N_OF(trend_columns),
-                      (double[]){(double)t->n,
-                                 (double)(n_rows - t->n),
-                                 (double)t->n_x,
-                                 unscaled(o->scale, t->from),
-                                 unscaled(o->scale, t->to),
-                                 t->slope.value,
-                                 t->slope.se,
-                                 t->slope.dof,
-                                 t->change.value,
-                                 t->change.se,
-                                 lo[0],
-                                 hi[0],
-                                 stats_contrast_p(&t->change),
-                                 p_holm,
-                                 t->bend.value,
-                                 t->bend.se,
-                                 stats_contrast_p(&t->bend),
-                                 lo[1],
-                                 hi[1],
-                                 t->p_margin,
-                                 t->pair.value,
-                                 t->pair.se,
-                                 t->p_pairs},
-                      isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level));
+    CLI_ROW_WORD(isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level), (double)t->n,
+                 (double)(n_rows - t->n), (double)t->n_x, unscaled(o->scale, t->from),
+                 unscaled(o->scale, t->to), t->slope.value, t->slope.se, t->slope.dof, t->change.value,
+                 t->change.se, lo[0], hi[0], stats_contrast_p(&t->change), p_holm, t->bend.value, t->bend.se,
+                 stats_contrast_p(&t->bend), lo[1], hi[1], t->p_margin, t->pair.value, t->pair.se,
+                 t->p_pairs);
 }
 
 static void print_size(const stats_trend *t, double p_holm)
@@ -224,11 +172,9 @@ static void print_size(const stats_trend *t, double p_holm)
     double lo[2], hi[2];
     stats_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
-    rp_table_row_word(stdout, N_OF(size_columns),
-                      (double[]){(double)t->n, (double)t->n_x, 1.0 / t->to, 1.0 / t->from, t->intercept.value,
-                                 t->intercept.se, lo[0], hi[0], t->slope.value, t->slope.se, lo[1], hi[1],
-                                 stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend)},
-                      isnan(p_holm) ? "no_result" : "ok");
+    CLI_ROW_WORD(isnan(p_holm) ? "no_result" : "ok", (double)t->n, (double)t->n_x, 1.0 / t->to, 1.0 / t->from,
+                 t->intercept.value, t->intercept.se, lo[0], hi[0], t->slope.value, t->slope.se, lo[1], hi[1],
+                 stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
 static void print_header(const rows *r, const options *o, bool size)
@@ -310,40 +256,62 @@ static rp_status number_words(rp_table *t, const options *o, char words[256])
     return RP_OK;
 }
 
-static rp_status run(const cli_command *command, int argc, char **argv, bool size)
+static rp_status trend_or_size(rp_table *table, const options *o, bool size)
 {
-    options o = {0};
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
     rows r = {0};
-    rp_status status = cli_parse(command, argc, argv, &o, &file, &n, &done);
-    if (status || done) return status;
-    if (o.scale == SCALE_LOG && o.power != 0.0)
-        return rp_fail(RP_USAGE, "--power weighs with x itself; give --scale log or --power, not both");
-    if (size) {
-        o.scale = SCALE_INVERSE;
-        o.margin = 1.0; /* of a test that is not printed */
-    }
-    status = cli_table_read(command, &o, file, &table);
-    if (!status) status = number_words(&table, &o, r.x_words);
-    if (!status) status = load_rows(&table, &o, &r);
+    rp_status status = number_words(table, o, r.x_words);
+    if (!status) status = load_rows(table, o, &r);
     if (!status) {
-        status = fit_groups(&r, &o, size);
-        if (status) rp_prefix(status, "%s: ", file);
+        status = fit_groups(&r, o, size);
+        if (status) rp_prefix(status, "%s: ", table->path);
     }
     rows_free(&r);
-    rp_table_free(&table);
     return status;
 }
 
-rp_status cmd_stats_trend(int argc, char **argv)
+static rp_status trend_of_table(rp_table *table, const void *values)
 {
-    return run(&trend_command, argc, argv, false);
+    const options *o = values;
+    if (o->scale == SCALE_LOG && o->power != 0.0)
+        return rp_fail(RP_USAGE, "--power weighs with x itself; give --scale log or --power, not both");
+    return trend_or_size(table, o, false);
 }
 
-rp_status cmd_stats_size(int argc, char **argv)
+static rp_status size_of_table(rp_table *table, const void *values)
 {
-    return run(&size_command, argc, argv, true);
+    options o = *(const options *)values;
+    o.scale = SCALE_INVERSE;
+    o.margin = 1.0; /* of a test that is not printed */
+    return trend_or_size(table, &o, true);
 }
+
+const cli_command cmd_stats_trend = {
+    "stats trend",
+    "does a column of a table of runs depend on another?",
+    "TABLE --x COLUMN --y COLUMN [options]",
+    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
+    "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as\n"
+    "they appear.\n"
+    "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of\n"
+    "90 %;\n"
+    "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
+    "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest\n"
+    "difference of the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for\n"
+    "far more.\n"
+    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
+    "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
+    "repose stats trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
+    trend_params,
+    .on_table = trend_of_table};
+
+const cli_command cmd_stats_size = {
+    "stats size",
+    "limit of infinite size, from a table of runs",
+    "TABLE --x COLUMN --y COLUMN [options]",
+    "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
+    "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
+    "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the "
+    "means.\n" TABLE_HELP,
+    "repose stats size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
+    size_params,
+    .on_table = size_of_table};

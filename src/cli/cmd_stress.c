@@ -6,13 +6,10 @@
 #include "angle/angle.h"
 #include "stress/stress.h"
 #include "cli/cli.h"
-#include "cli/cmd_stress.h"
 
 static const double deg = M_PI / 180.0;
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
-
-enum { MOST_PILES = 1000 };
 
 typedef struct {
     double width, cell, diameter, g, phi_deg;
@@ -77,25 +74,22 @@ static rp_status pile_read(const char *prefix, stress_pile *p)
     return status;
 }
 
-/* Parse, read the piles of all arguments, act on them, free them. */
-static rp_status with_piles(const cli_command *command, int argc, char **argv,
+/* Read the piles of all arguments, act on them, free them. */
+static rp_status with_piles(const rp_param *params, const options *o,
                             rp_status (*act)(size_t n, const stress_pile piles[], const options *o))
 {
-    static const char *prefixes[MOST_PILES];
-    options o;
-    int n;
-    bool done;
-    rp_status status = cli_parse(command, argc, argv, &o, prefixes, &n, &done);
-    if (status || done) return status;
-    stress_pile *piles = calloc((size_t)n, sizeof *piles);
-    if (!piles) return rp_fail(RP_NO_MEMORY, "%d piles: out of memory", n);
-    for (int i = 0; i < n && !status; i++) status = pile_read(prefixes[i], &piles[i]);
+    size_t n = 0;
+    rp_status status = RP_OK;
+    while (cli_argument((int)n)) n++;
+    stress_pile *piles = calloc(n, sizeof *piles);
+    if (!piles) return rp_fail(RP_NO_MEMORY, "%zu piles: out of memory", n);
+    for (size_t i = 0; i < n && !status; i++) status = pile_read(cli_argument((int)i), &piles[i]);
     if (!status) {
-        cli_table(stdout, command->options, &o);
-        rp_table_note(stdout, "piles", "%d", n);
-        status = act((size_t)n, piles, &o);
+        cli_table(stdout, params, o);
+        rp_table_note(stdout, "piles", "%zu", n);
+        status = act(n, piles, o);
     }
-    for (int i = 0; i < n; i++) pile_free(&piles[i]);
+    for (size_t i = 0; i < n; i++) pile_free(&piles[i]);
     free(piles);
     return status;
 }
@@ -104,46 +98,43 @@ static rp_status with_piles(const cli_command *command, int argc, char **argv,
 
 static const rp_param field_params[] = {BOX_PARAMS, {0}};
 
-static const cli_command field_command = {
-    "stress field",
-    "PREFIX... --width W [options]",
-    "Mean over piles of the stress in cells, from the tables PREFIX_contacts.tsv and PREFIX_grains.tsv of\n"
-    "each: s_ab, force along a, branch along b, compression positive, 0 where there are no grains; p mean\n"
-    "pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest compression,\n"
-    "mobilised angle.",
-    "repose stress field pile --width 4",
-    field_params,
-    1,
-    MOST_PILES};
-
 static rp_status print_field(size_t n, const stress_pile piles[], const options *o)
 {
-    static const char *const columns[][2] = {
-        {"x/W", ""},          {"y/W", ""},          {"sxx", "dyn/cm"},       {"sxy", "dyn/cm"},
-        {"syx", "dyn/cm"},    {"syy", "dyn/cm"},    {"p", "dyn/cm"},         {"shear", "dyn/cm"},
-        {"couple", "dyn/cm"}, {"direction", "rad"}, {"mobilised_deg", "deg"}};
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = malloc(cells * sizeof *mean);
     rp_status status = mean ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu cells: out of memory", cells);
     if (!status) status = stress_mean_cells(n, piles, &g, mean);
-    if (!status) rp_table_columns(stdout, N_OF(columns), columns);
+    if (!status)
+        rp_table_header(stdout,
+                        "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
+                        "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
     for (size_t k = 0; k < cells && !status; k++) {
         const stress_tensor *s = &mean[k];
         const stress_circle m = stress_mohr(s);
-        rp_table_row(stdout, N_OF(columns),
-                     (double[]){((double)(k % g.nx) + 0.5) * g.dx / o->width,
-                                ((double)(k / g.nx) + 0.5) * g.dy / o->width, s->xx, s->xy, s->yx, s->yy,
-                                m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg});
+        CLI_ROW(((double)(k % g.nx) + 0.5) * g.dx / o->width, ((double)(k / g.nx) + 0.5) * g.dy / o->width,
+                s->xx, s->xy, s->yx, s->yy, m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg);
     }
     free(mean);
     return status;
 }
 
-static rp_status field(int argc, char **argv)
+static rp_status act_field(const void *values)
 {
-    return with_piles(&field_command, argc, argv, print_field);
+    return with_piles(field_params, values, print_field);
 }
+
+static const cli_command field = {
+    "stress field",
+    "stress in the cells of piles, from their contacts",
+    "PREFIX... --width W [options]",
+    "Mean over piles of the stress in cells, from the tables PREFIX_contacts.tsv and PREFIX_grains.tsv\n"
+    "of each: s_ab, force along a, branch along b, compression positive, 0 where there are no grains; p\n"
+    "mean pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest\n"
+    "compression, mobilised angle.",
+    "repose stress field pile --width 4",
+    field_params,
+    .act = act_field};
 
 /* ---- base ---- */
 
@@ -155,20 +146,6 @@ static const rp_param base_params[] = {
     {"phi-deg", "deg", RP_REAL, offsetof(options, phi_deg), "60", "(0, 90)",
      "inclination of the rays of theory"},
     {0}};
-
-static const cli_command base_command = {
-    "stress base",
-    "PREFIX... --width W [options]",
-    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from the "
-    "tables\n"
-    "PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall; weight: of "
-    "the\n"
-    "column above; through: vertical force through its sides; imbalance: N - weight - through; N_theory,\n"
-    "H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of that weight.",
-    "repose stress base pile --width 4",
-    base_params,
-    1,
-    MOST_PILES};
 
 /* Mean slope by method 3 of the parts in 0 < x < W. */
 static rp_status mean_slope(size_t n, const stress_pile piles[], const options *o, double *theta)
@@ -191,10 +168,6 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const options *
 
 static rp_status print_base(size_t n, const stress_pile piles[], const options *o)
 {
-    static const char *const names[][2] = {
-        {"x/W", ""},        {"N", "dyn/cm"},        {"N_se", "dyn/cm"},    {"H", "dyn/cm"},
-        {"H_se", "dyn/cm"}, {"weight", "dyn/cm"},   {"through", "dyn/cm"}, {"imbalance", "dyn/cm"},
-        {"H/N", ""},        {"N_theory", "dyn/cm"}, {"H_theory", "dyn/cm"}};
     double theta = NAN, size;
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = malloc(cells * sizeof *floor);
@@ -202,35 +175,41 @@ static rp_status print_base(size_t n, const stress_pile piles[], const options *
     if (!status) status = stress_floor_forces(n, piles, size, o->g, cells, floor);
     if (!status) {
         rp_table_note(stdout, "theta_r_deg", "%.17g", theta / deg);
-        rp_table_columns(stdout, N_OF(names), names);
+        rp_table_header(stdout,
+                        "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
+                        "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
     }
     for (size_t j = 0; j < cells && !status; j++) {
         const stress_floor *f = &floor[j];
         double N, H;
         stress_wedge(f->weight, theta, o->phi_deg * deg, &N, &H);
-        rp_table_row(stdout, N_OF(names),
-                     (double[]){((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se,
-                                f->weight, f->through, f->imbalance,
-                                f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H});
+        CLI_ROW(((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se, f->weight,
+                f->through, f->imbalance, f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H);
     }
     free(floor);
     return status;
 }
 
-static rp_status base(int argc, char **argv)
+static rp_status act_base(const void *values)
 {
-    return with_piles(&base_command, argc, argv, print_base);
+    return with_piles(base_params, values, print_base);
 }
 
-/* ---- dispatch ---- */
+static const cli_command base = {
+    "stress base",
+    "forces on the floor of piles, from their contacts",
+    "PREFIX... --width W [options]",
+    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from the\n"
+    "tables PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall;\n"
+    "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
+    "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
+    "that weight.",
+    "repose stress base pile --width 4",
+    base_params,
+    .act = act_base};
 
-rp_status cmd_stress(int argc, char **argv)
-{
-    static const cli_subcommand list[] = {
-        {"field", field, "stress in the cells of piles, from their contacts"},
-        {"base", base, "forces on the floor of piles, from their contacts"},
-        {"dip", cmd_stress_dip, "does the pressure on the base dip in the middle?"},
-        {"critical", cmd_stress_critical, "tilt at which the measured stress reaches Coulomb's law"},
-        {0}};
-    return cli_dispatch("stress", list, argc, argv);
-}
+/* ---- group ---- */
+
+static const cli_command *const commands[] = {&field, &base, &cmd_stress_dip, &cmd_stress_critical, NULL};
+const cli_command cmd_stress = {"stress", "stress in piles, forces and dip of pressure on their base",
+                                .group = commands};

@@ -5,7 +5,6 @@
 
 #include "stress/stress.h"
 #include "cli/cli.h"
-#include "cli/cmd_stress.h"
 #include "core/random.h"
 
 static const double deg = M_PI / 180.0;
@@ -23,25 +22,6 @@ static const rp_param critical_params[] = {{"bootstrap", "", RP_INT, offsetof(cr
                                             "[0, 2147483647]", "seed of the resamples"},
                                            CLI_WHERE(critical_options),
                                            {0}};
-
-static const cli_command critical_command = {
-    "stress critical",
-    "FILE [options]",
-    "Tilt at which the measured stress of piles reaches Coulomb's law, one row for each mu, from the runs "
-    "of\n"
-    "protocol stress (repose sweep export; rows whose status is not ok are left out). Mean response of the "
-    "piles,\n"
-    "extrapolated in the tangent of the tilt; errors and 95 % intervals by bootstrap over piles.\n"
-    "floor_tilt: friction on the floor comes to mu; floor_less: that less the measured theta_t. bulk_tilt: "
-    "the\n"
-    "angle mobilised inside comes to atan mu; negative if it is beyond without tilt, nan if it is at any "
-    "tilt.\n"
-    "..._friction_0, _t: friction mobilised without tilt and at the measured theta_t. rank: Spearman's\n"
-    "correlation of the piles' own floor_tilt and theta_t.",
-    "repose stress critical build/tables/lh_stress_runs.tsv",
-    critical_params,
-    1,
-    1};
 
 enum { COLUMN_MU, COLUMN_T, COLUMN_RESPONSE, N_RESPONSE = sizeof(stress_response) / sizeof(double) };
 static const char *const run_columns[] = {"mu",    "theta_t_displacement_deg",
@@ -162,8 +142,17 @@ static rp_status critical_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_stress_critical(int argc, char **argv)
-{
-    critical_options o;
-    return cli_with_table(&critical_command, argc, argv, &o, critical_table);
-}
+const cli_command cmd_stress_critical = {
+    "stress critical",
+    "tilt at which the measured stress reaches Coulomb's law",
+    "FILE [options]",
+    "Tilt at which the measured stress of piles reaches Coulomb's law, one row for each mu, from the\n"
+    "runs of protocol stress (repose sweep export; rows whose status is not ok are left out). Mean\n"
+    "response of the piles, extrapolated in the tangent of the tilt; errors and 95 % intervals by\n"
+    "bootstrap over piles.\n"
+    "floor_tilt: friction on the floor comes to mu; floor_less: that less the measured theta_t.\n"
+    "..._friction_0, _t: friction mobilised without tilt and at the measured theta_t. rank: Spearman's\n"
+    "correlation of the piles' own floor_tilt and theta_t.",
+    "repose stress critical build/tables/lh_stress_runs.tsv",
+    critical_params,
+    .on_table = critical_table};

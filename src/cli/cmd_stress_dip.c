@@ -5,7 +5,6 @@
 
 #include "sweeps/driver/outline.h"
 #include "cli/cli.h"
-#include "cli/cmd_stress.h"
 #include "core/random.h"
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
@@ -30,27 +29,6 @@ static const rp_param params[] = {
     {"profile", "", RP_BOOL, offsetof(options, profile), "false", "", "print the mean profile"},
     CLI_WHERE(options),
     {0}};
-
-static const cli_command command = {
-    "stress dip",
-    "TABLE [options]",
-    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B,\n"
-    "over the mean N; the report's D, and the dip or D of a table of runs. It reaches down the flanks,\n"
-    "so that without a dip it is not 0 but D_reference, that of the continuum triangle of the pile's own\n"
-    "mean slope. Column D and all after it are of the excess D_raw - D_reference, the report's D_excess,\n"
-    "negative for a dip; with --against zero they are of D_raw. SE and 95 % interval are over piles.\n"
-    "null_lo, null_hi: 95 % of the mean D of such piles without dip; p_value, p_dip: chance of a D as\n"
-    "far from 0, as low, in these; p_margin: TOST, chance of so small a D if it were the margin.\n"
-    "verdict: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin\n"
-    "or peak_within_margin if both; undecided. With --profile the mean N of both sides, outwards:\n"
-    "distance over B, N over the mean, SE. TABLE (- for standard input): one row a pile, columns n_01 to\n"
-    "n_20, left_deg, right_deg, status, as repose sweep export writes for protocols drop and pile; rows\n"
-    "whose status is not ok are left out, and against the triangle those whose mean slope is not in (0,\n"
-    "60).",
-    "repose stress dip build/tables/li20_point_runs.tsv",
-    params,
-    1,
-    1};
 
 enum { LEFT = STRESS_DIP_BINS, RIGHT, COLUMNS };
 
@@ -85,28 +63,22 @@ static rp_status read_profiles(const rp_table *t, int against, double **profiles
 
 static void print_dip(const stress_dips *d, const options *o)
 {
-    static const char *const columns[][2] = {
-        {"n", ""},       {"D_raw", ""}, {"D_reference", ""}, {"D", ""},       {"D_se", ""},
-        {"D_sd", ""},    {"D_lo", ""},  {"D_hi", ""},        {"null_lo", ""}, {"null_hi", ""},
-        {"p_value", ""}, {"p_dip", ""}, {"p_margin", ""},    {"verdict", ""}};
     rp_table_note(stdout, "D", "%s",
                   o->against == TRIANGLE
                       ? "the excess D_raw - D_reference, over the triangle of the pile's slope"
                       : "D_raw, with nothing taken off");
-    rp_table_columns(stdout, N_OF(columns), columns);
-    rp_table_row_word(stdout, N_OF(columns) - 1,
-                      (double[]){(double)d->dip.n, d->raw, d->raw - d->dip.mean, d->dip.mean, d->dip.se,
-                                 d->dip.sd, d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value,
-                                 d->p_dip, d->p_margin},
-                      stress_dip_word(d, o->level));
+    rp_table_header(stdout,
+                    "n, D_raw, D_reference, D, D_se, D_sd, D_lo, D_hi, null_lo, null_hi, p_value, p_dip, "
+                    "p_margin, verdict");
+    CLI_ROW_WORD(stress_dip_word(d, o->level), (double)d->dip.n, d->raw, d->raw - d->dip.mean, d->dip.mean,
+                 d->dip.se, d->dip.sd, d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
+                 d->p_margin);
 }
 
 static void print_profile(const stress_dips *d)
 {
-    static const char *const columns[][2] = {{"distance", "B"}, {"N", "mean"}, {"N_se", "mean"}};
-    rp_table_columns(stdout, N_OF(columns), columns);
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
-        rp_table_row(stdout, 3, (double[]){(k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]});
+    rp_table_header(stdout, "distance [B], N [mean], N_se [mean]");
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]);
 }
 
 static rp_status measure(const options *o, size_t n, const double profiles[], const double without[],
@@ -146,8 +118,24 @@ static rp_status dip_of_table(rp_table *table, const void *values)
     return status;
 }
 
-rp_status cmd_stress_dip(int argc, char **argv)
-{
-    options o;
-    return cli_with_table(&command, argc, argv, &o, dip_of_table);
-}
+const cli_command cmd_stress_dip = {
+    "stress dip",
+    "does the pressure on the base dip in the middle?",
+    "TABLE [options]",
+    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B,\n"
+    "over the mean N; the report's D, and the dip or D of a table of runs. It reaches down the flanks,\n"
+    "so that without a dip it is not 0 but D_reference, that of the continuum triangle of the pile's\n"
+    "own mean slope. Column D and all after it are of the excess D_raw - D_reference, the report's\n"
+    "D_excess, negative for a dip; with --against zero they are of D_raw. SE and 95 % interval are over\n"
+    "piles.\n"
+    "null_lo, null_hi: 95 % of the mean D of such piles without dip; p_value, p_dip: chance of a D as\n"
+    "far from 0, as low, in these; p_margin: TOST, chance of so small a D if it were the margin.\n"
+    "verdict: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin\n"
+    "or peak_within_margin if both; undecided. With --profile the mean N of both sides, outwards:\n"
+    "distance over B, N over the mean, SE. TABLE (- for standard input): one row a pile, columns n_01\n"
+    "to n_20, left_deg, right_deg, status, as repose sweep export writes for protocols drop and pile;\n"
+    "rows whose status is not ok are left out, and against the triangle those whose mean slope is not\n"
+    "in (0, 60).",
+    "repose stress dip build/tables/li20_point_runs.tsv",
+    params,
+    .on_table = dip_of_table};

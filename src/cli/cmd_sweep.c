@@ -21,150 +21,132 @@ static void print_counts(const sweep_counts *counts)
 }
 
 typedef struct {
-    const char *argument; /* FILE or DIR */
     const char *o, *tables;
     long j, replicas;
     bool reduce, study;
 } options;
 
-static const rp_param no_options[] = {{0}};
+static const rp_param plan_options[] = {
+    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
+    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
+     "runs per grid point; auto: as in the file"},
+    {0}};
 
-static rp_status parse(const cli_command *command, int argc, char **argv, options *o, bool *done)
+static rp_status act_plan(const void *values)
 {
-    int n;
-    return cli_parse(command, argc, argv, o, &o->argument, &n, done);
-}
-
-static rp_status plan(int argc, char **argv)
-{
-    static const rp_param schema[] = {
-        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-        {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-         "runs per grid point; auto: as in the file"},
-        {0}};
-    static const cli_command command = {
-        "sweep plan",
-        "FILE -o DIR [--replicas N]",
-        "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-        "after a change, or for more replicas, keeps all stored runs and reuses those that match. The file "
-        "(libconfig syntax):\n\n"
-        "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to "
-        "2147483647\n"
-        "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
-        "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
-        "  piles = \"own\";                                      # shared: the same piles at every grid "
-        "point",
-        "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
-        schema,
-        1,
-        1};
-    options o;
-    bool done;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
+    const options *o = values;
     sweep_counts counts;
-    status =
-        sweep_prepare(o.argument, o.o, o.replicas > 0 ? (size_t)o.replicas : 0, sweep_protocols, &counts);
+    rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                                     sweep_protocols, &counts);
     if (!status)
-        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o.o, counts.planned,
+        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
     return status;
 }
 
-static rp_status run(int argc, char **argv)
+static const cli_command plan = {
+    "sweep plan",
+    "check a sweep file and plan its runs in a folder",
+    "FILE -o DIR [--replicas N]",
+    "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
+    "after a change, or for more replicas, keeps all stored runs and reuses those that match. The file\n"
+    "(libconfig syntax):\n"
+    "\n"
+    "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
+    "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
+    "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
+    "  piles = \"own\";                                      # shared: the same piles at every grid point",
+    "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
+    plan_options,
+    .act = act_plan};
+
+static const rp_param run_options[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
+                                        "worker processes; auto: one per processor"},
+                                       {0}};
+
+static rp_status act_run(const void *values)
 {
-    static const rp_param schema[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-                                       "worker processes; auto: one per processor"},
-                                      {0}};
-    static const cli_command command = {
-        "sweep run",
-        "DIR [-j N]",
-        "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
-        "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-        "if every run is stored, whatever its status; 75 if stopped.",
-        "repose sweep run build/sweeps/lh3 -j 2",
-        schema,
-        1,
-        1};
-    options o;
-    bool done;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
+    const options *o = values;
     sweep_counts counts;
-    status = cli_sweep_run(o.argument, o.j, &counts);
+    rp_status status = cli_sweep_run(cli_argument(0), o->j, &counts);
     if (!status) print_counts(&counts);
     return status;
 }
 
-static rp_status status_of(int argc, char **argv)
+static const cli_command run = {
+    "sweep run",
+    "make the missing runs",
+    "DIR [-j N]",
+    "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
+    "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
+    "if every run is stored, whatever its status; 75 if stopped.",
+    "repose sweep run build/sweeps/lh3 -j 2",
+    run_options,
+    .act = act_run};
+
+static rp_status act_status_of(const void *values)
 {
-    static const cli_command command = {
-        "sweep status",
-        "DIR",
-        "Numbers of planned, stored and missing runs, and of runs with each status.",
-        "repose sweep status build/sweeps/lh3",
-        no_options,
-        1,
-        1};
-    options o;
-    bool done;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
+    (void)values;
     sweep_counts counts;
-    status = sweep_status(o.argument, sweep_protocols, &counts);
+    rp_status status = sweep_status(cli_argument(0), sweep_protocols, &counts);
     if (!status) print_counts(&counts);
     return status;
 }
 
-static rp_status export(int argc, char **argv)
+static const cli_command status_of = {
+    "sweep status",
+    "numbers of stored runs and of each status",
+    "DIR",
+    "Numbers of planned, stored and missing runs, and of runs with each status.",
+    "repose sweep status build/sweeps/lh3",
+    NULL,
+    .act = act_status_of};
+
+static const rp_param export_options[] = {
+    {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
+    {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
+     "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
+    {0}};
+
+static rp_status act_export(const void *values)
 {
-    static const rp_param schema[] = {
-        {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
-        {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
-         "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
-        {0}};
-    static const cli_command command = {
-        "sweep export",
-        "DIR [--reduce] [-o FILE]",
-        "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
-        "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
-        "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
-        schema,
-        1,
-        1};
-    options o;
-    bool done;
+    const options *o = values;
     FILE *out;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
-    status = rp_file_open(o.o, &out);
+    rp_status status = rp_file_open(o->o, &out);
     if (status) return status;
-    status = sweep_export(o.argument, sweep_protocols, o.reduce, cli_command_line(), out);
-    return rp_file_close(o.o, out, status);
+    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
+    return rp_file_close(o->o, out, status);
 }
 
-static rp_status digest(int argc, char **argv)
+static const cli_command export = {
+    "sweep export",
+    "write the runs, or their statistics, as a table",
+    "DIR [--reduce] [-o FILE]",
+    "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
+    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+    "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
+    export_options,
+    .act = act_export};
+
+static rp_status act_digest(const void *values)
 {
-    static const cli_command command = {
-        "sweep digest",
-        "DIR",
-        "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does "
-        "not\n"
-        "depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
-        "repose sweep digest build/sweeps/lh3",
-        no_options,
-        1,
-        1};
-    options o;
-    bool done;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
+    (void)values;
     char text[33];
     size_t rows;
-    status = sweep_digest(o.argument, sweep_protocols, text, &rows);
+    rp_status status = sweep_digest(cli_argument(0), sweep_protocols, text, &rows);
     if (!status) printf("%s\t%zu\n", text, rows);
     return status;
 }
+
+static const cli_command digest = {
+    "sweep digest",
+    "print a digest of all results",
+    "DIR",
+    "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does\n"
+    "not depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
+    "repose sweep digest build/sweeps/lh3",
+    NULL,
+    .act = act_digest};
 
 /* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
  * and * stands for what is there. */
@@ -219,70 +201,49 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(o->argument, o->o, replicas, sweep_protocols, &counts);
+    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, &counts);
     if (!status) status = cli_sweep_run(o->o, o->j, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);
     if (!status) status = export_to(o, recipe->name, "", true);
     return status;
 }
 
-static rp_status make(int argc, char **argv)
+static const rp_param make_options[] = {
+    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
+    {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
+    {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
+     "worker processes; auto: one per processor"},
+    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
+     "runs per grid point; auto: as in the file"},
+    {"study", "", RP_BOOL, offsetof(options, study), "false", "", "as many runs as `study` in the file"},
+    {0}};
+
+static rp_status act_make(const void *values)
 {
-    static const rp_param schema[] = {
-        {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-        {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
-        {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-         "worker processes; auto: one per processor"},
-        {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-         "runs per grid point; auto: as in the file"},
-        {"study", "", RP_BOOL, offsetof(options, study), "false", "", "as many runs as `study` in the file"},
-        {0}};
-    static const cli_command command = {
-        "sweep make",
-        "FILE -o DIR [--tables DIR] [-j N] [--replicas N | --study]",
-        "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per "
-        "grid\n"
-        "point, and those that the file derives from them, in order. @ is the folder of the tables:\n\n"
-        "  study  = 60;                                        # runs per grid point with --study\n"
-        "  tables = [\"lh3_phi = angle phi @/lh3_runs.tsv\"];     # NAME = COMMAND of repose\n\n"
-        "A file without a protocol has tables alone.",
-        "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
-        schema,
-        1,
-        1};
-    options o;
-    bool done;
-    rp_status status = parse(&command, argc, argv, &o, &done);
-    if (status || done) return status;
+    const options *o = values;
     sweep_recipe recipe;
-    status = sweep_recipe_read(o.argument, &recipe);
-    if (!status) status = rp_make_directory(o.tables);
-    if (!status && recipe.has_runs) status = make_runs(&o, &recipe);
-    for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o.tables);
+    rp_status status = sweep_recipe_read(cli_argument(0), &recipe);
+    if (!status) status = rp_make_directory(o->tables);
+    if (!status && recipe.has_runs) status = make_runs(o, &recipe);
+    for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o->tables);
     sweep_recipe_free(&recipe);
     return status;
 }
 
-rp_status cmd_sweep(int argc, char **argv)
-{
-    static const struct {
-        const char *name;
-        rp_status (*function)(int, char **);
-        const char *summary;
-    } actions[] = {{"plan", plan, "check a sweep file and plan its runs in a folder"},
-                   {"run", run, "make the missing runs"},
-                   {"status", status_of, "numbers of stored runs and of each status"},
-                   {"export", export, "write the runs, or their statistics, as a table"},
-                   {"make", make, "plan, run and write all tables"},
-                   {"digest", digest, "print a digest of all results"}};
-    const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
-        if (strcmp(name, actions[i].name) == 0) return actions[i].function(argc - 1, argv + 1);
-    if (strcmp(name, "--help") != 0)
-        return rp_fail(RP_USAGE, "\"%s\": unknown action; plan, run, status, export, make or digest expected",
-                       name);
-    printf("usage: repose sweep ACTION ...; repose sweep ACTION --help says more\n\n");
-    for (size_t i = 0; i < sizeof actions / sizeof *actions; i++)
-        printf("  %-8s %s\n", actions[i].name, actions[i].summary);
-    return RP_OK;
-}
+static const cli_command make = {
+    "sweep make",
+    "plan, run and write all tables",
+    "FILE -o DIR [--tables DIR] [-j N] [--replicas N | --study]",
+    "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
+    "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
+    "\n"
+    "  study  = 60;                                        # runs per grid point with --study\n"
+    "  tables = [\"lh3_phi = angle phi @/lh3_runs.tsv\"];     # NAME = COMMAND of repose\n"
+    "\n"
+    "A file without a protocol has tables alone.",
+    "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
+    make_options,
+    .act = act_make};
+
+static const cli_command *const commands[] = {&plan, &run, &status_of, &export, &make, &digest, NULL};
+const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

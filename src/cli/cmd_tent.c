@@ -23,20 +23,6 @@ static const rp_param schema[] = {
     {0},
 };
 
-static const cli_command command = {
-    .name = "tent",
-    .synopsis = "--x1 X (--outer-deg ANGLE --inner-deg ANGLE [--points N | --at X,X,...] | --map)",
-    .about = "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of\n"
-             "Figs. 18 and 19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the\n"
-             "normal force of the ground. H is the horizontal force of the pile on the ground, positive to\n"
-             "the right. The unit of both is chi g B, where chi is the mass per length of a diagonal. The\n"
-             "dip is (max N - N in the middle)/max N.",
-    .example = "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
-    .options = schema,
-};
-
-static const char *const columns[][2] = {{"x/B", ""}, {"N/(chi*g*B)", ""}, {"H/(chi*g*B)", ""}, {"y/B", ""}};
-
 typedef struct {
     double x_most, most, middle; /* position of the largest N; largest N; N in the middle */
 } dip;
@@ -52,12 +38,11 @@ static rp_status find_dip(const an_profile *tent, dip *d)
 
 static rp_status write_map(const options *o)
 {
-    static const char *const names[][2] = {{"outer_deg", "degree"},    {"inner_deg", "degree"},
-                                           {"x_most/B", ""},           {"N_most/(chi*g*B)", ""},
-                                           {"N_middle/(chi*g*B)", ""}, {"dip", ""}};
     rp_status status = RP_OK;
     cli_table(stdout, schema, o);
-    rp_table_columns(stdout, 6, names);
+    rp_table_header(stdout,
+                    "outer_deg [degree], inner_deg [degree], x_most/B, N_most/(chi*g*B), N_middle/(chi*g*B), "
+                    "dip");
     for (int outer = 1; outer < 60 && !status; outer++)
         for (int inner = 1; inner < 60 && !status; inner++) {
             an_point v[5];
@@ -66,9 +51,7 @@ static rp_status write_map(const options *o)
             status = an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x_1, v);
             if (!status) status = an_profile_set(&tent, v, 5);
             if (!status) status = find_dip(&tent, &d);
-            if (!status)
-                rp_table_row(stdout, 6,
-                             (double[]){outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most});
+            if (!status) CLI_ROW(outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most);
         }
     return status;
 }
@@ -84,14 +67,14 @@ static rp_status write_places(const options *o, const an_profile *tent)
         cli_table(stdout, schema, o);
         rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
                       d.most, d.x_most, d.middle);
-        rp_table_columns(stdout, 4, columns);
+        rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
     }
     for (size_t i = 0; i < n && !status; i++) {
         an_force f = {0};
         double y = 0;
         status = an_profile_force(tent, x[i], &f);
         if (!status) status = an_profile_height(tent, x[i], &y);
-        rp_table_row(stdout, 4, (double[]){x[i], f.N, f.H, y});
+        CLI_ROW(x[i], f.N, f.H, y);
     }
     free(x);
     return status;
@@ -110,8 +93,15 @@ static rp_status write_tent(const void *values)
     return status ? status : write_places(o, &tent);
 }
 
-rp_status cmd_tent(int argc, char **argv)
-{
-    options o;
-    return cli_plain(&command, argc, argv, &o, write_tent);
-}
+const cli_command cmd_tent = {
+    "tent",
+    "forces on the base of a tent-shaped pile",
+    "--x1 X (--outer-deg ANGLE --inner-deg ANGLE [--points N | --at X,X,...] | --map)",
+    "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of Figs. 18 and\n"
+    "19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal force of\n"
+    "the ground. H is the horizontal force of the pile on the ground, positive to the right. The unit\n"
+    "of both is chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the\n"
+    "middle)/max N.",
+    "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
+    schema,
+    .act = write_tent};

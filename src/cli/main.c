@@ -8,15 +8,9 @@
 #include "cli/cli.h"
 #include "core/version.h"
 
-static const struct {
-    const char *name;
-    rp_status (*function)(int, char **);
-    const char *summary;
-} commands[] = {
-#define X(name, function, summary) {name, function, summary},
-    CLI_COMMANDS(X)
+#define X(name) &cmd_##name,
+static const cli_command *const commands[] = {CLI_COMMANDS(X)};
 #undef X
-};
 
 static char command_line[4096];
 
@@ -33,7 +27,7 @@ static void print_overview(FILE *out)
             "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
             RP_VERSION);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
 }
 
 /* Flush standard output, since a failed write is an error; a failure has one message. */
@@ -63,7 +57,7 @@ int main(int argc, char **argv)
         return finish("", RP_OK);
     }
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (strcmp(argv[1], commands[i].name) == 0)
-            return finish(argv[1], commands[i].function(argc - 1, argv + 1));
+        if (strcmp(argv[1], commands[i]->name) == 0)
+            return finish(argv[1], cli_run(commands[i], argc - 1, argv + 1));
     return finish("", rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", argv[1]));
 }

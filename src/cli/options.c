@@ -1,14 +1,20 @@
 /* Command-line options through a parameter schema; see cli.h. */
 #include "cli/cli.h"
 
+#include <ctype.h>
 #include <getopt.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MAX_OPTIONS = 40 };
 
-static bool given[MAX_OPTIONS]; /* of the command that was parsed last */
+/* Of the command line that was parsed last. */
+static bool given[MAX_OPTIONS];
+static const cli_command *parsed;
+static int n_arguments;
+static char *const *arguments;
 
 static const char *dashes(const rp_param *option)
 {
@@ -18,7 +24,7 @@ static const char *dashes(const rp_param *option)
 static void print_help(const cli_command *c)
 {
     printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
-    for (const rp_param *p = c->options; p->name; p++) {
+    for (const rp_param *p = c->options; p && p->name; p++) {
         char flag[40];
         snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
         printf("  %-22s %s", flag, p->meaning);
@@ -39,23 +45,41 @@ static rp_status set_option(const rp_param *param, void *values, const char *tex
     return status ? rp_prefix(status, "%s", dashes(param)) : RP_OK;
 }
 
-rp_status cli_parse(const cli_command *command, int argc, char **argv, void *values, const char **arguments,
-                    int *n_arguments, bool *done)
+/* Fewest and most arguments, from the synopsis. */
+static bool count_fits(const char *synopsis, int n)
+{
+    const bool optional = *synopsis == '[';
+    const char *word = synopsis + optional;
+    if (!isupper(*word)) return n == 0;
+    return (optional || n > 0) && (n <= 1 || word[strcspn(word, " .")] == '.');
+}
+
+static rp_status check_given(const cli_command *c)
+{
+    for (int i = 0; c->options && c->options[i].name; i++)
+        if (!c->options[i].fallback && !given[i])
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&c->options[i]),
+                           c->options[i].name, c->options[i].meaning, c->name);
+    return count_fits(c->synopsis, n_arguments)
+               ? RP_OK
+               : rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
+}
+
+static rp_status parse(const cli_command *command, int argc, char **argv, void *values, bool *done)
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
     char shorts[3 * MAX_OPTIONS] = ":";
     int n = 0;
     memset(given, 0, sizeof given);
-    for (const rp_param *p = command->options; p->name && n < MAX_OPTIONS; p++, n++) {
+    parsed = command;
+    for (const rp_param *p = command->options; p && p->name && n < MAX_OPTIONS; p++, n++) {
         longs[n] =
             (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
         if (strlen(p->name) == 1) strcat(strcat(shorts, p->name), p->type == RP_BOOL ? "" : ":");
     }
     longs[n] = (struct option){"help", no_argument, NULL, 'h'};
     strcat(shorts, "h");
-    rp_params_defaults(command->options, values);
-    *done = false;
-    *n_arguments = 0;
+    if (command->options) rp_params_defaults(command->options, values);
     optind = 0; /* reset the parser (glibc) */
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, shorts, longs, NULL)) != -1;) {
@@ -81,57 +105,31 @@ rp_status cli_parse(const cli_command *command, int argc, char **argv, void *val
         rp_status status = set_option(&command->options[index], values, optarg);
         if (status) return status;
     }
-    for (int i = 0; i < n; i++)
-        if (!command->options[i].fallback && !given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help",
-                           dashes(&command->options[i]), command->options[i].name,
-                           command->options[i].meaning, command->name);
-    *n_arguments = argc - optind;
-    if (*n_arguments < command->min_arguments || *n_arguments > command->max_arguments)
-        return rp_fail(RP_USAGE, "usage: repose %s %s", command->name, command->synopsis);
-    for (int i = 0; i < *n_arguments; i++) arguments[i] = argv[optind + i];
-    return RP_OK;
+    n_arguments = argc - optind;
+    arguments = argv + optind;
+    return check_given(command);
 }
 
-bool cli_given(const cli_command *command, const char *name)
+const char *cli_argument(int i)
+{
+    return i < n_arguments ? arguments[i] : NULL;
+}
+
+bool cli_given(const char *name)
 {
     int index = 0;
-    while (strcmp(command->options[index].name, name) != 0) index++;
+    while (strcmp(parsed->options[index].name, name) != 0) index++;
     return given[index];
-}
-
-rp_status cli_plain(const cli_command *command, int argc, char **argv, void *values,
-                    rp_status (*act)(const void *values))
-{
-    int n;
-    bool done;
-    rp_status status = cli_parse(command, argc, argv, values, NULL, &n, &done);
-    return status || done ? status : act(values);
 }
 
 rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table)
 {
-    const rp_param *where = rp_params_find(command->options, "where");
+    const rp_param *where = command->options ? rp_params_find(command->options, "where") : NULL;
     rp_status status = rp_table_read(path, table);
     if (!where) return status;
     const rp_texts *conditions = (const rp_texts *)((const char *)values + where->offset);
     for (size_t i = 0; i < conditions->n && !status; i++)
         status = rp_table_where(table, conditions->items[i]);
-    return status;
-}
-
-rp_status cli_with_table(const cli_command *command, int argc, char **argv, void *values,
-                         rp_status (*act)(rp_table *table, const void *values))
-{
-    const char *file;
-    int n;
-    bool done;
-    rp_table table;
-    rp_status status = cli_parse(command, argc, argv, values, &file, &n, &done);
-    if (status || done) return status;
-    status = cli_table_read(command, values, file, &table);
-    if (!status) status = act(&table, values);
-    rp_table_free(&table);
     return status;
 }
 
@@ -164,14 +162,47 @@ rp_status cli_numbers(const char *option, const char *text, double **numbers, si
     return RP_OK;
 }
 
-rp_status cli_dispatch(const char *group, const cli_subcommand list[], int argc, char **argv)
+static rp_status act_on_table(const cli_command *command, const void *values)
 {
-    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group);
-    for (const cli_subcommand *c = list; c->name; c++)
-        if (strcmp(argv[1], c->name) == 0) return c->function(argc - 1, argv + 1);
+    rp_table table;
+    rp_status status = cli_table_read(command, values, cli_argument(0), &table);
+    if (!status) status = command->on_table(&table, values);
+    rp_table_free(&table);
+    return status;
+}
+
+/* The last word of a command's name is the one to type. */
+static const char *own_name(const cli_command *c)
+{
+    const char *blank = strrchr(c->name, ' ');
+    return blank ? blank + 1 : c->name;
+}
+
+static rp_status run_of_group(const cli_command *group, int argc, char **argv)
+{
+    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
+    for (const cli_command *const *c = group->group; *c; c++)
+        if (strcmp(argv[1], own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
     if (strcmp(argv[1], "--help") != 0)
-        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group);
-    printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group, group);
-    for (const cli_subcommand *c = list; c->name; c++) printf("  %-10s %s\n", c->name, c->summary);
+        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group->name);
+    printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
+           group->name);
+    for (const cli_command *const *c = group->group; *c; c++)
+        printf("  %-10s %s\n", own_name(*c), (*c)->summary);
     return RP_OK;
+}
+
+rp_status cli_run(const cli_command *command, int argc, char **argv)
+{
+    enum { MOST_BYTES = 4096 };
+    _Alignas(max_align_t) char values[MOST_BYTES] = {0};
+    bool done = false;
+    if (command->run) return command->run(argc, argv);
+    if (command->group) return run_of_group(command, argc, argv);
+    for (const rp_param *p = command->options; p && p->name; p++)
+        if (p->offset + sizeof(rp_texts) > MOST_BYTES)
+            return rp_fail(RP_BROKEN, "repose %s: values of more than %d bytes", command->name, MOST_BYTES);
+    rp_status status = parse(command, argc, argv, values, &done);
+    if (status || done) return status;
+    return command->on_table ? act_on_table(command, values) : command->act(values);
 }

@@ -41,6 +41,24 @@ void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
     fputc('\n', out);
 }
 
+void rp_table_header(FILE *out, const char *columns)
+{
+    for (int names = 0; names < 2; names++) {
+        fputs(names ? "# " : "# units: ", out);
+        for (const char *c = columns; *c; c += strspn(c, ", ")) {
+            const char *end = c + strcspn(c, ","), *unit = c + strcspn(c, ",[");
+            const int name = (int)(unit - c) - (*unit == '['); /* a blank before the bracket */
+            if (c != columns) fputc('\t', out);
+            if (names)
+                fprintf(out, "%.*s", name, c);
+            else
+                fprintf(out, "%.*s", *unit == '[' ? (int)(end - unit) - 2 : 1, *unit == '[' ? unit + 1 : "1");
+            c = end;
+        }
+        fputc('\n', out);
+    }
+}
+
 static void write_cells(FILE *out, size_t n, const double values[])
 {
     for (size_t i = 0; i < n; i++)

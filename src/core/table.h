@@ -18,6 +18,9 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...) __attrib
 /* The last two header lines. `columns` holds n pairs name, unit. */
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2]);
 
+/* The same lines from a list "name, name [unit], ...". */
+void rp_table_header(FILE *out, const char *columns);
+
 /* One row of n numbers. */
 void rp_table_row(FILE *out, size_t n, const double values[]);
 

@@ -14,6 +14,16 @@ double sweep_degrees(double radians)
     return radians * (180.0 / M_PI);
 }
 
+double sweep_touch_height(size_t n, const dem_state grains[], double x, double r, double gap)
+{
+    double y = r + gap;
+    for (size_t i = 0; i < n; i++) {
+        const double dx = grains[i].x - x, reach = r + grains[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, grains[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
 void sweep_states_digits(size_t n, const dem_state states[], char digits[33])
 {
     XXH3_state_t *hash = XXH3_createState();
@@ -90,8 +100,7 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
 rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
                           sweep_result *result)
 {
-    *result = (sweep_result){.status = ""};
-    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+    sweep_result_clear(result);
     *run = (sweep_box_run){
         .box = box, .tables = tables, .result = result, .d = 2.0 * box->radius_mean, .cells = NAN};
     sweep_box_scene(box, &run->scene);
@@ -104,7 +113,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     rp_status status = rp_make_directory(tables->directory);
     if (!status)
         status =
-            sweep_box_table(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
+            sweep_table_open(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
     if (!status) dem_write_energy_columns(tables->ledger, run->energy);
     return status;
 }
@@ -228,7 +237,7 @@ rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
     return status;
 }
 
-rp_status sweep_box_table(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+rp_status sweep_table_open(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
 {
     snprintf(path, size, "%s/%s", t->directory, name);
     rp_status status = rp_file_open(path, out);
@@ -236,20 +245,19 @@ rp_status sweep_box_table(const sweep_tables *t, const char *name, char *path, s
     return status;
 }
 
-rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage)
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
 {
     char name[64], path[4096];
     FILE *out;
-    if (!run->tables) return RP_OK;
+    if (!tables) return RP_OK;
     snprintf(name, sizeof name, "%s_grains.tsv", stage);
-    rp_status status = sweep_box_table(run->tables, name, path, sizeof path, &out);
+    rp_status status = sweep_table_open(tables, name, path, sizeof path, &out);
     if (status) return status;
     dem_write_state_columns(out);
-    status = rp_file_close(path, out, dem_write_states(run->sim, out));
+    status = rp_file_close(path, out, dem_write_states(sim, out));
     snprintf(name, sizeof name, "%s_contacts.tsv", stage);
-    if (!status) status = sweep_box_table(run->tables, name, path, sizeof path, &out);
-    if (status) return status;
-    return rp_file_close(path, out, dem_write_contacts(run->sim, out));
+    if (!status) status = sweep_table_open(tables, name, path, sizeof path, &out);
+    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
 }
 
 long sweep_box_grains(const sweep_box *box)

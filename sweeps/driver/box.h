@@ -147,10 +147,10 @@ rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
 /* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
  * Errors: RP_IO. */
-rp_status sweep_box_table(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+rp_status sweep_table_open(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
 
-/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state, if the run leaves tables. */
-rp_status sweep_box_write_state(const sweep_box_run *run, const char *stage);
+/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
 /* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. Check a box that
  * they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream), and its
@@ -176,6 +176,10 @@ rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double 
                              size_t *moved);
 
 double sweep_degrees(double radians);
+
+/* Height of the centre at which a grain of radius r, lowered at x onto n grains and a floor at y = 0, is
+ * `gap` away from the first obstacle. */
+double sweep_touch_height(size_t n, const dem_state grains[], double x, double r, double gap);
 
 /* Hash of all positions and velocities. */
 void sweep_states_digits(size_t n, const dem_state states[], char digits[33]);

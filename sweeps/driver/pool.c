@@ -41,10 +41,10 @@ static void work(const sweep_plan *plan, int socket)
 {
     for (size_t run; recv(socket, &run, sizeof run, 0) == sizeof run;) {
         sweep_row row = {.run = run};
-        for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) row.result.values[i] = NAN;
+        sweep_result_clear(&row.result);
         double start = rp_clock();
         row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
-                                         sweep_plan_pile(plan, run), &row.result);
+                                         sweep_plan_pile(plan, run), NULL, &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
@@ -100,8 +100,9 @@ static void hand_out(pool *p, worker *w)
 
 static rp_status crashed(pool *p, worker *w, sweep_row *row)
 {
-    *row = (sweep_row){.run = w->run, .seconds = NAN, .result.status = "crashed"};
-    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) row->result.values[i] = NAN;
+    *row = (sweep_row){.run = w->run, .seconds = NAN};
+    sweep_result_clear(&row->result);
+    strcpy(row->result.status, "crashed");
     int end = end_worker(w);
     if (WIFSIGNALED(end))
         snprintf(row->result.message, sizeof row->result.message, "worker ended by signal %d (%s)",

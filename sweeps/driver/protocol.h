@@ -63,14 +63,26 @@ typedef struct {
      * results of changed physics are never reused, even if RP_MODEL_VERSION was forgotten. May be NULL. */
     rp_status (*fingerprint)(char digits[33]);
 
-    /* One run with the random streams (seed, run, purpose). Physics without a result (a leak, a pile that
-     * never rests) is RP_OK with its status word; an error is for what stops the whole sweep. */
-    rp_status (*run)(const void *params, unsigned long seed, unsigned long run, sweep_result *result);
-
-    /* The same run, to the same bits, which leaves tables in a folder. May be NULL. Errors: also RP_IO. */
-    rp_status (*trace)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *result);
+    /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
+     * the bit, leaves tables in a folder. Physics without a result (a leak, a pile that never rests) is RP_OK
+     * with its status word; an error stops the whole sweep. */
+    rp_status (*run)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                     sweep_result *result);
 } sweep_protocol;
+
+/* The protocol of a file that has `outputs`, `check`, `fingerprint` and `run_one`. */
+#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, ABOUT)                                                          \
+    const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
+                                                  .about = ABOUT,                                            \
+                                                  .schema = SCHEMA,                                          \
+                                                  .params_size = sizeof(PARAMS),                             \
+                                                  .outputs = outputs,                                        \
+                                                  .check = check,                                            \
+                                                  .fingerprint = fingerprint,                                \
+                                                  .run = run_one}
+
+/* No status word, no message, every value NaN. */
+void sweep_result_clear(sweep_result *result);
 
 /* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */

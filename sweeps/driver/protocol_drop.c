@@ -95,7 +95,6 @@ static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_
 
 typedef struct {
     const drop_params *p;
-    const sweep_tables *tables;
     sweep_result *result;
     dem_definition scene;
     dem_sim *sim;
@@ -161,17 +160,6 @@ static dem_definition make_scene(const drop_params *p)
 }
 
 /* ---- Drops ---- */
-
-/* Lowest place of a new disk's centre at x from which nothing is nearer than `gap`. */
-static double height_at(const drop *d, double x, double r, double gap)
-{
-    double y = r + gap;
-    for (size_t i = 0; i < d->n; i++) {
-        const double dx = d->states[i].x - x, reach = r + d->states[i].r + gap;
-        if (fabs(dx) < reach) y = fmax(y, d->states[i].y + sqrt(reach * reach - dx * dx));
-    }
-    return y;
-}
 
 static double highest(const drop *d)
 {
@@ -241,8 +229,8 @@ static rp_status drop_one(drop *d, bool *rest)
     const drop_params *p = d->p;
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
-    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5), y = height_at(d, x, r, 0.05),
-                 from = highest(d) + p->drop_height + r;
+    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5),
+                 y = sweep_touch_height(d->n, d->states, x, r, 0.05), from = highest(d) + p->drop_height + r;
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
     mark_places(d);
@@ -462,8 +450,7 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
                       sweep_result *result)
 {
     const size_t n = (size_t)p->N;
-    *result = (sweep_result){.status = ""};
-    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+    sweep_result_clear(result);
     *d = (drop){.p = p, .result = result, .scene = make_scene(p)};
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     d->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
@@ -494,53 +481,35 @@ static rp_status finish(drop *d, rp_status status)
     return status;
 }
 
-static rp_status write_table(const drop *d, const char *name, void (*columns)(FILE *),
-                             rp_status (*rows)(const dem_sim *, FILE *))
-{
-    char path[4096];
-    FILE *out;
-    rp_status status = sweep_box_table(d->tables, name, path, sizeof path, &out);
-    if (status) return status;
-    if (columns) columns(out);
-    return rp_file_close(path, out, rows(d->sim, out));
-}
-
-static rp_status write_drops(const drop *d)
+static rp_status write_drops(const drop *d, const sweep_tables *tables)
 {
     static const char *const columns[][2] = {{"drop", ""}, {"moved", ""}};
     char path[4096];
     FILE *out;
-    rp_status status = sweep_box_table(d->tables, "drops.tsv", path, sizeof path, &out);
+    rp_status status = sweep_table_open(tables, "drops.tsv", path, sizeof path, &out);
     if (status) return status;
     rp_table_columns(out, 2, columns);
     for (long k = 0; k < d->p->N; k++) rp_table_row(out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
     return rp_file_close(path, out, RP_OK);
 }
 
-static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *result)
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
 {
     drop d;
     rp_status status = make(&d, params, seed, run, result);
-    d.tables = tables;
     if (!status) {
         measure_shape(&d);
         measure_order(&d);
     }
     if (!status && tables) {
         status = rp_make_directory(tables->directory);
-        if (!status) status = write_table(&d, "pile_grains.tsv", dem_write_state_columns, dem_write_states);
-        if (!status) status = write_table(&d, "pile_contacts.tsv", NULL, dem_write_contacts);
-        if (!status) status = write_drops(&d);
+        if (!status) status = sweep_state_write(tables, d.sim, "pile");
+        if (!status) status = write_drops(&d, tables);
     }
     if (!status) status = measure_base(&d);
     if (!status) conclude(&d);
     return finish(&d, status);
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
-{
-    return trace(params, seed, run, NULL, result);
 }
 
 /* The time step follows from the rest: all that is in range can run. */
@@ -565,13 +534,5 @@ static rp_status fingerprint(char digits[33])
     return status ? status : freed;
 }
 
-const sweep_protocol sweep_protocol_drop = {
-    .name = "drop",
-    .about = "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)",
-    .schema = schema,
-    .params_size = sizeof(drop_params),
-    .outputs = outputs,
-    .check = check,
-    .fingerprint = fingerprint,
-    .run = run_one,
-    .trace = trace};
+SWEEP_PROTOCOL(drop, schema, drop_params,
+               "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)");

@@ -6,8 +6,6 @@
  * The floor ends at W: where it goes on, nothing leaves and no steady state exists. "Quiet": the largest
  * speed over the grains with 0 < x < W has been below v_cut for 200 steps in a row, and the last grain has
  * had a contact, for one at rest in the air is slow too. */
-#include "sweeps/driver/protocol_flux.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -104,16 +102,6 @@ static rp_status check(const void *params)
     return status;
 }
 
-double sweep_flux_height(size_t n, const dem_state grains[], double x, double r, double gap)
-{
-    double y = r + gap;
-    for (size_t i = 0; i < n; i++) {
-        const double dx = grains[i].x - x, reach = r + grains[i].r + gap;
-        if (fabs(dx) < reach) y = fmax(y, grains[i].y + sqrt(reach * reach - dx * dx));
-    }
-    return y;
-}
-
 static double draw_radius(flux *f)
 {
     const sweep_box *b = &f->p.box;
@@ -149,7 +137,7 @@ static rp_status insert(flux *f, uint32_t *id)
     const double r = draw_radius(f), d = f->box.d, x = r + f->p.entry_width * d * gsl_rng_uniform(f->places);
     rp_status status = dem_states(f->box.sim, f->box.states);
     if (status) return status;
-    double y = sweep_flux_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
+    double y = sweep_touch_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
     const dem_grain grain = grain_at(f, x, y + f->p.drop_height * d, r);
     status = dem_add(f->box.sim, &grain, id);
     if (status != RP_BAD_INPUT) return status;
@@ -281,7 +269,7 @@ static rp_status write_series(const flux *f)
     char path[4096];
     FILE *out;
     if (!f->box.tables) return RP_OK;
-    rp_status status = sweep_box_table(f->box.tables, "series.tsv", path, sizeof path, &out);
+    rp_status status = sweep_table_open(f->box.tables, "series.tsv", path, sizeof path, &out);
     if (status) return status;
     rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
     rp_table_columns(out, 6, columns);
@@ -326,8 +314,8 @@ static rp_status finish(flux *f, rp_status status)
     return sweep_box_end(&f->box, status);
 }
 
-static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *result)
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
 {
     flux f;
     rp_status status = make(&f, params, seed, run, tables, result);
@@ -336,15 +324,10 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     if (f.box.sim) result->values[OUT_steps] = (double)dem_step(f.box.sim);
     if ((status == RP_OK || status == RP_NO_RESULT) && f.box.sim) {
         rp_status left = write_series(&f);
-        if (!left) left = sweep_box_write_state(&f.box, "pile");
+        if (!left) left = sweep_state_write(f.box.tables, f.box.sim, "pile");
         if (left) status = left;
     }
     return finish(&f, status);
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
-{
-    return trace(params, seed, run, NULL, result);
 }
 
 /* Bits of the grains after a short run. */
@@ -364,13 +347,5 @@ static rp_status fingerprint(char digits[33])
     return finish(&f, status);
 }
 
-const sweep_protocol sweep_protocol_flux = {
-    .name = "flux",
-    .about = "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)",
-    .schema = schema,
-    .params_size = sizeof(flux_params),
-    .outputs = outputs,
-    .check = check,
-    .fingerprint = fingerprint,
-    .run = run_one,
-    .trace = trace};
+SWEEP_PROTOCOL(flux, schema, flux_params,
+               "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");

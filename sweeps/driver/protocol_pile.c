@@ -249,8 +249,7 @@ static rp_status measure(sweep_solved *s, double *v)
 
 static void start_results(const sweep_outline *h, sweep_result *results)
 {
-    *results = (sweep_result){.status = ""};
-    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) results->values[i] = NAN;
+    sweep_result_clear(results);
     results->values[OUT_n_disks] = (double)h->n;
 }
 
@@ -340,8 +339,8 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
     return RP_OK;
 }
 
-static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *results)
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *results)
 {
     const sweep_pile *p = params;
     sweep_outline h = {0};
@@ -355,11 +354,6 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     sweep_solved_free(&s);
     sweep_outline_free(&h);
     return status;
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *results)
-{
-    return trace(params, seed, run, NULL, results);
 }
 
 /* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
@@ -388,20 +382,12 @@ static rp_status fingerprint(char digits[33])
     p.alpha_deg = 30;
     p.disorder = 1e-4;
     p.well = 1;
-    rp_status status = run_one(&p, 1, 0, &result);
+    rp_status status = run_one(&p, 1, 0, NULL, &result);
     if (status) return status;
     for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
     sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;
 }
 
-const sweep_protocol sweep_protocol_pile = {
-    .name = "pile",
-    .about = "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)",
-    .schema = sweep_pile_schema,
-    .params_size = sizeof(sweep_pile),
-    .outputs = outputs,
-    .check = check,
-    .fingerprint = fingerprint,
-    .run = run_one,
-    .trace = trace};
+SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile,
+               "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)");

@@ -358,7 +358,7 @@ static rp_status write_scene(experiment *e)
     char path[4096];
     FILE *out;
     if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
-    rp_status status = sweep_box_table(e->box.tables, "scene.cfg", path, sizeof path, &out);
+    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", path, sizeof path, &out);
     if (status) return status;
     e->box.scene.steps = dem_step(e->box.sim);
     dem_scene_write(&e->box.scene, out);
@@ -369,10 +369,10 @@ static rp_status write_scene(experiment *e)
 static rp_status run_phases(experiment *e)
 {
     rp_status status = fill_box(e);
-    if (!status) status = sweep_box_write_state(&e->box, "filled");
+    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "filled");
     if (!status) status = open_box(e);
     if (!status) status = measure_pile(e);
-    if (!status) status = sweep_box_write_state(&e->box, "pile");
+    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
     if (!status) status = write_scene(e);
     if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
     if (!status)
@@ -381,13 +381,13 @@ static rp_status run_phases(experiment *e)
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */
     rp_status left = note_state(e);
-    if (!left) left = sweep_box_write_state(&e->box, "pile");
+    if (!left) left = sweep_state_write(e->box.tables, e->box.sim, "pile");
     if (!left) left = write_scene(e);
     return left ? left : status;
 }
 
-static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *result)
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
 {
     const repose_params *p = params;
     const sweep_box *b = &p->box;
@@ -398,11 +398,6 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     if (!status) status = run_phases(&e);
     e.values[OUT_cells] = e.box.cells;
     return sweep_box_end(&e.box, status);
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
-{
-    return trace(params, seed, run, NULL, result);
 }
 
 /* Four short runs that between them use every law, integrator and mass, all floors but one and all phases but
@@ -444,20 +439,12 @@ static rp_status fingerprint(char digits[33])
     p[3].box.physics.rotation = true;
     p[3].box.physics.mu_roll = 0.1;
     for (int k = 0; k < N_RUNS; k++) {
-        rp_status status = run_one(&p[k], 1, (unsigned long)k, &results[k]);
+        rp_status status = run_one(&p[k], 1, (unsigned long)k, NULL, &results[k]);
         if (status) return status;
     }
     sweep_results_digits(N_RUNS, results, outputs, hashed, digits);
     return RP_OK;
 }
 
-const sweep_protocol sweep_protocol_repose = {
-    .name = "repose",
-    .about = "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)",
-    .schema = schema,
-    .params_size = sizeof(repose_params),
-    .outputs = outputs,
-    .check = check,
-    .fingerprint = fingerprint,
-    .run = run_one,
-    .trace = trace};
+SWEEP_PROTOCOL(repose, schema, repose_params,
+               "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)");

@@ -240,7 +240,7 @@ static rp_status read_forces(experiment *e, double tilt_deg)
     free(contacts);
     char stage[64];
     snprintf(stage, sizeof stage, "tilt_%g", tilt_deg);
-    return status ? status : sweep_box_write_state(&e->box, stage);
+    return status ? status : sweep_state_write(e->box.tables, e->box.sim, stage);
 }
 
 /* Tilt by tilt, until the pile moves. */
@@ -316,7 +316,7 @@ static rp_status run_phases(experiment *e)
 {
     dem_sim *copy = NULL;
     rp_status status = make_pile(e);
-    if (!status) status = sweep_box_write_state(&e->box, "pile");
+    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
     if (!status) status = note_places(e);
     if (!status) status = dem_clone(e->box.sim, &copy);
     if (!status) status = tilt_to_rest(e);
@@ -334,8 +334,8 @@ static rp_status run_phases(experiment *e)
     return status;
 }
 
-static rp_status trace(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
-                       sweep_result *result)
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
 {
     const stress_params *p = params;
     const sweep_box *b = &p->box;
@@ -347,11 +347,6 @@ static rp_status trace(const void *params, unsigned long seed, unsigned long run
     sweep_places_free(&e.at);
     free(e.forces);
     return sweep_box_end(&e.box, status);
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run, sweep_result *result)
-{
-    return trace(params, seed, run, NULL, result);
 }
 
 /* A short run through all phases, of a small pile that is hardly at rest. */
@@ -379,20 +374,12 @@ static rp_status fingerprint(char digits[33])
     p.box.fill_steps = 1500;
     p.box.rest_energy = 1e-3;
     p.box.rest_force = 1e3;
-    rp_status status = run_one(&p, 1, 0, &result);
+    rp_status status = run_one(&p, 1, 0, NULL, &result);
     if (status) return status;
     sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;
 }
 
-const sweep_protocol sweep_protocol_stress = {
-    .name = "stress",
-    .about =
-        "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt",
-    .schema = schema,
-    .params_size = sizeof(stress_params),
-    .outputs = outputs,
-    .check = check,
-    .fingerprint = fingerprint,
-    .run = run_one,
-    .trace = trace};
+SWEEP_PROTOCOL(
+    stress, schema, stress_params,
+    "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");

@@ -11,6 +11,12 @@ const sweep_protocol *const sweep_protocols[] = {
 #undef X
         NULL};
 
+void sweep_result_clear(sweep_result *result)
+{
+    *result = (sweep_result){.status = ""};
+    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+}
+
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
                           const int indices[], char digits[33])
 {

@@ -10,11 +10,9 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     if (!status && row >= plan.n_runs)
         status = rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                          plan.n_runs - 1, file);
-    if (!status && !plan.protocol->trace)
-        status = rp_fail(RP_BAD_INPUT, "%s: protocol \"%s\" writes no tables", file, plan.protocol->name);
     if (!status)
-        status = plan.protocol->trace(sweep_plan_point(&plan, row / plan.replicas), plan.seed,
-                                      sweep_plan_pile(&plan, row), tables, result);
+        status = plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), plan.seed,
+                                    sweep_plan_pile(&plan, row), tables, result);
     sweep_plan_free(&plan);
     return status;
 }
