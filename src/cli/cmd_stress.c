@@ -36,7 +36,9 @@ static rp_status read_block(const char *prefix, const char *what, size_t n, cons
     char path[4096];
     rp_table table;
     int columns[16];
-    snprintf(path, sizeof path, "%s_%s.tsv", prefix, what);
+    const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
+    snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
+             what);
     rp_status status = rp_table_read(path, &table);
     if (!status) status = cli_find_columns(&table, n, names, columns);
     if (!status) status = cli_read_columns(&table, n, columns, 0, block);
