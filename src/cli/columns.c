@@ -27,7 +27,7 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     return RP_OK;
 }
 
-enum { MOST_BY = 16 };
+enum { MOST_BY = 24 };
 
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
@@ -70,7 +70,7 @@ static int by_first(const void *a, const void *b)
                         : (p[row_length - 1] > q[row_length - 1]) - (p[row_length - 1] < q[row_length - 1]);
 }
 
-rp_status cli_rows_read(const rp_table *t, const char *names, bool ordered, cli_rows *r)
+rp_status cli_rows_read(const rp_table *t, const char *names, bool grouped, cli_rows *r)
 {
     int columns[CLI_MOST_COLUMNS];
     const int word = rp_table_column(t, "status");
@@ -87,14 +87,14 @@ rp_status cli_rows_read(const rp_table *t, const char *names, bool ordered, cli_
         bool missing = word >= 0 && strncmp(t->cells[i * t->n_columns + (size_t)word], "ok", 2) != 0;
         for (size_t c = 0; c < k && !missing && !status; c++) {
             status = rp_table_number(t, i, columns[c], true, &row[c]);
-            missing = isnan(row[c]);
+            missing = grouped && isnan(row[c]);
         }
         row[k] = (double)i;
         r->n += !missing;
     }
     if (!status && r->n == 0)
         status = rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
-    if (!status && ordered) qsort(rows, r->n, row_length * sizeof *rows, by_first);
+    if (!status && grouped) qsort(rows, r->n, row_length * sizeof *rows, by_first);
     for (size_t c = 0; c < k && !status; c++) {
         r->column[c] = r->column[0] + c * r->n;
         for (size_t i = 0; i < r->n; i++) r->column[c][i] = rows[i * row_length + c];
