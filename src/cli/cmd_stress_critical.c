@@ -102,8 +102,6 @@ const cli_command cmd_stress_critical = {
     "response of the piles, extrapolated in the tangent of the tilt; errors and 95 % intervals by\n"
     "bootstrap over piles.\n"
     "floor_tilt: friction on the floor comes to mu; floor_less: that less the measured theta_t.\n"
-    "bulk_tilt: the angle mobilised inside comes to atan mu; negative if it is beyond without tilt, nan\n"
-    "if it is at any tilt.\n"
     "..._friction_0, _t: friction mobilised without tilt and at the measured theta_t. rank: Spearman's\n"
     "correlation of the piles' own floor_tilt and theta_t.",
     "repose stress critical build/tables/lh_stress_runs.tsv",
