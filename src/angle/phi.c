@@ -19,7 +19,6 @@
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_roots.h>
 #include <gsl/gsl_sf_psi.h>
-#include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <nlopt.h>
@@ -31,8 +30,7 @@ static const double difference = 1e-4;        /* of the slope of (4), rad: error
 static const double margin = 2e-4;            /* rad, between phi and where it ends */
 static const double tolerance = 1e-9;         /* of phi, rad */
 static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
-static const double level = 0.95;
-static const double root_tolerance = 1e-12; /* of the interval's ends, rad */
+static const double root_tolerance = 1e-12;   /* of the interval's ends, rad */
 enum { SCAN = 48, ITERATIONS = 200, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
 
 /* A group as the fit sees it; var and cov of one pile. */
@@ -243,14 +241,6 @@ static void resample(problem *q, const ang_piles groups[], gsl_rng *rng, size_t 
         while (!take_moments(&groups[i], pick, &q->group[i]));
 }
 
-/* Percentiles of phi[n], which is sorted. */
-static void percentiles(size_t n, double phi[], ang_phi *fit)
-{
-    gsl_sort(phi, 1, n);
-    fit->boot_lo = gsl_stats_quantile_from_sorted_data(phi, 1, n, 0.5 * (1.0 - level));
-    fit->boot_hi = gsl_stats_quantile_from_sorted_data(phi, 1, n, 0.5 * (1.0 + level));
-}
-
 /* Sample a: n numbers from sample + a n on. */
 static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST])
 {
@@ -263,7 +253,11 @@ static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST]
         fit[a].dof = 1;
         fit[a].p_value = gsl_cdf_chisq_Q(fit[a].chi2, 1.0);
     }
-    for (int a = 0; a < ANG_N_AGAINST; a++) percentiles(n, sample + a * n, &fit[a]);
+    for (int a = 0; a < ANG_N_AGAINST; a++) {
+        const stats_spread spread = stats_resampled(n, sample + a * n);
+        fit[a].boot_lo = spread.lo;
+        fit[a].boot_hi = spread.hi;
+    }
 }
 
 static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
@@ -290,10 +284,10 @@ rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamp
 {
     for (int a = 0; a < ANG_N_AGAINST; a++)
         fit[a] = (ang_phi){NAN, NAN, NAN, NAN, NAN, NAN, NAN, 0, false, false};
-    if (n_resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+    rp_status status = stats_check_resamples(n_resamples);
+    if (status) return status;
     problem q;
-    rp_status status = set_problem(n_groups, groups, &q);
+    status = set_problem(n_groups, groups, &q);
     size_t most = 1;
     for (size_t i = 0; i < n_groups; i++) most = groups[i].n > most ? groups[i].n : most;
     nlopt_opt optimiser = nlopt_create(NLOPT_LN_COBYLA, 1);

@@ -48,16 +48,16 @@ static const rp_param threshold_params[] = {
 static rp_status print_thresholds(const rp_table *t, const threshold_options *o, const cli_groups *g,
                                   const double *block, const int columns[2], int status_column)
 {
-    char falls[80], stands[80], unit[32];
+    char unstable[80], stable[80], unit[32];
     const size_t n = t->n_rows;
     const bool most = columns[1] >= 0, grouped = strcmp(o->by, "none") != 0;
     double *x = malloc((n + 1) * sizeof *x);
     bool *holds = malloc((n + 1) * sizeof *holds);
     rp_status status = x && holds ? RP_OK : rp_fail(RP_NO_MEMORY, "threshold: out of memory");
-    snprintf(falls, sizeof falls, "falls_%s", o->x);
-    snprintf(stands, sizeof stands, "stands_%s", o->x);
+    snprintf(unstable, sizeof unstable, "unstable_%s", o->x);
+    snprintf(stable, sizeof stable, "stable_%s", o->x);
     cli_column_unit(t, columns[0], unit);
-    const char *const own[][2] = {{"n", ""}, {falls, unit}, {stands, unit}, {"mixed", ""}, {o->most, ""}};
+    const char *const own[][2] = {{"n", ""}, {unstable, unit}, {stable, unit}, {"mixed", ""}, {o->most, ""}};
     const size_t n_own = N_OF(own) - !most;
     cli_table(stdout, threshold_params, o);
     if (!status) status = print_columns(t, o->by, n_own, own);
@@ -104,9 +104,9 @@ const cli_command cmd_stats_threshold = {
     "stats threshold",
     "where runs cease to fail as a parameter grows",
     "TABLE --x COLUMN [options]",
-    "Where runs cease to fail as x grows, one row a group: falls_x, the largest x of a row whose status\n"
-    "is not ok; stands_x, the smallest x of one whose status is ok (x is the column's name); nan where\n"
-    "there is no such row. mixed: rows with status ok below falls_x. TABLE (- for standard input): one\n"
+    "Where runs cease to fail as x grows, one row a group: unstable_x, the largest x of a row whose status\n"
+    "is not ok; stable_x, the smallest x of one whose status is ok (x is the column's name); nan where\n"
+    "there is no such row. mixed: rows with status ok below unstable_x. TABLE (- for standard input): one\n"
     "row a run.",
     "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
     threshold_params,

@@ -1,13 +1,12 @@
 /* From measured angles to parameters: the inverse of the response; see calibrate.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "stats/calibrate_private.h"
+#include "stats/stats.h"
 
 /* Values of a parameter that are scanned, alone or for each value of the other one. */
 enum { SCAN_ONE = 400, SCAN_TWO = 80, SCAN_OTHER = 40 };
@@ -66,19 +65,9 @@ static double objective(unsigned n, const double *x, double *gradient, void *dat
     return chi2_at(data, x);
 }
 
-static double lower_end(const problem *s, size_t p)
-{
-    return s->c->lo[p];
-}
-
-static double upper_end(const problem *s, size_t p)
-{
-    return s->c->hi[p];
-}
-
 static double scanned(const problem *s, size_t p, int i, int n)
 {
-    return lower_end(s, p) + (upper_end(s, p) - lower_end(s, p)) * i / n;
+    return s->c->lo[p] + (s->c->hi[p] - s->c->lo[p]) * i / n;
 }
 
 /* Least chi2 with parameter p in [from, to], from the best scanned value of the other one; x is left there.
@@ -97,9 +86,9 @@ static rp_status descend(problem *s, size_t p, double from, double to, double x[
         if (value < *chi2) *chi2 = value, x[other] = y[other];
     }
     if (s->c->n_params == 2) {
-        double part = (upper_end(s, other) - lower_end(s, other)) / SCAN_OTHER;
-        lo[other] = fmax(lower_end(s, other), x[other] - part);
-        hi[other] = fmin(upper_end(s, other), x[other] + part);
+        double part = (s->c->hi[other] - s->c->lo[other]) / SCAN_OTHER;
+        lo[other] = fmax(s->c->lo[other], x[other] - part);
+        hi[other] = fmin(s->c->hi[other], x[other] + part);
     } else if (to == from) {
         *chi2 = chi2_at(s, x);
         return RP_OK;
@@ -128,9 +117,9 @@ static rp_status search(const stats_calibration *c, const stats_measured *m, dou
         }
     double lo[2], hi[2];
     for (size_t p = 0; p < c->n_params; p++) {
-        double part = (upper_end(&s, p) - lower_end(&s, p)) / n;
-        lo[p] = fmax(lower_end(&s, p), best[p] - part);
-        hi[p] = fmin(upper_end(&s, p), best[p] + part);
+        double part = (s.c->hi[p] - s.c->lo[p]) / n;
+        lo[p] = fmax(s.c->lo[p], best[p] - part);
+        hi[p] = fmin(s.c->hi[p], best[p] + part);
         x[p] = best[p];
     }
     return stats_descend(objective, &s, (unsigned)c->n_params, lo, hi, x, chi2);
@@ -139,7 +128,7 @@ static rp_status search(const stats_calibration *c, const stats_measured *m, dou
 /* Where the profile passes `limit`, between a value inside and one outside. */
 static rp_status crossing(problem *s, size_t p, double inside, double outside, double limit, double *at)
 {
-    const double tolerance = 1e-9 * (upper_end(s, p) - lower_end(s, p));
+    const double tolerance = 1e-9 * (s->c->hi[p] - s->c->lo[p]);
     while (fabs(outside - inside) > tolerance) {
         double middle = 0.5 * (inside + outside), chi2;
         rp_status status = profile(s, p, middle, &chi2);
@@ -214,9 +203,9 @@ static void standard_errors(const problem *s, const double x[], stats_calibrated
     double jacobian[2][2] = {{0.0}}, d[2], v[3] = {0.0, 0.0, 0.0}, unused;
     const size_t n_params = s->c->n_params, n_angles = s->c->n_angles;
     for (size_t p = 0; p < n_params; p++) {
-        double up[2] = {x[0], x[1]}, down[2] = {x[0], x[1]}, h = 1e-5 * (upper_end(s, p) - lower_end(s, p));
-        up[p] = fmin(x[p] + h, upper_end(s, p));
-        down[p] = fmax(x[p] - h, lower_end(s, p));
+        double up[2] = {x[0], x[1]}, down[2] = {x[0], x[1]}, h = 1e-5 * (s->c->hi[p] - s->c->lo[p]);
+        up[p] = fmin(x[p] + h, s->c->hi[p]);
+        down[p] = fmax(x[p] - h, s->c->lo[p]);
         for (size_t a = 0; a < n_angles; a++)
             jacobian[a][p] = (stats_response_value(&s->c->response[a], up, &unused) -
                               stats_response_value(&s->c->response[a], down, &unused)) /
@@ -258,10 +247,10 @@ static rp_status check_measured(const stats_calibration *c, const stats_measured
  * does. */
 static void no_match(const problem *s, const double x[], stats_calibrated result[])
 {
-    bool at_end = x[0] == lower_end(s, 0) || x[0] == upper_end(s, 0);
+    bool at_end = x[0] == s->c->lo[0] || x[0] == s->c->hi[0];
     for (size_t p = 0; p < s->c->n_params; p++) result[p].status = STATS_CALIBRATED_NO_MATCH;
     if (s->c->n_params == 2 || s->c->n_angles == 2 || !at_end || !s->c->response[0].monotone) return;
-    bool above = x[0] == upper_end(s, 0);
+    bool above = x[0] == s->c->hi[0];
     result[0].status = above ? STATS_CALIBRATED_ABOVE_RANGE : STATS_CALIBRATED_BELOW_RANGE;
     result[0].n_solutions = 1;
     result[0].solutions[0].value = NAN;
@@ -273,7 +262,7 @@ static void judge(const problem *s, size_t p, stats_calibrated *r)
 {
     bool no_lower = isnan(r->solutions[0].lower), no_upper = isnan(r->solutions[r->n_solutions - 1].upper);
     r->value = r->solutions[0].value;
-    if (!(r->se < upper_end(s, p) - lower_end(s, p))) r->se = NAN; /* flat there: no straight line */
+    if (!(r->se < s->c->hi[p] - s->c->lo[p])) r->se = NAN; /* flat there: no straight line */
     if (s->c->n_params > s->c->n_angles)
         r->status = STATS_CALIBRATED_UNDERDETERMINED;
     else if (r->n_solutions > 1)
@@ -317,25 +306,22 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
 
 /* ---- bootstrap ---- */
 
+/* Piles sorted by point: those of point g are pile[first[g]] to pile[first[g + 1] - 1]. */
 typedef struct {
     const stats_ensemble *piles;
-    size_t *point_of, *first,
-        *pile; /* piles by point: those of point g are pile[first[g]] to pile[first[g + 1] - 1] */
-    double *sum, *number, *y; /* of the points */
+    size_t *point_of, *pile, *first;
+    double *y; /* of the points, for each angle */
 } resampler;
 
 static rp_status resampler_make(resampler *s, const stats_ensemble *piles, size_t n_points)
 {
     stats_calibration points;
     *s = (resampler){.piles = piles};
-    s->point_of = calloc(piles->n, sizeof *s->point_of);
-    s->first = calloc(n_points + 2, sizeof *s->first);
-    s->pile = calloc(piles->n, sizeof *s->pile);
-    s->sum = calloc(n_points, sizeof *s->sum);
-    s->number = calloc(n_points, sizeof *s->number);
+    s->point_of = calloc(2 * piles->n + n_points + 2, sizeof *s->point_of);
     s->y = calloc(n_points * STATS_MAX_ANGLES, sizeof *s->y);
-    if (!s->point_of || !s->first || !s->pile || !s->sum || !s->number || !s->y)
-        return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    if (!s->point_of || !s->y) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    s->pile = s->point_of + piles->n;
+    s->first = s->pile + piles->n;
     rp_status status = stats_points_make(piles, s->point_of, &points);
     stats_calibration_free(&points);
     if (status) return status;
@@ -343,16 +329,6 @@ static rp_status resampler_make(resampler *s, const stats_ensemble *piles, size_
     for (size_t g = 2; g < n_points + 2; g++) s->first[g] += s->first[g - 1];
     for (size_t i = 0; i < piles->n; i++) s->pile[s->first[s->point_of[i] + 1]++] = i;
     return RP_OK;
-}
-
-static void resampler_free(resampler *s)
-{
-    free(s->point_of);
-    free(s->first);
-    free(s->pile);
-    free(s->sum);
-    free(s->number);
-    free(s->y);
 }
 
 /* Means of piles drawn again within each point, the same for both angles. Their spread is that of n piles
@@ -378,24 +354,16 @@ static void resample(resampler *s, const stats_calibration *c, gsl_rng *rng)
     }
 }
 
-static void take_bootstrap(size_t n, double values[], stats_calibrated *r)
-{
-    gsl_sort(values, 1, n);
-    r->boot_se = gsl_stats_sd(values, 1, n);
-    r->boot_lower = gsl_stats_quantile_from_sorted_data(values, 1, n, 0.5 * (1.0 - confidence));
-    r->boot_upper = gsl_stats_quantile_from_sorted_data(values, 1, n, 0.5 * (1.0 + confidence));
-}
-
 rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_calibration *c,
                                       const stats_measured *measured, size_t n_resamples, gsl_rng *rng,
                                       stats_calibrated result[])
 {
     resampler s = {0};
     size_t n = 0;
-    if (n_resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+    rp_status status = stats_check_resamples(n_resamples);
+    if (status) return status;
     double *values = malloc(n_resamples * STATS_MAX_PARAMS * sizeof *values);
-    rp_status status = resampler_make(&s, piles, c->n_points);
+    status = resampler_make(&s, piles, c->n_points);
     if (!status && !values) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     for (size_t k = 0; !status && k < n_resamples; k++) {
         stats_calibration again = *c; /* shares the points */
@@ -415,9 +383,15 @@ rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_c
         for (size_t p = 0; !status && p < c->n_params; p++) values[p * n_resamples + n] = x[p];
         n++;
     }
-    for (size_t p = 0; !status && n > 1 && p < c->n_params; p++)
-        if (isfinite(result[p].value)) take_bootstrap(n, values + p * n_resamples, &result[p]);
-    resampler_free(&s);
+    for (size_t p = 0; !status && n > 1 && p < c->n_params; p++) {
+        const stats_spread spread = stats_resampled(n, values + p * n_resamples);
+        if (!isfinite(result[p].value)) continue;
+        result[p].boot_se = spread.sd;
+        result[p].boot_lower = spread.lo;
+        result[p].boot_upper = spread.hi;
+    }
+    free(s.point_of);
+    free(s.y);
     free(values);
     return status;
 }

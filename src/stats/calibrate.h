@@ -56,6 +56,7 @@ typedef struct {
     double correlation;                                    /* of the two angles of a pile, within its point */
     double *x[STATS_MAX_PARAMS], *mean[STATS_MAX_ANGLES];  /* of the points; sd and n of the piles of each */
     double *sd[STATS_MAX_ANGLES], *number[STATS_MAX_ANGLES];
+    double *block; /* holds these arrays */
 } stats_calibration;
 
 /* What was measured; error: its standard error, >= 0. Two angles are of the same piles: their errors are as

@@ -1,6 +1,7 @@
 /* Moments of an ensemble, and its expected maximum; see stats.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <string.h>
 
@@ -8,9 +9,8 @@
 
 static const double confidence = 0.95;
 
-static rp_status check_values(size_t n, const double v[])
+rp_status stats_check_finite(size_t n, const double v[])
 {
-    if (n == 0) return rp_fail(RP_NO_RESULT, "no values");
     for (size_t i = 0; i < n; i++)
         if (!isfinite(v[i])) return rp_fail(RP_BAD_INPUT, "value %zu = %g: not finite", i + 1, v[i]);
     return RP_OK;
@@ -20,8 +20,8 @@ static rp_status check_values(size_t n, const double v[])
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats)
 {
     *stats = (stats_summary){n, NAN, NAN, NAN, NAN, NAN};
-    rp_status status = check_values(n, a);
-    if (!status && b) status = check_values(n, b);
+    rp_status status = n > 0 ? stats_check_finite(n, a) : rp_fail(RP_NO_RESULT, "no values");
+    if (!status && b) status = stats_check_finite(n, b);
     if (status) return status;
     double first = a[0] + (b ? factor * b[0] : 0.0), sum = 0.0, squares = 0.0;
     for (size_t i = 0; i < n; i++) sum += a[i] + (b ? factor * b[i] : 0.0) - first;
@@ -47,8 +47,8 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
 rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
 {
     *maximum = NAN;
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(v[i])) return rp_fail(RP_BAD_INPUT, "value %zu = %g: not finite", i + 1, v[i]);
+    rp_status status = stats_check_finite(n, v);
+    if (status) return status;
     if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
     if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
     memcpy(work, v, n * sizeof *work);
@@ -63,15 +63,32 @@ rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, doubl
     return RP_OK;
 }
 
+rp_status stats_check_resamples(size_t n_resamples)
+{
+    if (n_resamples >= 2) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
+}
+
+stats_spread stats_resampled(size_t n, double sample[])
+{
+    const double tail = 0.5 * (1.0 - confidence);
+    size_t found = 0;
+    for (size_t k = 0; k < n; k++)
+        if (!isnan(sample[k])) sample[found++] = sample[k];
+    if (found < 2) return (stats_spread){found, NAN, NAN, NAN};
+    gsl_sort(sample, 1, found);
+    return (stats_spread){found, gsl_stats_sd(sample, 1, found),
+                          gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
+                          gsl_stats_quantile_from_sorted_data(sample, 1, found, 1.0 - tail)};
+}
+
 rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
                               double work[], double *se)
 {
     double *sample = work + n, *maxima = sample + n;
     stats_summary spread;
     *se = NAN;
-    if (n_resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
-    rp_status status = RP_OK;
+    rp_status status = stats_check_resamples(n_resamples);
     for (size_t b = 0; b < n_resamples && !status; b++) {
         for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
         status = stats_expected_maximum(n, sample, draws, work, &maxima[b]);

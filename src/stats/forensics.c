@@ -3,13 +3,13 @@
  * The published errors are known up to a common scale, over which the likelihood is averaged: what "+-"
  * means in Lee & Herrmann 1993 (standard error, deviation or mean square) is itself unsaid. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_multifit.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "stats/forensics.h"
+#include "stats/stats.h"
 
 enum { N_SCALES = 13 };
 static const double scale_min = 0.2, scale_max = 2.0;
@@ -115,24 +115,20 @@ rp_status stats_claims_judge(size_t n_combinations, size_t n, const stats_claim 
     stats_claim *drawn = malloc(n * sizeof *drawn);
     double *logs = malloc(n_draws * sizeof *logs);
     size_t *complete = malloc((n_combinations + 1) * sizeof *complete);
-    if (!drawn || !logs || !complete) {
-        free(drawn);
-        free(logs);
-        free(complete);
-        return rp_fail(RP_NO_MEMORY, "claims: out of memory");
-    }
-    for (size_t k = 0; k < n; k++) drawn[k] = claims[k];
-    for (size_t c = 0; c < n_combinations; c++) {
+    const bool room = drawn && logs && complete;
+    for (size_t k = 0; k < n && room; k++) drawn[k] = claims[k];
+    for (size_t c = 0; c < n_combinations && room; c++) {
         stats_agreement *a = &agreement[c];
         *a = (stats_agreement){true, true, NAN, NAN, NAN};
         for (size_t k = 0; k < n; k++) a->complete &= isfinite(y[c * n + k]) && isfinite(se[c * n + k]);
         if (a->complete) calibrate(n, claims, y + c * n, se + c * n, level, n_draws, rng, drawn, logs, a);
     }
-    *chance = pass_by_chance(n_combinations, n, claims, y, se, agreement, n_chance, rng, drawn, complete);
+    if (room)
+        *chance = pass_by_chance(n_combinations, n, claims, y, se, agreement, n_chance, rng, drawn, complete);
     free(drawn);
     free(logs);
     free(complete);
-    return RP_OK;
+    return room ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
 }
 
 /* Column of the design matrix of a factor's level, level 0 being the reference. */
@@ -143,51 +139,33 @@ static size_t column_of(size_t factor, size_t level, const size_t n_levels[])
     return column + level - 1;
 }
 
-static rp_status solve_effects(size_t n, size_t p, size_t n_factors, const size_t level[],
-                               const size_t n_levels[], const double y[], gsl_matrix *X, gsl_vector *b,
-                               gsl_vector *c, gsl_matrix *cov, gsl_multifit_linear_workspace *work,
-                               double *residual_sd)
-{
-    gsl_matrix_set_zero(X);
-    for (size_t i = 0; i < n; i++) {
-        gsl_matrix_set(X, i, 0, 1.0);
-        gsl_vector_set(b, i, y[i]);
-        for (size_t f = 0; f < n_factors; f++)
-            if (level[i * n_factors + f] > 0)
-                gsl_matrix_set(X, i, column_of(f, level[i * n_factors + f], n_levels), 1.0);
-    }
-    double chi2;
-    size_t rank;
-    if (gsl_multifit_linear_tsvd(X, b, 1e-10, c, cov, &chi2, &rank, work) != GSL_SUCCESS || rank < p)
-        return rp_fail(RP_NO_RESULT,
-                       "effects: the combinations do not tell the factors apart (rank %zu of %zu)", rank, p);
-    *residual_sd = sqrt(chi2 / (double)(n - p));
-    return RP_OK;
-}
-
 rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
                         const double y[], stats_effect effects[], double *residual_sd)
 {
-    size_t p = 1;
+    size_t p = 1, rank = 0;
     for (size_t f = 0; f < n_factors; f++) p += n_levels[f] - 1;
     if (n <= p)
         return rp_fail(RP_NO_RESULT, "effects: %zu combinations for %zu coefficients, more expected", n, p);
-    gsl_matrix *X = gsl_matrix_alloc(n, p), *cov = gsl_matrix_alloc(p, p);
-    gsl_vector *b = gsl_vector_alloc(n), *c = gsl_vector_alloc(p);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, p);
-    rp_status status = X && cov && b && c && work ? solve_effects(n, p, n_factors, level, n_levels, y, X, b,
-                                                                  c, cov, work, residual_sd)
-                                                  : rp_fail(RP_NO_MEMORY, "effects: out of memory");
-    const double dof = (double)(n - p), t = gsl_cdf_tdist_Qinv(0.025, dof);
-    for (size_t k = 0; !status && k + 1 < p; k++) {
-        double value = gsl_vector_get(c, k + 1), se = sqrt(gsl_matrix_get(cov, k + 1, k + 1));
-        effects[k] = (stats_effect){value, se, value - t * se, value + t * se,
-                                    2.0 * gsl_cdf_tdist_Q(fabs(value) / se, dof)};
+    double *X = calloc(p * (n + p + 1), sizeof *X), *c = X + n * p, *covariance = c + p, chi2;
+    if (!X) return rp_fail(RP_NO_MEMORY, "effects: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        X[i * p] = 1.0;
+        for (size_t f = 0; f < n_factors; f++)
+            if (level[i * n_factors + f] > 0)
+                X[i * p + column_of(f, level[i * n_factors + f], n_levels)] = 1.0;
     }
-    gsl_multifit_linear_free(work);
-    gsl_vector_free(b);
-    gsl_vector_free(c);
-    gsl_matrix_free(X);
-    gsl_matrix_free(cov);
+    rp_status status = stats_multifit(n, p, X, NULL, y, 1e-10, c, covariance, &chi2, &rank);
+    if (!status && rank < p)
+        status =
+            rp_fail(RP_NO_RESULT,
+                    "effects: the combinations do not distinguish the factors (rank %zu of %zu)", rank, p);
+    const double dof = (double)(n - p), t = gsl_cdf_tdist_Qinv(0.025, dof);
+    if (!status) *residual_sd = sqrt(chi2 / dof);
+    for (size_t k = 1; !status && k < p; k++) {
+        const double se = sqrt(covariance[k * p + k]);
+        effects[k - 1] = (stats_effect){c[k], se, c[k] - t * se, c[k] + t * se,
+                                        2.0 * gsl_cdf_tdist_Q(fabs(c[k]) / se, dof)};
+    }
+    free(X);
     return status;
 }

@@ -48,7 +48,7 @@ typedef struct {
 /* Main effects by least squares: y[i] of combination i with factor f at level[i * n_factors + f] <
  * n_levels[f]. effects[]: levels 1, 2, ... of factor 0, then of factor 1, ... The residual, *residual_sd,
  * holds noise and whatever the factors do together. Errors: RP_NO_RESULT for too few combinations or
- * factors that they do not tell apart, RP_NO_MEMORY. */
+ * indistinguishable factors, RP_NO_MEMORY. */
 rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
                         const double y[], stats_effect effects[], double *residual_sd);
 

@@ -1,5 +1,6 @@
 /* Straight lines through points, where they cease to be straight, and the parabola's bend; see stats.h. */
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_multifit.h>
@@ -50,6 +51,25 @@ rp_status stats_line_fit(size_t n, const double x[], const double y[], const dou
     return RP_OK;
 }
 
+rp_status stats_multifit(size_t n, size_t p, const double X[], const double w[], const double y[],
+                         double tolerance, double c[], double covariance[], double *chi2, size_t *rank)
+{
+    gsl_matrix_const_view columns = gsl_matrix_const_view_array(X, n, p);
+    gsl_vector_const_view weights = gsl_vector_const_view_array(w ? w : y, n);
+    gsl_vector_const_view values = gsl_vector_const_view_array(y, n);
+    gsl_vector_view coefficients = gsl_vector_view_array(c, p);
+    gsl_matrix_view errors = gsl_matrix_view_array(covariance, p, p);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, p);
+    if (!work) return rp_fail(RP_NO_MEMORY, "least squares: out of memory");
+    const int code =
+        w ? gsl_multifit_wlinear_tsvd(&columns.matrix, &weights.vector, &values.vector, tolerance,
+                                      &coefficients.vector, &errors.matrix, chi2, rank, work)
+          : gsl_multifit_linear_tsvd(&columns.matrix, &values.vector, tolerance, &coefficients.vector,
+                                     &errors.matrix, chi2, rank, work);
+    gsl_multifit_linear_free(work);
+    return code ? rp_fail(RP_BROKEN, "least squares failed: %s", gsl_strerror(code)) : RP_OK;
+}
+
 /* x about its first value in units of the range, so that the columns are of one size. */
 rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend)
 {
@@ -58,34 +78,22 @@ rp_status stats_bend(size_t n, const double x[], const double y[], const double 
     *bend = (stats_contrast){NAN, NAN, NAN};
     rp_status status = stats_line_fit(n, x, y, se, false, &line); /* checks the points */
     if (status) return status;
-    double lo, hi, chi2;
+    double lo, hi, chi2, c[TERMS], covariance[TERMS * TERMS];
     size_t rank = 0;
     gsl_stats_minmax(&lo, &hi, x, 1, n);
-    if (n >= TERMS) {
-        gsl_matrix *X = gsl_matrix_alloc(n, TERMS), *covariance = gsl_matrix_alloc(TERMS, TERMS);
-        gsl_vector *w = gsl_vector_alloc(n), *c = gsl_vector_alloc(TERMS);
-        gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, TERMS);
-        gsl_vector_const_view values = gsl_vector_const_view_array(y, n);
-        if (X && covariance && w && c && work) {
-            for (size_t i = 0; i < n; i++) {
-                const double u = (x[i] - lo) / (hi - lo);
-                gsl_vector_set(w, i, 1.0 / (se[i] * se[i]));
-                for (size_t k = 0; k < TERMS; k++) gsl_matrix_set(X, i, k, gsl_pow_int(u, (int)k));
-            }
-            if (gsl_multifit_wlinear_tsvd(X, w, &values.vector, 1e-10, c, covariance, &chi2, &rank, work))
-                rank = 0;
-            const double scale = 1.0 / ((hi - lo) * (hi - lo));
-            if (rank == TERMS)
-                *bend = (stats_contrast){gsl_vector_get(c, 2) * scale,
-                                         sqrt(gsl_matrix_get(covariance, 2, 2)) * scale, INFINITY};
-        } else {
-            status = rp_fail(RP_NO_MEMORY, "parabola: out of memory");
-        }
-        gsl_matrix_free(X), gsl_matrix_free(covariance), gsl_vector_free(w), gsl_vector_free(c);
-        if (work) gsl_multifit_linear_free(work);
+    double *X = malloc((TERMS + 1) * n * sizeof *X), *w = X + TERMS * n;
+    if (!X) return rp_fail(RP_NO_MEMORY, "parabola: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        const double u = (x[i] - lo) / (hi - lo);
+        w[i] = 1.0 / (se[i] * se[i]);
+        for (size_t k = 0; k < TERMS; k++) X[TERMS * i + k] = gsl_pow_int(u, (int)k);
     }
+    if (n >= TERMS) status = stats_multifit(n, TERMS, X, w, y, 1e-10, c, covariance, &chi2, &rank);
+    free(X);
     if (!status && rank < TERMS) /* two of three columns are the same where there are two x only */
         status = rp_fail(RP_NO_RESULT, "no parabola: %zu points, at least 3 different x needed", n);
+    const double scale = 1.0 / ((hi - lo) * (hi - lo));
+    if (!status) *bend = (stats_contrast){c[2] * scale, sqrt(covariance[8]) * scale, INFINITY};
     return status;
 }
 

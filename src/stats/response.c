@@ -1,13 +1,14 @@
 /* The response of an angle to parameters: points from piles, and the form that fits them; see calibrate.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_multifit.h>
+#include <gsl/gsl_machine.h>
 #include <gsl/gsl_sf_psi.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "stats/calibrate_private.h"
+#include "stats/stats.h"
 
 /* How much better, in AIC, a form must be that does not rise or fall throughout. */
 static const double monotone_credit = 6.0;
@@ -106,16 +107,16 @@ rp_status stats_points_make(const stats_ensemble *piles, size_t point_of[], stat
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
     rp_status status = check_piles(piles);
     if (status) return status;
+    enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
     size_t *points = point_of ? point_of : malloc((piles->n + 1) * sizeof *points);
-    bool room = points != NULL;
-    for (size_t p = 0; p < STATS_MAX_PARAMS; p++)
-        room = (c->x[p] = calloc(piles->n + 1, sizeof *c->x[p])) != NULL && room;
-    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) {
-        room = (c->mean[a] = calloc(piles->n + 1, sizeof *c->mean[a])) != NULL && room;
-        room = (c->sd[a] = calloc(piles->n + 1, sizeof *c->sd[a])) != NULL && room;
-        room = (c->number[a] = calloc(piles->n + 1, sizeof *c->number[a])) != NULL && room;
+    double *next = c->block = calloc(N_ARRAYS * (piles->n + 1), sizeof *c->block);
+    if (!points || !next) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t p = 0; !status && p < c->n_params; p++, next += piles->n) c->x[p] = next;
+    for (size_t a = 0; !status && a < c->n_angles; a++, next += 3 * piles->n) {
+        c->mean[a] = next;
+        c->sd[a] = next + piles->n;
+        c->number[a] = next + 2 * piles->n;
     }
-    if (!room) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     for (size_t i = 0; !status && i < piles->n; i++) {
         size_t g = points[i] = find_point(c, piles, i);
         if (g < c->n_points) continue;
@@ -129,12 +130,7 @@ rp_status stats_points_make(const stats_ensemble *piles, size_t point_of[], stat
 
 void stats_calibration_free(stats_calibration *c)
 {
-    for (size_t p = 0; p < STATS_MAX_PARAMS; p++) free(c->x[p]);
-    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) {
-        free(c->mean[a]);
-        free(c->sd[a]);
-        free(c->number[a]);
-    }
+    free(c->block);
     *c = (stats_calibration){0};
 }
 
@@ -194,36 +190,30 @@ static size_t scatter_terms(const stats_calibration *c, const double x[], double
     return n;
 }
 
+static void point_at(const stats_calibration *c, size_t g, double x[STATS_MAX_PARAMS])
+{
+    for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
+}
+
 /* The variance of n normal values has a logarithm with mean log(sigma^2) + psi(v/2) - log(v/2) and variance
  * psi'(v/2), v = n - 1. */
 static rp_status fit_scatter(stats_calibration *c, size_t angle)
 {
-    double terms[STATS_SD_TERMS], x[STATS_MAX_PARAMS], chi2;
-    const size_t n = 2 * c->n_params + 1;
-    gsl_matrix *design = gsl_matrix_alloc(c->n_points, n), *covariance = gsl_matrix_alloc(n, n);
-    gsl_vector *y = gsl_vector_alloc(c->n_points), *weights = gsl_vector_alloc(c->n_points);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(c->n_points, n);
-    rp_status status = RP_OK;
-    if (!design || !covariance || !y || !weights || !work)
-        status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    for (size_t g = 0; !status && g < c->n_points; g++) {
-        double half = 0.5 * (c->number[angle][g] - 1.0);
-        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
-        scatter_terms(c, x, terms);
-        for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, terms[i]);
-        gsl_vector_set(y, g, 2.0 * log(c->sd[angle][g]) - gsl_sf_psi(half) + log(half));
-        gsl_vector_set(weights, g, 1.0 / gsl_sf_psi_1(half));
+    const size_t n = 2 * c->n_params + 1, points = c->n_points;
+    double x[STATS_MAX_PARAMS], covariance[STATS_SD_TERMS * STATS_SD_TERMS], chi2;
+    double *X = malloc(points * (n + 2) * sizeof *X), *y = X + points * n, *weights = y + points;
+    if (!X) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    for (size_t g = 0; g < points; g++) {
+        const double half = 0.5 * (c->number[angle][g] - 1.0);
+        point_at(c, g, x);
+        scatter_terms(c, x, X + g * n);
+        y[g] = 2.0 * log(c->sd[angle][g]) - gsl_sf_psi(half) + log(half);
+        weights[g] = 1.0 / gsl_sf_psi_1(half);
     }
-    if (!status) {
-        gsl_vector_view solution = gsl_vector_view_array(c->log_variance[angle], n);
-        int state = gsl_multifit_wlinear(design, weights, y, &solution.vector, covariance, &chi2, work);
-        if (state) status = rp_fail(RP_BROKEN, "calibrate: least squares failed: %s", gsl_strerror(state));
-    }
-    gsl_matrix_free(design);
-    gsl_matrix_free(covariance);
-    gsl_vector_free(y);
-    gsl_vector_free(weights);
-    if (work) gsl_multifit_linear_free(work);
+    size_t rank;
+    rp_status status = stats_multifit(points, n, X, weights, y, GSL_DBL_EPSILON, c->log_variance[angle],
+                                      covariance, &chi2, &rank);
+    free(X);
     return status;
 }
 
@@ -287,63 +277,25 @@ double stats_response_value(const stats_response_fit *r, const double x[], doubl
 
 typedef struct {
     stats_response_fit *r;
-    size_t n;
-    gsl_matrix *design, *covariance;
-    gsl_vector *y, *weights, *solution;
-    gsl_multifit_linear_workspace *work;
     const stats_calibration *c;
-    double chi2;
+    const double *y; /* at the points */
+    size_t n;        /* terms */
+    double *X, *weights;
+    double coefficients[STATS_MAX_TERMS], covariance[STATS_MAX_TERMS * STATS_MAX_TERMS], chi2;
 } problem;
-
-static rp_status problem_make(problem *s, stats_response_fit *r, const stats_calibration *c, size_t angle,
-                              const double y[], size_t n_terms)
-{
-    *s = (problem){.r = r, .n = n_terms, .c = c};
-    s->design = gsl_matrix_alloc(c->n_points, n_terms);
-    s->covariance = gsl_matrix_alloc(n_terms, n_terms);
-    s->y = gsl_vector_alloc(c->n_points);
-    s->weights = gsl_vector_alloc(c->n_points);
-    s->solution = gsl_vector_alloc(n_terms);
-    s->work = gsl_multifit_linear_alloc(c->n_points, n_terms);
-    if (!s->design || !s->covariance || !s->y || !s->weights || !s->solution || !s->work)
-        return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    for (size_t g = 0; g < c->n_points; g++) {
-        double x[STATS_MAX_PARAMS];
-        for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
-        double sd = stats_calibration_sd(c, angle, x);
-        gsl_vector_set(s->y, g, y[g]);
-        gsl_vector_set(s->weights, g, c->number[angle][g] / (sd * sd));
-    }
-    return RP_OK;
-}
-
-static void problem_free(problem *s)
-{
-    gsl_matrix_free(s->design);
-    gsl_matrix_free(s->covariance);
-    gsl_vector_free(s->y);
-    gsl_vector_free(s->weights);
-    gsl_vector_free(s->solution);
-    if (s->work) gsl_multifit_linear_free(s->work);
-}
 
 /* Coefficients at the present scale. */
 static rp_status solve_linear(problem *s)
 {
     double terms[STATS_MAX_TERMS], x[STATS_MAX_PARAMS];
     for (size_t g = 0; g < s->c->n_points; g++) {
-        for (size_t p = 0; p < s->c->n_params; p++) x[p] = s->c->x[p][g];
+        point_at(s->c, g, x);
         terms_at(s->r, x, terms);
-        for (size_t i = 0; i < s->n; i++) gsl_matrix_set(s->design, g, i, terms[i]);
+        memcpy(s->X + g * s->n, terms, s->n * sizeof *terms);
     }
-    int state =
-        gsl_multifit_wlinear(s->design, s->weights, s->y, s->solution, s->covariance, &s->chi2, s->work);
-    return state ? rp_fail(RP_BROKEN, "calibrate: least squares failed: %s", gsl_strerror(state)) : RP_OK;
-}
-
-static void take_coefficients(problem *s)
-{
-    for (size_t i = 0; i < n_linear(s->r); i++) s->r->coefficients[i] = gsl_vector_get(s->solution, i);
+    size_t rank;
+    return stats_multifit(s->c->n_points, s->n, s->X, s->weights, s->y, GSL_DBL_EPSILON, s->coefficients,
+                          s->covariance, &s->chi2, &rank);
 }
 
 static double chi2_of_scale(unsigned n, const double *log_scale, double *gradient, void *data)
@@ -387,31 +339,38 @@ static void take_errors(problem *s)
     r->p_value = gsl_cdf_chisq_Q(r->chi2, dof);
     r->inflation = fmax(1.0, r->chi2 / dof);
     double sum = 0.0;
-    for (size_t g = 0; g < r->n_points; g++) sum += gsl_vector_get(s->weights, g);
+    for (size_t g = 0; g < r->n_points; g++) sum += s->weights[g];
     r->discrepancy = (r->inflation - 1.0) * n / sum;
     for (size_t i = 0; i < s->n; i++)
         for (size_t j = 0; j < s->n; j++)
-            r->covariance[i * STATS_MAX_TERMS + j] = r->inflation * gsl_matrix_get(s->covariance, i, j);
+            r->covariance[i * STATS_MAX_TERMS + j] = r->inflation * s->covariance[i * s->n + j];
 }
 
 rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
                                const double y[])
 {
-    problem s;
     const bool saturating = r->shape != STATS_POWERS;
-    rp_status status = problem_make(&s, r, c, angle, y, n_linear(r));
-    if (!status) status = saturating ? find_scale(&s) : solve_linear(&s);
+    problem s = {.r = r, .c = c, .y = y, .n = n_linear(r)};
+    s.weights = malloc(c->n_points * (s.n + 2) * sizeof *s.weights);
+    if (!s.weights) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    s.X = s.weights + c->n_points;
+    for (size_t g = 0; g < c->n_points; g++) {
+        double x[STATS_MAX_PARAMS];
+        point_at(c, g, x);
+        const double sd = stats_calibration_sd(c, angle, x);
+        s.weights[g] = c->number[angle][g] / (sd * sd);
+    }
+    rp_status status = saturating ? find_scale(&s) : solve_linear(&s);
     if (!status) {
-        take_coefficients(&s);
+        memcpy(r->coefficients, s.coefficients, s.n * sizeof *s.coefficients);
         r->chi2 = s.chi2;
     }
     if (!status && saturating) { /* the same minimum, with the scale as one more term */
-        problem_free(&s);
-        status = problem_make(&s, r, c, angle, y, n_linear(r) + 1);
-        if (!status) status = solve_linear(&s);
+        s.n++;
+        status = solve_linear(&s);
     }
     if (!status) take_errors(&s);
-    problem_free(&s);
+    free(s.weights);
     return status;
 }
 

@@ -7,13 +7,6 @@
 /* Fewest blocks from which a variance is taken: its relative error is then 0.8. */
 static const size_t LEAST_BLOCKS = 4;
 
-static rp_status check_finite(size_t n, const double v[])
-{
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(v[i])) return rp_fail(RP_BAD_INPUT, "value %zu = %g: not finite", i + 1, v[i]);
-    return RP_OK;
-}
-
 /* Sum of squares about the mean. Sums are taken about the first value, so that equal values have none. */
 static double scatter(size_t n, const double v[], double *mean)
 {
@@ -27,7 +20,7 @@ static double scatter(size_t n, const double v[], double *mean)
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series)
 {
     *series = (stats_series){n, NAN, NAN, NAN, NAN, NAN, 0};
-    rp_status status = check_finite(n, v);
+    rp_status status = stats_check_finite(n, v);
     if (status) return status;
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     const double squares = scatter(n, v, &series->mean), count = (double)n;
@@ -54,7 +47,7 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
 rp_status stats_level_off(size_t n, const double v[], size_t *from)
 {
     *from = 0;
-    rp_status status = check_finite(n, v);
+    rp_status status = stats_check_finite(n, v);
     if (status) return status;
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     /* from the end backwards, mean and scatter of what has been passed (Welford 1962) */

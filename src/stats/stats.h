@@ -17,6 +17,9 @@ typedef struct {
     double mean, sd, se, lo, hi;
 } stats_summary;
 
+/* Errors: RP_BAD_INPUT for a value that is not finite. */
+rp_status stats_check_finite(size_t n, const double v[]);
+
 /* Errors: RP_NO_RESULT for n = 0, RP_BAD_INPUT for a value that is not finite; then every field is NaN. */
 rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
 
@@ -32,6 +35,18 @@ rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, doubl
  * Errors: those of stats_expected_maximum. */
 rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
                               double work[], double *se);
+
+/* Spread of a statistic over resamples: standard deviation and the central 95 %, NaN below two numbers. */
+typedef struct {
+    size_t n; /* numbers */
+    double sd, lo, hi;
+} stats_spread;
+
+/* The spread of the numbers of sample[n], which are sorted to its front; NaN is left out. */
+stats_spread stats_resampled(size_t n, double sample[]);
+
+/* Errors: RP_BAD_INPUT for fewer than two resamples. */
+rp_status stats_check_resamples(size_t n_resamples);
 
 /* ---- one series in time (series.c) ---- */
 
@@ -120,6 +135,12 @@ typedef struct {
  * coefficients or no spread in x, RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
                          stats_line *line);
+
+/* Least squares of y by p <= n columns, X[n p] row after row. Weights w; with w NULL all are equal, and
+ * errors follow from the scatter. Sets coefficients c[p], covariance[p p], chi2 and the rank of X, which
+ * counts singular values above `tolerance` of the largest. Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_multifit(size_t n, size_t p, const double X[], const double w[], const double y[],
+                         double tolerance, double c[], double covariance[], double *chi2, size_t *rank);
 
 /* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
  * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */

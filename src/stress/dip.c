@@ -1,8 +1,6 @@
 /* Pressure on the base of piles; see dip.h. */
 #include "stress/dip.h"
 
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -85,32 +83,20 @@ static double resampled_dip(size_t n, const double profiles[], gsl_rng *rng)
     return stress_dip(sum);
 }
 
-static rp_status mean_profile(size_t n, const double profiles[], stress_dips *dips)
+/* Mean pressure from the centroid outwards; work[n]. */
+static rp_status mean_profile(size_t n, const double profiles[], double work[], stress_dips *dips)
 {
-    double *half = malloc(n * sizeof *half);
-    if (!half) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
     rp_status status = RP_OK;
     for (int k = 0; k < STRESS_DIP_BINS / 2 && !status; k++) {
         stats_summary stats;
         for (size_t i = 0; i < n; i++) {
             const double *N = profiles + STRESS_DIP_BINS * i;
-            half[i] = 0.5 * (N[STRESS_DIP_BINS / 2 - 1 - k] + N[STRESS_DIP_BINS / 2 + k]);
+            work[i] = 0.5 * (N[STRESS_DIP_BINS / 2 - 1 - k] + N[STRESS_DIP_BINS / 2 + k]);
         }
-        status = stats_mean(n, half, &stats);
+        status = stats_mean(n, work, &stats);
         dips->N[k] = stats.mean;
         dips->N_se[k] = stats.se;
     }
-    free(half);
-    return status;
-}
-
-static rp_status dip_statistics(size_t n, const double profiles[], stats_summary *stats)
-{
-    double *D = malloc(n * sizeof *D);
-    if (!D) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
-    for (size_t i = 0; i < n; i++) D[i] = stress_dip(profiles + STRESS_DIP_BINS * i);
-    rp_status status = stats_mean(n, D, stats);
-    free(D);
     return status;
 }
 
@@ -125,9 +111,9 @@ static void resample(size_t n, const double profiles[], size_t resamples, gsl_rn
         low += means[b] <= mean;
         far += fabs(means[b]) >= fabs(mean);
     }
-    gsl_sort(means, 1, resamples);
-    dips->null_lo = gsl_stats_quantile_from_sorted_data(means, 1, resamples, 0.025);
-    dips->null_hi = gsl_stats_quantile_from_sorted_data(means, 1, resamples, 0.975);
+    const stats_spread spread = stats_resampled(resamples, means);
+    dips->null_lo = spread.lo;
+    dips->null_hi = spread.hi;
     dips->p_dip = (low + 1.0) / ((double)resamples + 1.0);
     dips->p_value = (far + 1.0) / ((double)resamples + 1.0);
 }
@@ -138,15 +124,18 @@ rp_status stress_dip_ensemble(size_t n, const double profiles[], const double wi
     *dips = (stress_dips){0};
     if (n < 3) return rp_fail(RP_NO_RESULT, "dip: %zu piles, at least 3 expected", n);
     if (!(margin > 0.0)) return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
-    if (resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", resamples);
-    double *excess = malloc(n * STRESS_DIP_BINS * sizeof *excess);
+    rp_status status = stats_check_resamples(resamples);
+    if (status) return status;
+    double *excess = malloc(n * (STRESS_DIP_BINS + 1) * sizeof *excess), *work = excess + n * STRESS_DIP_BINS;
     if (!excess) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
     for (size_t i = 0; i < n * STRESS_DIP_BINS; i++)
         excess[i] = profiles[i] + (without ? 1.0 - without[i] : 0.0);
-    for (size_t i = 0; i < n; i++) dips->raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
-    rp_status status = dip_statistics(n, excess, &dips->dip);
-    if (!status) status = mean_profile(n, profiles, dips);
+    for (size_t i = 0; i < n; i++) {
+        dips->raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
+        work[i] = stress_dip(excess + i * STRESS_DIP_BINS);
+    }
+    status = stats_mean(n, work, &dips->dip);
+    if (!status) status = mean_profile(n, profiles, work, dips);
     if (!status) {
         resample(n, excess, resamples, rng, means, dips);
         dips->p_margin =

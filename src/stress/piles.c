@@ -23,12 +23,7 @@ rp_status stress_mean_cells(size_t n, const stress_pile piles[], const stress_gr
     for (size_t k = 0; k < cells; k++) mean[k] = (stress_tensor){0};
     for (size_t i = 0; i < n && !status; i++) {
         status = stress_cells(piles[i].n, piles[i].contacts, g, one);
-        for (size_t k = 0; k < cells && !status; k++) {
-            mean[k].xx += one[k].xx / (double)n;
-            mean[k].xy += one[k].xy / (double)n;
-            mean[k].yx += one[k].yx / (double)n;
-            mean[k].yy += one[k].yy / (double)n;
-        }
+        for (size_t k = 0; k < cells && !status; k++) stress_tensor_add(&mean[k], &one[k], 1.0 / (double)n);
     }
     free(one);
     return status;

@@ -25,7 +25,6 @@
  * balance with the weight mobilises the slope of the flank, tilt included, and that exceeds atan mu in piles
  * that stand. The friction of the packing can be measured, but not inferred from mu. */
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
@@ -92,6 +91,14 @@ rp_status stress_cells(size_t n, const stress_contact contacts[], const stress_g
     return RP_OK;
 }
 
+void stress_tensor_add(stress_tensor *sum, const stress_tensor *s, double factor)
+{
+    sum->xx += factor * s->xx;
+    sum->xy += factor * s->xy;
+    sum->yx += factor * s->yx;
+    sum->yy += factor * s->yy;
+}
+
 stress_circle stress_mohr(const stress_tensor *s)
 {
     stress_circle m;
@@ -116,39 +123,12 @@ double stress_floor_tilt(const stress_response *r, double mu)
 
 double stress_bulk_mobilised(const stress_response *r, double tilt)
 {
-    const double t = tan(tilt);
-    const stress_tensor s = {r->s[0].xx + t * r->s[1].xx, r->s[0].xy + t * r->s[1].xy,
-                             r->s[0].yx + t * r->s[1].yx, r->s[0].yy + t * r->s[1].yy};
+    stress_tensor s = r->s[0];
+    stress_tensor_add(&s, &r->s[1], tan(tilt));
     return stress_mohr(&s).mobilised;
 }
 
-double stress_bulk_tilt(const stress_response *r, double friction)
-{
-    enum { STEPS = 450, HALVINGS = 40 };
-    const double step = M_PI_4 / STEPS;
-    /* from below it forwards, from above it backwards */
-    const double sign = stress_bulk_mobilised(r, 0.0) <= friction ? 1.0 : -1.0;
-    for (int k = 1; k <= STEPS; k++) {
-        double inside = sign * step * (k - 1), outside = sign * step * k;
-        if (sign * (stress_bulk_mobilised(r, outside) - friction) < 0.0) continue;
-        for (int i = 0; i < HALVINGS; i++) {
-            double middle = 0.5 * (inside + outside);
-            *(sign * (stress_bulk_mobilised(r, middle) - friction) < 0.0 ? &inside : &outside) = middle;
-        }
-        return outside;
-    }
-    return NAN;
-}
-
 /* ---- ensemble ---- */
-
-static void add_tensor(stress_tensor *sum, const stress_tensor *s, double factor)
-{
-    sum->xx += factor * s->xx;
-    sum->xy += factor * s->xy;
-    sum->yx += factor * s->yx;
-    sum->yy += factor * s->yy;
-}
 
 enum { N_QUANTITIES = sizeof(stress_critical) / sizeof(stress_interval) };
 
@@ -180,48 +160,38 @@ static void quantities(size_t n, const stress_response responses[], const double
         for (int k = 0; k < 2; k++) {
             mean.n[k] += part * r->n[k];
             mean.h[k] += part * r->h[k];
-            add_tensor(&mean.s[k], &r->s[k], part);
+            stress_tensor_add(&mean.s[k], &r->s[k], part);
         }
     }
     const double t = tan(tilt);
     q[0] = mean.h[0] / mean.n[0];
     q[1] = tan(stress_bulk_mobilised(&mean, 0.0));
     q[2] = stress_floor_tilt(&mean, mu);
-    q[3] = stress_bulk_tilt(&mean, atan(mu));
-    q[4] = tilt;
-    q[5] = q[2] - tilt;
-    q[6] = (mean.h[0] + mean.h[1] * t) / (mean.n[0] + mean.n[1] * t);
-    q[7] = tan(stress_bulk_mobilised(&mean, tilt));
-    q[8] = rank_correlation(n, responses, theta_t, pick, mu, work);
+    q[3] = tilt;
+    q[4] = q[2] - tilt;
+    q[5] = (mean.h[0] + mean.h[1] * t) / (mean.n[0] + mean.n[1] * t);
+    q[6] = tan(stress_bulk_mobilised(&mean, tilt));
+    q[7] = rank_correlation(n, responses, theta_t, pick, mu, work);
 }
 
-/* Error and percentiles of the numbers among sample[0..n), if nine tenths are. */
 static stress_interval interval(double value, size_t n, double sample[])
 {
-    const double tail = 0.025;
-    size_t found = 0;
-    for (size_t k = 0; k < n; k++)
-        if (!isnan(sample[k])) sample[found++] = sample[k];
-    if (isnan(value) || 10 * found < 9 * n || found < 2) return (stress_interval){value, NAN, NAN, NAN};
-    gsl_sort(sample, 1, found);
-    return (stress_interval){value, gsl_stats_sd(sample, 1, found),
-                             gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
-                             gsl_stats_quantile_from_sorted_data(sample, 1, found, 1.0 - tail)};
+    const stats_spread spread = stats_resampled(n, sample);
+    if (isnan(value) || 10 * spread.n < 9 * n) return (stress_interval){value, NAN, NAN, NAN};
+    return (stress_interval){value, spread.sd, spread.lo, spread.hi};
 }
 
 static rp_status check_responses(size_t n, const stress_response responses[], const double theta_t[],
                                  size_t n_resamples)
 {
     if (n < 3) return rp_fail(RP_NO_RESULT, "%zu piles, at least 3 needed", n);
-    if (n_resamples < 2)
-        return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
     for (size_t i = 0; i < n; i++) {
         const double *v = (const double *)&responses[i];
         bool good = isfinite(theta_t[i]);
         for (size_t k = 0; k < sizeof responses[i] / sizeof *v; k++) good = good && isfinite(v[k]);
         if (!good) return rp_fail(RP_BAD_INPUT, "pile %zu: finite numbers expected", i + 1);
     }
-    return RP_OK;
+    return stats_check_resamples(n_resamples);
 }
 
 rp_status stress_critical_tilts(size_t n, const stress_response responses[], const double theta_t[],

@@ -21,6 +21,8 @@ typedef struct {
     double xx, xy, yx, yy;
 } stress_tensor;
 
+void stress_tensor_add(stress_tensor *sum, const stress_tensor *s, double factor);
+
 /* nx times ny cells of width dx and height dy, from (x0, y0); cell (i, j) has number j nx + i. */
 typedef struct {
     double x0, y0, dx, dy;
@@ -96,10 +98,6 @@ typedef struct {
  * never comes to that below pi/2. */
 double stress_floor_tilt(const stress_response *response, double mu);
 
-/* Tilt nearest to 0 at which the stress mobilises the angle `friction`, with this sign; within +-pi/4, NaN if
- * there is none. */
-double stress_bulk_tilt(const stress_response *response, double friction);
-
 /* Mobilised angle at a tilt. */
 double stress_bulk_mobilised(const stress_response *response, double tilt);
 
@@ -113,7 +111,6 @@ typedef struct {
     X(floor_friction_0, false) /* on the floor, without tilt */                                              \
     X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
     X(floor_tilt, true)        /* the floor's friction comes to mu */                                        \
-    X(bulk_tilt, true)         /* that inside comes to mu; negative: is beyond it without tilt */            \
     X(theta_t, true)           /* measured */                                                                \
     X(floor_less, true)        /* floor_tilt less measured */                                                \
     X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \
