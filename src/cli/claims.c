@@ -163,11 +163,6 @@ const char *cli_claim_test_word(cli_claim_test test)
     return test_words[test];
 }
 
-bool cli_claim_needs_table(cli_claim_test test)
-{
-    return needs_table[test];
-}
-
 void cli_claim_published(const cli_claim *claim, char text[128])
 {
     snprintf(text, 128, "%s%s%s", claim->published_text, *claim->se_text ? " ± " : "", claim->se_text);

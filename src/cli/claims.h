@@ -31,9 +31,6 @@ typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 /* "agrees", "same", ... */
 const char *cli_claim_test_word(cli_claim_test test);
 
-/* Whether a table answers claims of this test. */
-bool cli_claim_needs_table(cli_claim_test test);
-
 /* A row of figures/claims.tsv; the texts point into its table. */
 typedef struct {
     const char *id, *of, *paper, *place, *section, *published_text, *se_text, *answer, *against, *statement,

@@ -45,15 +45,14 @@ void rp_table_header(FILE *out, const char *columns)
 {
     for (int names = 0; names < 2; names++) {
         fputs(names ? "# " : "# units: ", out);
-        for (const char *c = columns; *c; c += strspn(c, ", ")) {
-            const char *end = c + strcspn(c, ","), *unit = c + strcspn(c, ",[");
-            const int name = (int)(unit - c) - (*unit == '['); /* a blank before the bracket */
+        for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
+            end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
+            const char *unit = memchr(c, '[', (size_t)(end - c));
             if (c != columns) fputc('\t', out);
             if (names)
-                fprintf(out, "%.*s", name, c);
+                fprintf(out, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
             else
-                fprintf(out, "%.*s", *unit == '[' ? (int)(end - unit) - 2 : 1, *unit == '[' ? unit + 1 : "1");
-            c = end;
+                fprintf(out, "%.*s", unit ? (int)(end - unit) - 2 : 1, unit ? unit + 1 : "1");
         }
         fputc('\n', out);
     }
