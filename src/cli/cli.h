@@ -118,6 +118,23 @@ size_t cli_rows_end(const cli_rows *rows, size_t first);
 /* The header line that says how many rows count. */
 void cli_rows_note(const rp_table *table, const cli_rows *rows);
 
+/* Values of the options --points and --at. */
+typedef struct {
+    long points;    /* -1: not given */
+    const char *at; /* "auto": not given */
+} cli_positions;
+
+/* clang-format off */
+#define CLI_POSITIONS(type, field)                                                                           \
+    {"points", "", RP_INT, offsetof(type, field.points), "auto", "[2, 10000000] | auto",                     \
+     "number of equidistant positions from 0 to B; auto: 201 unless --at is given"},                                      \
+    {"at", "", RP_TEXT, offsetof(type, field.at), "auto", "", "positions as fractions of B, as in 0.1,0.25"}
+/* clang-format on */
+
+/* The positions as a new array (free it) of fractions of the base.
+ * Errors: RP_USAGE (both given), RP_BAD_INPUT (not numbers in [0, 1]), RP_NO_MEMORY. */
+rp_status cli_positions_read(const cli_positions *asked, double **x, size_t *n);
+
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
 typedef struct {
     size_t n_groups;

@@ -219,6 +219,17 @@ static const char *fit_name(const char *fit, size_t p, char name[64])
 
 /* ---- a measurement ---- */
 
+/* Of all solutions together; NaN without one. */
+static double lower_limit(const stats_calibrated *f)
+{
+    return f->n_solutions ? f->solutions[0].lower : NAN;
+}
+
+static double upper_limit(const stats_calibrated *f)
+{
+    return f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+}
+
 static void print_found(const options *o, size_t n_params, const stats_calibrated found[])
 {
     char name[64];
@@ -241,8 +252,7 @@ static rp_status conclude(const options *o, size_t n_params, const stats_calibra
     for (size_t p = 0; p < n_params; p++) {
         const stats_calibrated *f = &found[p];
         if (f->status == STATS_CALIBRATED_OK) continue;
-        double lower = f->n_solutions ? f->solutions[0].lower : NAN;
-        double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+        const double lower = lower_limit(f), upper = upper_limit(f);
         fit_name(o->fit, p, name);
         if (!isnan(lower) && !isnan(upper))
             snprintf(text, sizeof text, "; %g <= %s <= %g", lower, name, upper);
@@ -341,11 +351,6 @@ static rp_status make_trial(const source *response, const source *planted, const
     return status;
 }
 
-static double width(const stats_calibrated *f)
-{
-    return f->status == STATS_CALIBRATED_OK ? f->solutions[0].upper - f->solutions[0].lower : NAN;
-}
-
 /* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
 static bool note_coverage(const trial *t, const options *o)
 {
@@ -361,7 +366,7 @@ static bool note_coverage(const trial *t, const options *o)
             if (f->status != STATS_CALIBRATED_OK) continue;
             ok++;
             ok_covered += t->cases[k].covered[p];
-            sum += width(f);
+            sum += f->solutions[0].upper - f->solutions[0].lower;
         }
         snprintf(key, sizeof key, "covered_%s_%s", mask_word(t->mask), fit_name(o->fit, p, name));
         rp_table_note(stdout, key, "%zu of %zu", covered, t->n);
@@ -386,19 +391,12 @@ static void print_cases(const trial *t, const options *o)
         for (size_t p = 0; p < t->n_params; p++) {
             const stats_case *c = &t->cases[k];
             const stats_calibrated *f = &c->found[p];
-            double lower = f->n_solutions ? f->solutions[0].lower : NAN;
-            double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
-            const double *m = c->measured.angle, *e = c->measured.error;
-            bool r = t->mask & 1, both = t->mask == 3;
+            double angle[N_ANGLES] = {NAN, NAN}, error[N_ANGLES] = {NAN, NAN};
+            for (size_t a = 0, i = 0; a < N_ANGLES; a++)
+                if (t->mask & 1u << a) angle[a] = c->measured.angle[i], error[a] = c->measured.error[i++];
             printf("%s\t%s\t", mask_word(t->mask), fit_name(o->fit, p, name));
-            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], r ? m[0] : NAN, r ? e[0] : NAN,
-                         both ? m[1]
-                         : r  ? NAN
-                              : m[0],
-                         both ? e[1]
-                         : r  ? NAN
-                              : e[0],
-                         f->value, f->se, lower, upper, c->covered[p]);
+            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], angle[0], error[0], angle[1],
+                         error[1], f->value, f->se, lower_limit(f), upper_limit(f), c->covered[p]);
         }
 }
 
