@@ -292,15 +292,14 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = malloc(rows * sizeof *f->theta);
-    f->tower = malloc(rows * sizeof *f->tower);
-    f->step = malloc(rows * sizeof *f->step);
-    f->grains = malloc(rows * sizeof *f->grains);
-    f->work = malloc(2 * rows * sizeof *f->work);
+    f->theta = malloc(4 * rows * sizeof *f->theta);
+    f->step = malloc(2 * rows * sizeof *f->step);
     dem_grain *layer = malloc(most_layer * sizeof *layer);
-    if (!status &&
-        (!f->radii || !f->places || !f->theta || !f->tower || !f->step || !f->grains || !f->work || !layer))
+    if (!status && (!f->radii || !f->places || !f->theta || !f->step || !layer))
         status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
+    f->tower = f->theta + rows;
+    f->work = f->tower + rows;
+    f->grains = f->step + rows;
     if (!status) status = run_series(f, layer);
     free(layer);
     return status;
@@ -310,7 +309,7 @@ static rp_status finish(flux *f, rp_status status)
 {
     if (f->radii) gsl_rng_free(f->radii);
     if (f->places) gsl_rng_free(f->places);
-    free(f->theta), free(f->tower), free(f->step), free(f->grains), free(f->work);
+    free(f->theta), free(f->step);
     return sweep_box_end(&f->box, status);
 }
 
