@@ -11,9 +11,9 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     rp_table_note(out, "n_disks", "%zu", s->h->n);
     rp_table_note(out, "B", "%.17g sigma", s->h->B);
     rp_table_note(out, "status", "%s", statics_fault_text(r->fault));
-    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch before", r->load, r->jumps);
     if (r->fault)
-        rp_table_note(out, "state", "no equilibrium: where the solve was given up, at eps = %g", r->eps);
+        rp_table_note(out, "state", "no equilibrium: the last state of the solve, at eps = %g", r->eps);
     rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
     if (!isnan(r->released))
         rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
@@ -127,7 +127,7 @@ static rp_status write_wells(const sweep_solved *s, const sweep_tables *tables)
     statics_wells(s->pile, wells);
     rp_status status = open_table(s, tables, "wells.tsv", path, &out);
     if (!status) {
-        rp_table_note(out, "x_0", "where a well rests; of a broken one where it gave way");
+        rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
         rp_table_columns(out, 7, columns);
         for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
             const double x = s->h->disks[w->disk].x;

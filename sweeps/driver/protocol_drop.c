@@ -2,9 +2,9 @@
  * (Liffman, Chan & Hughes 1992, fig 20), each once the last has come to rest.
  *
  * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
- * resistance to rolling, without which disks roll away; the places, uniform over the source's width; when a
- * disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a pile
- * creeps for as long as one waits, so that K_slip and the waiting time decide how steep it stands. The
+ * resistance to rolling, without which disks roll away; the positions, uniform over the source's width; when
+ * a disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a
+ * pile creeps for as long as one waits, so that K_slip and the waiting time decide how steep it is. The
  * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
  * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough to shorten the time step by no more than 3 %; eps
  * = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder contacts, K_slip
@@ -20,7 +20,7 @@
  * outputs are kept.
  *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
- * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles stand 2 or 3
+ * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles are 2 or 3
  * degrees steeper. */
 #include <math.h>
 #include <stdlib.h>
@@ -100,7 +100,7 @@ typedef struct {
     dem_sim *sim;
     size_t n; /* disks in it */
     dem_state *states;
-    gsl_rng *radii, *places;
+    gsl_rng *radii, *positions;
     double *x, *y; /* before a drop, or before the relaxation */
     long *moved;   /* by each drop */
     bool relaxed;
@@ -179,7 +179,7 @@ static size_t count_moved(const drop *d, size_t n)
     return moved;
 }
 
-static void mark_places(drop *d)
+static void mark_positions(drop *d)
 {
     for (size_t i = 0; i < d->n; i++) d->x[i] = d->states[i].x, d->y[i] = d->states[i].y;
 }
@@ -229,11 +229,11 @@ static rp_status drop_one(drop *d, bool *rest)
     const drop_params *p = d->p;
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
-    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5),
+    const double x = p->source_width * (gsl_rng_uniform(d->positions) - 0.5),
                  y = sweep_touch_height(d->n, d->states, x, r, 0.05), from = highest(d) + p->drop_height + r;
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
-    mark_places(d);
+    mark_positions(d);
     const size_t k = d->n;
     rp_status status = put_in(d, &grain);
     d->n = k + 1;
@@ -298,7 +298,7 @@ static rp_status relax(drop *d)
     double before = 0.0;
     long steps = 0, quiet = 0;
     rp_status status = RP_OK;
-    mark_places(d);
+    mark_positions(d);
     d->scene.dt *= 0.9; /* near its limit a pile hums, and that energy hides where the other has its maxima */
     for (; steps < MOST && quiet < ENOUGH && !status; steps += EVERY) {
         dem_rest rest;
@@ -453,12 +453,12 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     sweep_result_clear(result);
     *d = (drop){.p = p, .result = result, .scene = make_scene(p)};
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
-    d->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
+    d->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
     d->states = malloc(n * sizeof *d->states);
     d->x = calloc(n, sizeof *d->x);
     d->y = calloc(n, sizeof *d->y);
     d->moved = calloc(n, sizeof *d->moved);
-    if (!d->radii || !d->places || !d->states || !d->x || !d->y || !d->moved)
+    if (!d->radii || !d->positions || !d->states || !d->x || !d->y || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
     rp_status status = drop_all(d);
     if (!status) status = relax(d);
@@ -475,7 +475,7 @@ static rp_status finish(drop *d, rp_status status)
         status = RP_OK;
     }
     if (d->radii) gsl_rng_free(d->radii);
-    if (d->places) gsl_rng_free(d->places);
+    if (d->positions) gsl_rng_free(d->positions);
     dem_free(d->sim);
     free(d->states), free(d->x), free(d->y), free(d->moved);
     return status;

@@ -180,7 +180,7 @@ static rp_status open_box(experiment *e)
     return status;
 }
 
-/* What can be said of any state. */
+/* Outputs of any state. */
 static rp_status note_state(experiment *e)
 {
     double *v = e->values;
@@ -224,7 +224,7 @@ static rp_status measure_halves(experiment *e)
     return status;
 }
 
-/* Every way to read the same surface. */
+/* All readings of the same surface. */
 static rp_status measure_variants(experiment *e)
 {
     rp_status status = RP_OK;
@@ -299,7 +299,7 @@ static rp_status tilt_quasi_static(experiment *e)
         size_t moved = 0;
         if (!status) status = sweep_positions_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
         if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = turned;
-        if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
+        if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
     }
     sweep_positions_free(&at);
     return status;
