@@ -1,16 +1,12 @@
-/* The one pair loop. kernels.c instantiates it for each law and feature, given as constant arguments, so
- * that a scene pays only for what it uses; the same loop with arguments known at run time is the reference
- * that every instance must match bit for bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1).
+/* The pair loop. Its instances know their normal law and features, so that a scene pays only for what it
+ * uses; the loop with all of them known at run time is the reference that every instance must match bit for
+ * bit. Forces on grain i by grain j: Lee & Herrmann 1993, eq (1).
  *
  * With rotation the surfaces' spin counts in the shear velocity. The contact lies in the middle of the
  * overlap, at arms from the centres that add up to their distance, so that angular momentum is conserved. A
  * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
  * along -s; so both add to v_s, and F_s turns both the same way. */
-static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t from, size_t to, double h,
-                                                            dem_normal_law normal,
-                                                            dem_tangential_law tangential, dem_slip slip,
-                                                            bool tension, dem_damping damping, bool rotation,
-                                                            bool rolling, bool gear)
+LAW void pair_loop(dem_sim *sim, size_t from, size_t to, double h, dem_laws law, bool rotation, bool rolling)
 {
     const dem_motion *restrict grain = sim->grains.motion;
     dem_vec *restrict force = sim->grains.force;
@@ -21,10 +17,8 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
     const double *restrict omega = sim->grains.omega;
     dem_force_torque *restrict force_torque = sim->grains.force_torque;
     uint64_t *restrict touching = sim->pairs.touching;
-    const dem_material c = sim->def.material;
-    const dem_slider shear = dem_slider_of(slip, damping, c.k_s, c.gamma_s, sim->mu),
-                     rolls = dem_rolls_of(&c);
-    const bool has_spring = dem_has_spring(tangential);
+    const bool has_spring = dem_has_spring(law.tangential);
+    const dem_vec *restrict excess = has_spring ? sim->grains.excess : NULL;
     const double limit = sim->r_min;
 
     bool too_deep = false;
@@ -53,26 +47,25 @@ static inline __attribute__((always_inline)) void pair_loop(dem_sim *sim, size_t
             double r = sqrt(dem_dot(d, d)), overlap = radii[k] - r;
             dem_vec direction = d * (1.0 / r);
             too_deep |= !(overlap <= limit);
-            double f_n =
-                dem_law_normal(normal, tension, c.k_n, c.gamma_n, mass[k], overlap, dem_dot(v, direction));
+            double f_n = dem_law_normal(law.normal, law.tension, law.k_n, law.gamma_n, mass[k], overlap,
+                                        dem_dot(v, direction));
             dem_vec f = f_n * direction;
-            if (dem_has_friction(tangential)) {
+            if (dem_has_friction(law.tangential)) {
                 dem_vec s = dem_clockwise(direction);
                 double v_s = dem_dot(v, s), arm_i = 0.0, arm_j = 0.0;
                 if (rotation) {
                     arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
                     v_s += arm_i * omega[i] + arm_j * omega[j];
                 }
-                if (gear && has_spring)
-                    spring[k] += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], s);
-                double f_s = dem_law_tangential(tangential, shear, mass[k], v_s, f_n, h, &spring[k]);
+                if (excess) spring[k] += dem_dot(excess[i] - excess[j], s);
+                double f_s = dem_law_tangential(law.tangential, law.shear, mass[k], v_s, f_n, h, &spring[k]);
                 f += f_s * s;
                 if (rotation) {
                     double couple = 0.0;
                     if (rolling) {
                         const double r_eff = radius[i] * radius[j] / radii[k];
                         couple =
-                            dem_law_rolling(rolls, r_eff, mass[k], omega[i] - omega[j], f_n, h, &roll[k]);
+                            dem_law_rolling(law.rolls, r_eff, mass[k], omega[i] - omega[j], f_n, h, &roll[k]);
                     }
                     force_torque[i].torque += arm_i * f_s + couple;
                     force_torque[j].torque += arm_j * f_s - couple;

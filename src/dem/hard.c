@@ -1,5 +1,5 @@
-/* Hard collisions; see hard.h. In a run, what would come to touch in the coming step collides at the moment
- * of touching, if it comes fast; else a soft contact forms. */
+/* Hard collisions; see hard.h. In a run, bodies that would touch in the coming step collide at the moment of
+ * touch if they close fast; otherwise a soft contact forms. */
 #include "dem/hard.h"
 
 #include <math.h>
@@ -10,8 +10,7 @@
 #include "dem/sim.h"
 #include "dem/step.h"
 
-/* (6), (13) and (14): the impulse (p_x, p_y), and the turn that its tangential part gives either body alike.
- */
+/* (6), (13), (14): the impulse (p_x, p_y); its tangential part turns both bodies alike. */
 static void apply_impulse(dem_body *body, double p_x, double p_y, double p_t)
 {
     body->v[0] += body->inverse_mass * p_x;
@@ -42,9 +41,8 @@ bool dem_impact(dem_body *one, dem_body *two, const double n[2], double restitut
     return true;
 }
 
-/* Path of a free grain over the coming step, from whose start all times count: the acceleration is constant.
- * Leapfrog is exact for it: positions of start and end, velocity of the middle.
- */
+/* Path of a free grain over the coming step, with constant acceleration, for which leapfrog is exact. Times
+ * count from the step's start. */
 typedef struct {
     dem_vec x, v, a; /* position and velocity of the start */
 } path;
@@ -69,7 +67,7 @@ static dem_body body_at(const dem_sim *sim, size_t i, const path *m, double t)
     return body;
 }
 
-/* Next position and velocity of grain i, if nothing stops it. */
+/* Next position and velocity of grain i without collision. */
 static void predict(dem_sim *sim, size_t i)
 {
     const double dt = sim->def.dt;
@@ -85,7 +83,7 @@ static void predict(dem_sim *sim, size_t i)
     sim->grains.next_angle[i] = sim->grains.angle[i] + dt * sim->grains.next_omega[i];
 }
 
-/* Is grain i then beyond its margin, where the neighbour list may lack a pair of it? True for NaN. */
+/* Is grain i then beyond its margin, so that the neighbour list may lack one of its pairs? True for NaN. */
 static bool beyond_margin(const dem_sim *sim, size_t i)
 {
     const dem_vec moved = sim->grains.next_motion[i].x - sim->grains.listed_x[i];
@@ -100,8 +98,8 @@ static bool has_collided(const dem_sim *sim, size_t i)
     return hit;
 }
 
-/* Give grain i the velocity of another body at time t: its whole step has that velocity, from a start moved
- * back to match. */
+/* Change the velocity of grain i at time t from that of body `from` to that of body `to`. The whole step then
+ * has the new velocity, from a start that is moved back to match. */
 static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
 {
     const dem_vec gain = {to->v[0] - from->v[0], to->v[1] - from->v[1]};
@@ -131,8 +129,8 @@ static bool collide(dem_sim *sim, dem_body *one, dem_body *two, dem_vec n, doubl
     return true;
 }
 
-/* First time within the step at which |d + v t + a t^2/2| = radii, more at its start; INFINITY for none. From
- * the straight line between start and end by Newton's method. */
+/* First time within the step at which |d + v t + a t^2/2| falls to radii; INFINITY for none. Newton's method
+ * starts from the straight line between start and end. */
 static double time_of_touch(dem_vec d, dem_vec v, dem_vec a, double radii, double dt)
 {
     const dem_vec line = v + 0.5 * dt * a;
@@ -185,7 +183,7 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     redirect(sim, i, &before[0], &after[0], t);
 }
 
-/* Slots of soft contacts with walls at rest are recognised first, and passed over. */
+/* Slots of soft contacts with walls at rest are skipped. */
 static void collide_walls(dem_sim *sim, bool collided_only)
 {
     for (size_t w = 0; w < sim->def.n_walls; w++) {
@@ -202,8 +200,8 @@ static void collide_walls(dem_sim *sim, bool collided_only)
     }
 }
 
-/* May the grains of this pair, apart now, touch on their straight line over the step? True wherever
- * time_of_touch is finite, and of a few more pairs by round-off. */
+/* May this pair touch on its straight line over the step? True wherever time_of_touch is finite, and for a
+ * few more pairs by round-off. */
 static bool may_touch(const dem_sim *sim, size_t k)
 {
     const dem_motion *a = &sim->grains.next_motion[sim->pairs.i[k]],

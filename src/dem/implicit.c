@@ -4,22 +4,19 @@
  *   x(k+1) - x(k) = dt (v(k) + v(k+1))/2,   m (v(k+1) - v(k)) = dt F,
  *
  * where the force of a contact is the quotient of potentials, -(V(r(k+1)) - V(r(k)))/(r(k+1) - r(k)), along
- * (R(k) + R(k+1))/(r(k) + r(k+1)): its work is then the change of V, at any dt. The closed form in (24) is
- * that of a contact which lasts through the step; here the potential ends where the contact does. All else
- * acts at the middle of the step: gravity; the dashpot, on the change of the overlap, so that what it takes
- * is never negative and begins and ends with the contact; viscous slip under the limit of the step's normal
- * force; wells of the ground, (30), by the quotient of their potential too, which ends at their half-width. A
- * well is as deep as the normal force of the step has it, and conserves energy while that is constant. (With
- * that of the velocity at the step's beginning, which strong dashpots turn round at each long step, the well
- * would be deeper on the way back than on the way out, and keep a pile rattling for ever.)
+ * (R(k) + R(k+1))/(r(k) + r(k+1)). Its work is the change of V at any dt. The closed form in (24) holds for a
+ * contact that lasts throughout the step; here the potential ends with the contact. Everything else acts at
+ * the middle of the step: gravity; the dashpot, on the change of the overlap, so that its loss is never
+ * negative; viscous slip, limited by the step's normal force; wells of the ground, (30), by the quotient of
+ * their potential. A well's depth follows the normal force of the same step: one that follows the velocity at
+ * the step's start keeps a pile rattling for ever.
  *
- * The unknowns are the displacements u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g). The
- * derivative of F is not quite symmetric, as the force is along the middle direction and turns with the last
- * one; Newton's method takes its symmetric part, which is as good as exact while directions turn little in a
- * step, and leaves out that the limit of slip and the depth of a well change with the normal force.
+ * The unknowns are the displacements u = x(k+1) - x(k), the roots of m (u - dt v) - dt^2/2 (F(u) + m g).
+ * Newton's method takes the symmetric part of F's derivative, without the dependence of slip and wells on the
+ * normal force.
  *
- * A step may lead a grain beyond what the neighbour list allows; it is then done again with a new list, and
- * refused if one step alone goes beyond half the skin. */
+ * A step that takes a grain beyond the neighbour list is repeated with a new list. It is refused if a grain
+ * moves by more than half the skin. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -182,8 +179,7 @@ static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
     const dem_vec to = from + u, sum = from + to;
     const double r = sqrt(dem_dot(from, from)), before = sim->pairs.radii[k] - r;
     contact f = {0};
-    /* an overlap from the change of the distance is good to its own last digit, not to that of the distance
-     */
+    /* the change of the distance keeps the overlap's last digits */
     const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
     if (before <= 0.0 && after <= 0.0) return f;
     const coefficients l = {&sim->def.material, sim->mu, sim->pairs.m_eff[k]};
@@ -389,7 +385,7 @@ static rp_status newton_step(dem_sim *sim, double *step, double *size, double *f
     return status;
 }
 
-/* Go a part of m->step, and see. */
+/* Take a part of m->step. */
 static lack go(dem_sim *sim, double part)
 {
     workspace *m = work(sim);
@@ -398,11 +394,10 @@ static lack go(dem_sim *sim, double part)
     return evaluate(sim);
 }
 
-/* Go Newton's step, or half of it, a quarter, ..., until the next step by the same matrix is shorter. The
- * residuals themselves would not do to judge by: they grow by the stiffest contacts, however little those
- * lack. No grain goes farther than half the skin: a step that ends beyond is refused anyway, and from too far
- * away Newton's method does not return. The step after the last is taken too, by the same matrix: it takes
- * what is left below the tolerance, that has the same sign in every impact and would add up. */
+/* Take Newton's step, or half of it, a quarter, ..., until the next step by the same matrix is shorter.
+ * Residuals cannot decide this: the stiffest contacts dominate them. No grain moves by more than half the
+ * skin, beyond which the step is refused. A last step by the same matrix removes the remainder below the
+ * tolerance, which has the same sign in every impact and would add up. */
 static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
@@ -530,7 +525,7 @@ static rp_status solve(dem_sim *sim)
     return sim->def.implicit.solver == DEM_SOLVER_SOR ? solve_sor(sim) : solve_direct(sim);
 }
 
-/* A grain that the step takes farther than half the skin from its position in the neighbour list; NOBODY. */
+/* A grain that the step takes farther than half the skin from its listed position, or NOBODY. */
 static size_t beyond_list(const dem_sim *sim)
 {
     for (size_t i = 0; i < sim->grains.n; i++) {
@@ -540,7 +535,7 @@ static size_t beyond_list(const dem_sim *sim)
     return NOBODY;
 }
 
-/* Where grains left, the list is rebuilt too: the solver's contacts are in its order. */
+/* A grain that left makes the list be rebuilt: the solver's contacts are in its order. */
 static rp_status move_grains(dem_sim *sim, unsigned *left)
 {
     const workspace *m = work(sim);

@@ -8,22 +8,7 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* The laws of a kind of contact. */
-typedef struct {
-    dem_normal_law normal;
-    dem_tangential_law tangential;
-    bool tension;
-    double k_n, gamma_n;
-    dem_slider shear, rolls;
-} laws;
-
-INLINE laws laws_of(const dem_definition *def, const dem_material *c, double mu)
-{
-    return (laws){def->normal, def->tangential,          def->tension,   c->k_n,
-                  c->gamma_n,  dem_shear_of(def, c, mu), dem_rolls_of(c)};
-}
-
-INLINE wide normal_force(const laws *law, wide m_eff, wide overlap, wide v_n)
+INLINE wide normal_force(const dem_laws *law, wide m_eff, wide overlap, wide v_n)
 {
     return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
 }
@@ -62,7 +47,8 @@ INLINE void force_torque_subtract(dem_force_torque *to, const dem_force_torque *
 /* A block without touch is left at once. In any other all is computed for all pairs; pairs that do not touch
  * then get a spring and a force of 0. Adding 0 to a force changes no bit: no force is ever -0, since it
  * starts from +0. The list ends in pairs that never touch. */
-INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, bool rotation, bool rolling)
+INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, dem_laws law, bool rotation,
+                      bool rolling)
 {
     const bool friction = dem_has_friction(law.tangential), has_spring = dem_has_spring(law.tangential);
     dem_vec *restrict force = sim->grains.force;
@@ -135,43 +121,11 @@ INLINE void wide_loop(dem_sim *sim, size_t from, size_t to, double h, laws law, 
     sim->too_deep |= too_deep != 0;
 }
 
-/* The laws with these choices, known to the compiler, so that it can leave the others out. */
-INLINE laws spring_laws(laws law, bool tension, dem_damping damping)
-{
-    law.tangential = DEM_SPRING, law.tension = tension;
-    law.shear.slip = DEM_TRUNCATED, law.shear.damping = damping;
-    return law;
-}
-
-/* With instances of their own for the laws of a box and of dropped piles. */
-INLINE void run_loop(dem_sim *sim, size_t from, size_t to, double h, laws law)
-{
-    const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
-               inside = law.shear.damping == DEM_DAMPING_INSIDE;
-    if (!sim->def.rotation && spring && law.tension && !inside)
-        wide_loop(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE), false, false);
-    else if (!sim->def.rotation)
-        wide_loop(sim, from, to, h, law, false, false);
-    else if (!sim->pairs.rolling)
-        wide_loop(sim, from, to, h, law, true, false);
-    else if (spring && !law.tension && inside)
-        wide_loop(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE), true, true);
-    else
-        wide_loop(sim, from, to, h, law, true, true);
-}
+#include "dem/instances.inl"
 
 void WIDE(pairs)(dem_sim *sim, size_t from, size_t to, double h)
 {
-    laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
-    switch (law.normal) {
-#define X(id, ...)                                                                                           \
-    case id:                                                                                                 \
-        law.normal = id;                                                                                     \
-        run_loop(sim, from, to, h, law);                                                                     \
-        break;
-        DEM_NORMAL_LAWS(X)
-#undef X
-    }
+    run_instance(sim, from, to, h);
 }
 
 /* Of WIDTH contacts with a wall: force, torques of slip and rolling, springs; bits of the contacts that
@@ -182,7 +136,7 @@ typedef struct {
 } slot_forces;
 
 /* As apply_slot in walls.c, for grains i[] in the slots at[] of wall w. */
-INLINE slot_forces slot_forces_of(const dem_sim *sim, const laws *law, uint32_t w, const uint32_t *at,
+INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, uint32_t w, const uint32_t *at,
                                   const uint32_t *i, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
@@ -250,7 +204,7 @@ void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const laws law = laws_of(&sim->def, &sim->def.walls[w].material, sim->walls.mu[w]);
+    const dem_laws law = dem_laws_of(&sim->def, &sim->def.walls[w].material, sim->walls.mu[w]);
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         const size_t n = end - k < WIDTH ? end - k : WIDTH;

@@ -85,8 +85,7 @@ static inline double linear_quotient(double k_n, double before, double after, do
 }
 
 /* ---- Normal dashpots: rate c(x) of the force -c(x) m_eff v_n; then, of one contact, its mean between two
- * overlaps. ------------------------------------------------------------------------------------------------
- */
+ * overlaps. */
 
 /* Lee & Herrmann 1993, eq (2a): c = gamma_n. */
 LAW num constant_rate(double k_n, double gamma_n, num m_eff, num overlap)
@@ -136,8 +135,7 @@ static inline double tsuji_damping_ratio(double k_n, double gamma_n, double m_ef
     return gamma_n / sqrt(5.0);
 }
 
-/* ---- Normal laws: a spring and a dashpot, by their rows in laws.h
- * ------------------------------------------ */
+/* ---- Normal laws: a spring and a dashpot, by their rows in laws.h ---- */
 
 LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
 {
@@ -199,8 +197,7 @@ LAW num dem_law_normal(dem_normal_law law, bool tension, double k_n, double gamm
     return tension ? f : num_max(f, zero);
 }
 
-/* ---- Forces along the contact
- * ------------------------------------------------------------------------------ */
+/* ---- Forces along the contact ---- */
 
 /* A spring and a dashpot under a Coulomb limit: of shear, or rolling. An infinite mu is given as a large
  * number. */
@@ -287,4 +284,19 @@ LAW dem_slider dem_rolls_of(const dem_material *c)
 LAW num dem_law_rolling(dem_slider c, num r_eff, num m_eff, num omega, num normal_force, double h, num *xi)
 {
     return r_eff * dem_law_shear(c, m_eff, r_eff * omega, normal_force, h, xi);
+}
+
+/* The laws of one kind of contact, with their coefficients. */
+typedef struct {
+    dem_normal_law normal;
+    dem_tangential_law tangential;
+    bool tension;
+    double k_n, gamma_n;
+    dem_slider shear, rolls;
+} dem_laws;
+
+LAW dem_laws dem_laws_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return (dem_laws){def->normal, def->tangential,          def->tension,   c->k_n,
+                      c->gamma_n,  dem_shear_of(def, c, mu), dem_rolls_of(c)};
 }

@@ -1,17 +1,14 @@
-/* Energy ledger: where the energy of a run goes, beside a simulation that it does not touch.
+/* Energy ledger: the channels into which a run's energy goes. The simulation does not depend on it.
  *
- * A step takes each grain by D. The forces F of its two ends do the work (F_0 + F_1) . D/2, split over the
- * contacts and there over the parts of the law. The work of damping, sliding and moving walls is the
- * channel's; the work of what has a potential is set against the change of the potential, and the sum of all
- * works on a grain against the change of its kinetic energy: what is left of these two is what the scheme
- * adds. So energy and ledger agree to round-off if the parts of all contacts make up the forces that moved
- * the grains, and the potentials are those of dem_energies.
+ * In a step with displacement D, the forces F of the step's two ends do the work (F_0 + F_1) . D/2. The work
+ * is split over the contacts, and at each contact over the parts of its law. Damping, sliding and moving
+ * walls are channels. The work of a spring is compared with the change of its potential, and the work on a
+ * grain with the change of its kinetic energy; both differences are the channel `integration`. Energy and
+ * ledger then agree to round-off if the parts of all contacts add up to the forces that moved the grains.
  *
- * An integrator may have one force all through a step, whose parts it knows: there the contacts of a step's
- * ends have energies alone, and a list of their own has the works.
+ * An integrator with one force throughout a step gives the parts of that force itself.
  *
- * Sliding takes what a spring's pull does over the law's increment of displacement less the change of its
- * energy: pull times slip, where the spring is cut. Memory is one entry a grain and contact. */
+ * A truncated spring slides by the law's increment of displacement less the change of the spring. */
 #include "dem/ledger.h"
 
 #include <math.h>
@@ -24,16 +21,16 @@
 #include "dem/law.h"
 #include "dem/sim.h"
 
-/* A grain, by id, at the end of the last step; its displacement and turn in the step, and the energy that
- * hard collisions of the step gave to it. Mass 0: it is fixed. */
+/* A grain, by id, at the end of the last step, with its displacement and turn in the step. `hard` is the
+ * energy gained in the step's hard collisions; mass 0 means fixed. */
 typedef struct {
     bool present, seen;
     dem_vec x, force, displacement;
     double angle, torque, turn, mass, kinetic, hard;
 } ledger_grain;
 
-/* A contact of grain a with b, or with a wall, where b is 0: its frame, its forces on a along n and s and of
- * rolling on r_eff (omega_a - omega_b), the law's increments of displacement, and its energies. */
+/* A contact of grain a with grain b, or with a wall (b = 0): frame, parts of the force on a, increments of
+ * the shear and rolling displacements, energies. */
 typedef struct {
     uint64_t key;
     uint32_t a, b, index; /* index of the pair or wall slot */
@@ -89,24 +86,22 @@ static rp_status reserve_contacts(dem_sim *sim)
     return RP_OK;
 }
 
-/* Relative motion of a contact, by which its laws give their forces. */
-typedef struct {
-    double m_eff, overlap, v_n, v_s, v_roll, spring, roll;
-} relative;
-
-/* The parts of the normal, tangential and rolling force, springs as they are after the step. */
-static double split_forces(const dem_sim *sim, const dem_material *c, double mu, const relative *r,
-                           ledger_contact *e)
+/* The parts of the normal, tangential and rolling force; gives the normal force. */
+static double split_forces(const dem_sim *sim, const dem_relative *r, double h, ledger_contact *e)
 {
     const dem_definition *def = &sim->def;
+    const dem_material *c = r->c;
+    e->n = r->n, e->s = r->s, e->point = r->point;
+    e->arm_a = r->arm_a, e->arm_b = r->arm_b, e->r_eff = r->r_eff;
+    e->sheared = r->v_s * h, e->rolled = r->v_roll * h;
     const double f_n =
         dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
     e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
     e->damping = f_n - e->elastic;
-    const dem_slider shear = dem_shear_of(def, c, mu);
+    const dem_slider shear = dem_shear_of(def, c, r->mu);
     double ds = r->spring, pull = c->k_s * ds;
     const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
-                 cap = mu * fmax(f_n, 0.0);
+                 cap = r->mu * fmax(f_n, 0.0);
     switch (def->tangential) {
     case DEM_NONE: break;
     case DEM_SPRING:
@@ -129,31 +124,12 @@ static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact
 {
     const bool swap = sim->grains.id[sim->pairs.i[k]] > sim->grains.id[sim->pairs.j[k]];
     const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
-    const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x,
-                  v = sim->grains.motion[i].v - sim->grains.motion[j].v;
-    const double distance = sqrt(dem_dot(d, d)), overlap = sim->pairs.radii[k] - distance;
-    *e = (ledger_contact){
-        .a = sim->grains.id[i], .b = sim->grains.id[j], .index = k, .n = d * (1.0 / distance)};
+    *e = (ledger_contact){.a = sim->grains.id[i], .b = sim->grains.id[j], .index = k};
     e->key = (uint64_t)e->a << 32 | e->b;
     if (one_force(sim)) return;
-    e->s = dem_clockwise(e->n);
-    relative r = {.m_eff = sim->pairs.m_eff[k],
-                  .overlap = overlap,
-                  .v_n = dem_dot(v, e->n),
-                  .v_s = dem_dot(v, e->s),
-                  .spring = sim->pairs.spring[k]};
-    if (sim->grains.omega) {
-        e->arm_a = sim->grains.radius[i] - 0.5 * overlap;
-        e->arm_b = sim->grains.radius[j] - 0.5 * overlap;
-        e->r_eff = sim->grains.radius[i] * sim->grains.radius[j] / sim->pairs.radii[k];
-        r.v_s += e->arm_a * sim->grains.omega[i] + e->arm_b * sim->grains.omega[j];
-        r.v_roll = e->r_eff * (sim->grains.omega[i] - sim->grains.omega[j]);
-    }
-    if (sim->pairs.rolling) r.roll = swap ? -sim->pairs.roll[k] : sim->pairs.roll[k];
-    e->sheared = r.v_s * h;
+    const dem_relative r = dem_pair_relative(sim, k, swap);
+    split_forces(sim, &r, h, e);
     if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], e->s);
-    e->rolled = r.v_roll * h;
-    split_forces(sim, &sim->def.material, sim->mu, &r, e);
 }
 
 static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
@@ -163,36 +139,14 @@ static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
 
 static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
 {
-    dem_wall_slot slot = sim->walls.slot[k];
-    const size_t i = slot.grain;
-    dem_vec wall_velocity;
-    double overlap;
-    *e = (ledger_contact){.a = sim->grains.id[i], .index = k};
-    e->key = slot_key(sim, &slot);
-    if (one_force(sim) || !dem_wall_touch(sim, &slot, &e->n, &overlap, &wall_velocity) || overlap <= 0.0)
-        return;
-    const dem_vec v = sim->grains.motion[i].v - wall_velocity;
-    e->s = dem_clockwise(e->n);
-    e->point = sim->grains.motion[i].x - (sim->grains.radius[i] - overlap) * e->n;
-    e->own_velocity = wall_velocity - dem_box_velocity(&sim->walls, e->point);
-    relative r = {.m_eff = sim->grains.mass[i],
-                  .overlap = overlap,
-                  .v_n = dem_dot(v, e->n),
-                  .v_s = dem_dot(v, e->s),
-                  .spring = slot.spring,
-                  .roll = slot.roll};
-    if (sim->grains.omega) {
-        e->arm_a = sim->grains.radius[i] - overlap;
-        e->r_eff = sim->grains.radius[i];
-        r.v_s += e->arm_a * sim->grains.omega[i];
-        r.v_roll = e->r_eff * (sim->grains.omega[i] + sim->walls.swing[1]);
-    }
-    e->sheared = r.v_s * h;
-    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i], e->s);
-    e->rolled = r.v_roll * h;
-    const double f_n =
-        split_forces(sim, &sim->def.walls[slot.wall].material, sim->walls.mu[slot.wall], &r, e);
-    if (dem_is_ground(sim, &slot)) e->well = dem_ground_force(sim, &slot, f_n);
+    const dem_wall_slot *slot = &sim->walls.slot[k];
+    dem_relative r;
+    *e = (ledger_contact){.a = sim->grains.id[slot->grain], .index = k, .key = slot_key(sim, slot)};
+    if (one_force(sim) || !dem_slot_relative(sim, k, &r)) return;
+    const double f_n = split_forces(sim, &r, h, e);
+    e->own_velocity = r.wall_velocity - dem_box_velocity(&sim->walls, e->point);
+    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[slot->grain], e->s);
+    if (dem_is_ground(sim, slot)) e->well = dem_ground_force(sim, slot, f_n);
 }
 
 static int by_key(const void *a, const void *b)
@@ -277,8 +231,8 @@ static void add(dem_ledger *sum, const dem_ledger *l)
     sum->turnover += fabs(l->wall_work);
 }
 
-/* Displacements of all grains in the step, and the gain of their kinetic energies beyond the work of the
- * forces. A grain that is gone was taken out with its energy of the step's start. */
+/* Displacements in the step, and the gain of kinetic energy beyond the work of the forces. A grain that left
+ * takes its energy of the step's start with it. */
 static void move_grains(dem_sim *sim)
 {
     struct dem_ledger_state *b = sim->ledger;
@@ -353,8 +307,7 @@ static void add_step(dem_sim *sim, const ledger_contact *c, dem_ledger step)
     add(&b->sum, &step);
 }
 
-/* Energies of a contact in the step, from its start to its end; `was` or `is` is empty where it begins or
- * ends. */
+/* Energies of a contact over the step. `was` is empty for a new contact, `is` for an ended one. */
 static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger_contact *is)
 {
     dem_ledger step = {0};
@@ -369,7 +322,7 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     add_step(sim, was->a ? was : is, step);
 }
 
-/* The same of a force that is one all through the step. */
+/* Energies of a contact with one force throughout the step. */
 static void settle_between(dem_sim *sim, const ledger_contact *c)
 {
     dem_ledger step = {0};

@@ -9,16 +9,15 @@ rp_status dem_ledger_alloc(dem_sim *sim);
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
 
-/* Note the contacts' forces once they have moved all springs by h; of an integrator whose force is one all
- * through a step, before the grains move, its parts, and their sum on each grain; then, as they are at the
- * start, or settle a step once everything has moved. */
+/* Record the contacts' forces after all springs have advanced by h. An integrator with one force throughout a
+ * step passes it before the grains move. Then start, or balance the step once all grains have moved. */
 rp_status dem_ledger_forces(dem_sim *sim, double h);
 rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force);
 void dem_ledger_start(dem_sim *sim);
 void dem_ledger_step(dem_sim *sim);
 
-/* Gravity has changed; a hard collision of two grains, or of one with a wall, whose index is then not looked
- * at; a grain is about to be put in. */
+/* Events: gravity has changed; a hard collision of two grains, or of a grain (twice) with a wall; a grain is
+ * about to be put in. */
 void dem_ledger_gravity(dem_sim *sim);
 void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
                           const dem_body after[2]);

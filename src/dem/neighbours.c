@@ -1,8 +1,8 @@
-/* Verlet neighbour list. Grains are sorted by square cells, which wrap around, so that no scene is too large
- * for them. Each grain has a margin: how far it may go until the list is rebuilt. Pairs nearer than their
- * cutoffs, radius and margin, are listed, and so are grains as near to a wall. A rebuilding keeps the springs
- * of touching contacts, and is a function of the state alone. Where few grains go far, only their pairs are
- * found anew, behind the others. */
+/* Verlet neighbour list. Grains are sorted by square cells, which wrap around, so that no scene is too large.
+ * Each grain has a margin: its largest displacement until the list is rebuilt. Pairs nearer than the sum of
+ * their cutoffs (radius and margin) are listed, and grains nearer to a wall than their cutoff. A rebuilding
+ * keeps the springs of touching contacts and depends on the state alone. With hard collisions, few grains
+ * beyond their margins get new pairs at the end of the list. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,8 +39,8 @@ static rp_status no_memory(void)
     return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
 }
 
-/* Margin of a grain: half the skin, or without a given skin so many steps at its speed, within bounds in mean
- * radii. A few fast grains then neither make rebuildings frequent nor give all others distant pairs. */
+/* Margin of a grain: half a given skin, else STEPS steps at its speed, within bounds in mean radii. A few
+ * fast grains then neither make rebuildings frequent nor give all others distant pairs. */
 static double margin(const dem_sim *sim, double speed)
 {
     const bool hard = sim->def.hard.on; /* few disks fall onto many at rest */
@@ -149,8 +149,7 @@ static void mark_grain(dem_sim *sim, size_t i)
     sim->grains.slack[i / DEM_GROUP] = 0.0;
 }
 
-/* Drop the grains that left and sort the rest by square cells of that size, keeping their order within one.
- */
+/* Drop the grains that left; sort the others by cells of this size, in their old order within a cell. */
 static void sort_grains(dem_sim *sim, double size)
 {
     struct dem_list_work *w = sim->list.work;
@@ -193,9 +192,8 @@ static double round_off(const dem_sim *sim, double far2)
     return 1e-15 * (sqrt(far2) + sim->list.skin);
 }
 
-/* A wall that turns may come nearer to the farthest grain by half the skin; the grain has its margin beside
- * that. (A margin can be above that half, and a grain go along the wall to where it turns faster, but then it
- * does not go towards the wall so far.) */
+/* A turning wall may approach the farthest grain by half the skin, beside the grain's own margin. (A grain
+ * that moves along the wall to where it turns faster moves less towards it.) */
 static void measure_far(dem_sim *sim)
 {
     double far2 = 0.0;
@@ -317,8 +315,8 @@ static void find_touching(dem_sim *sim)
     }
 }
 
-/* The pairs that touch first, both parts in their order: most stay so, and a block of the pair loop is then
- * full of them or left at once. */
+/* Touching pairs first, both parts in their order. A block of the pair loop is then full of touching pairs or
+ * skipped. */
 static rp_status part_pairs(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
@@ -427,7 +425,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     return RP_OK;
 }
 
-/* A pair of a grain that left becomes one of grain 0 with itself, that never touches. */
+/* A pair of a grain that left becomes a pair of grain 0 with itself, which never touches. */
 static void drop_pairs(dem_sim *sim, uint32_t gone, uint32_t last)
 {
     for (size_t k = 0; k < sim->pairs.n; k++) {
@@ -510,10 +508,9 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
     return RP_OK;
 }
 
-/* A grain that in the coming step may pass its margin has gone half of it or goes half of it in that step;
- * such grains get new positions and margins in the list. Others keep theirs, within which they still are. A
- * whole rebuilding takes as long as some ten grains' parts, and rids the list of the wide margins of grains
- * that were fast. */
+/* Grains that have moved, or will move in the coming step, by half their margin get new listed positions and
+ * margins. All others stay within theirs. A rebuilding takes as long as the pairs of some ten grains, and
+ * replaces the wide margins of grains that were fast. */
 rp_status dem_neighbours_renew(dem_sim *sim)
 {
     enum { FEW = 8 };

@@ -93,73 +93,95 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
     return RP_OK;
 }
 
+dem_relative dem_pair_relative(const dem_sim *sim, size_t k, bool swap)
+{
+    const dem_grains *g = &sim->grains;
+    const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
+    const dem_vec d = g->motion[i].x - g->motion[j].x, v = g->motion[i].v - g->motion[j].v;
+    const double distance = sqrt(dem_dot(d, d)), roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
+    dem_relative r = {.c = &sim->def.material,
+                      .mu = sim->mu,
+                      .m_eff = sim->pairs.m_eff[k],
+                      /* Gear corrects positions after touch is found: slightly below 0 is possible */
+                      .overlap = fmax(sim->pairs.radii[k] - distance, 0.0),
+                      .n = d * (1.0 / distance),
+                      .spring = sim->pairs.spring[k],
+                      .roll = swap ? -roll : roll};
+    r.s = dem_clockwise(r.n);
+    r.v_n = dem_dot(v, r.n);
+    r.v_s = dem_dot(v, r.s);
+    if (!g->omega) return r;
+    r.arm_a = g->radius[i] - 0.5 * r.overlap;
+    r.arm_b = g->radius[j] - 0.5 * r.overlap;
+    r.r_eff = g->radius[i] * g->radius[j] / sim->pairs.radii[k];
+    r.v_s += r.arm_a * g->omega[i] + r.arm_b * g->omega[j];
+    r.v_roll = r.r_eff * (g->omega[i] - g->omega[j]);
+    return r;
+}
+
+bool dem_slot_relative(const dem_sim *sim, size_t k, dem_relative *r)
+{
+    const dem_grains *g = &sim->grains;
+    const dem_wall_slot *slot = &sim->walls.slot[k];
+    const size_t i = slot->grain, w = slot->wall;
+    *r = (dem_relative){.c = &sim->def.walls[w].material,
+                        .mu = sim->walls.mu[w],
+                        .m_eff = g->mass[i],
+                        .spring = slot->spring,
+                        .roll = slot->roll};
+    if (!wall_contact(sim, k, &r->n, &r->overlap, &r->wall_velocity)) return false;
+    const dem_vec v = g->motion[i].v - r->wall_velocity;
+    r->s = dem_clockwise(r->n);
+    r->v_n = dem_dot(v, r->n);
+    r->v_s = dem_dot(v, r->s);
+    r->point = g->motion[i].x - (g->radius[i] - r->overlap) * r->n;
+    if (!g->omega) return true;
+    r->arm_a = g->radius[i] - r->overlap;
+    r->r_eff = g->radius[i];
+    r->v_s += r->arm_a * g->omega[i];
+    r->v_roll = r->r_eff * (g->omega[i] + sim->walls.swing[1]);
+    return true;
+}
+
+/* The contact's forces by the laws; grains and positions are left to the caller. */
+static dem_contact law_forces(const dem_sim *sim, const dem_relative *r)
+{
+    const dem_definition *def = &sim->def;
+    dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
+    c.normal_force =
+        dem_law_normal(def->normal, def->tension, r->c->k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
+    c.shear_force = dem_law_tangential(def->tangential, dem_shear_of(def, r->c, r->mu), r->m_eff, r->v_s,
+                                       c.normal_force, 0.0, &c.shear_spring);
+    if (sim->pairs.rolling)
+        c.rolling_torque = r->r_eff * dem_law_shear(dem_rolls_of(r->c), r->m_eff, r->v_roll, c.normal_force,
+                                                    0.0, &c.rolling_spring);
+    return c;
+}
+
 static dem_contact pair_contact(const dem_sim *sim, size_t k)
 {
     const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-    const dem_material *c = &sim->def.material;
-    dem_vec a = sim->grains.motion[i].x, b = sim->grains.motion[j].x, d = a - b,
-            v = sim->grains.motion[i].v - sim->grains.motion[j].v;
-    double r = sqrt(dem_dot(d, d)), f_s = 0.0, couple = 0.0;
-    double spring = sim->pairs.spring[k], roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
-    /* Gear corrects positions after touch is found: slightly below 0 is possible */
-    double overlap = fmax(sim->pairs.radii[k] - r, 0.0);
-    dem_vec n = d * (1.0 / r);
-    double v_s = dem_dot(v, dem_clockwise(n));
-    if (sim->grains.omega)
-        v_s += (sim->grains.radius[i] - 0.5 * overlap) * sim->grains.omega[i] +
-               (sim->grains.radius[j] - 0.5 * overlap) * sim->grains.omega[j];
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->pairs.m_eff[k],
-                                overlap, dem_dot(v, n));
-    f_s = dem_law_tangential(sim->def.tangential, dem_shear_of(&sim->def, c, sim->mu), sim->pairs.m_eff[k],
-                             v_s, f_n, 0.0, &spring);
-    if (sim->pairs.rolling) {
-        const double r_eff = sim->grains.radius[i] * sim->grains.radius[j] / sim->pairs.radii[k];
-        couple = dem_law_rolling(dem_rolls_of(c), r_eff, sim->pairs.m_eff[k],
-                                 sim->grains.omega[i] - sim->grains.omega[j], f_n, 0.0, &roll);
-    }
-    return (dem_contact){sim->grains.id[i],
-                         sim->grains.id[j],
-                         -1,
-                         a[0],
-                         a[1],
-                         b[0],
-                         b[1],
-                         overlap,
-                         f_n,
-                         f_s,
-                         spring,
-                         couple,
-                         roll};
+    const dem_vec a = sim->grains.motion[i].x, b = sim->grains.motion[j].x;
+    const dem_relative r = dem_pair_relative(sim, k, false);
+    dem_contact c = law_forces(sim, &r);
+    c.id_a = sim->grains.id[i], c.id_b = sim->grains.id[j], c.wall = -1;
+    c.x = a[0], c.y = a[1], c.x_b = b[0], c.y_b = b[1];
+    return c;
 }
 
 /* The contact of a wall slot; false if they do not touch. */
-static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *contact)
+static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *c)
 {
-    dem_vec normal, wall_velocity;
-    double overlap, f_s = 0.0, couple = 0.0;
-    double spring = sim->walls.slot[k].spring, roll = sim->walls.slot[k].roll;
-    if (!wall_contact(sim, k, &normal, &overlap, &wall_velocity)) return false;
     const dem_wall_slot *slot = &sim->walls.slot[k];
-    const size_t i = slot->grain, w = slot->wall;
-    const int well = slot->well;
-    const dem_material *c = &sim->def.walls[w].material;
-    dem_vec v = sim->grains.motion[i].v - wall_velocity, x = sim->grains.motion[i].x;
-    dem_vec at = x - (sim->grains.radius[i] - overlap) * normal;
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->grains.mass[i],
-                                overlap, dem_dot(v, normal));
-    double v_s = dem_dot(v, dem_clockwise(normal));
-    if (sim->grains.omega) v_s += (sim->grains.radius[i] - overlap) * sim->grains.omega[i];
-    f_s = dem_law_tangential(sim->def.tangential, dem_shear_of(&sim->def, c, sim->walls.mu[w]),
-                             sim->grains.mass[i], v_s, f_n, 0.0, &spring);
-    if (well != DEM_WELL_NONE) {
-        f_s += dem_ground_force(sim, slot, f_n);
-        spring = well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, slot) : 0.0;
-    }
-    if (sim->pairs.rolling)
-        couple = dem_law_rolling(dem_rolls_of(c), sim->grains.radius[i], sim->grains.mass[i],
-                                 sim->grains.omega[i] + sim->walls.swing[1], f_n, 0.0, &roll);
-    *contact = (dem_contact){sim->grains.id[i], 0,   (int)w, x[0],   x[1],   at[0], at[1],
-                             overlap,           f_n, f_s,    spring, couple, roll,  well};
+    const dem_vec x = sim->grains.motion[slot->grain].x;
+    dem_relative r;
+    if (!dem_slot_relative(sim, k, &r)) return false;
+    *c = law_forces(sim, &r);
+    c->id_a = sim->grains.id[slot->grain], c->wall = (int)slot->wall, c->well = slot->well;
+    c->x = x[0], c->y = x[1], c->x_b = r.point[0], c->y_b = r.point[1];
+    if (slot->well == DEM_WELL_NONE) return true;
+    c->shear_force += dem_ground_force(sim, slot, c->normal_force);
+    c->shear_spring = slot->well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, slot) : 0.0;
     return true;
 }
 

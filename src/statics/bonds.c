@@ -1,5 +1,5 @@
-/* Neighbours by bands as high as the longest bond: within a band, and from each band to the one above, disks
- * are met in the order of x. See bonds.h. */
+/* Neighbours by bands as high as the longest bond: disks of a band, and of the band above, in the order of x.
+ * See bonds.h. */
 #include "statics/bonds.h"
 
 #include <math.h>
@@ -89,8 +89,8 @@ rp_status statics_bonds_find(size_t n, const statics_disk *disks, double reach, 
     return RP_OK;
 }
 
-/* Steepest push to the right and to the left on each disk, as slopes n_y/|n_x|: two pushes can add up to one
- * upwards if their slopes have a positive sum. */
+/* Steepest contact forces on a disk to the right and to the left, as slopes n_y/|n_x|. Two forces can hold a
+ * weight if the sum of their slopes is positive. */
 static void push(double lean[2], double nx, double ny)
 {
     const double slope = fabs(nx) > 0 ? ny / fabs(nx) : copysign(INFINITY, ny);

@@ -1,10 +1,10 @@
 /* Static equilibrium by a semi-smooth Newton method on displacements; see equilibrium.h.
  *
- * With displacements w in eps sigma and forces in m g every spring K_s has stiffness 1. A bond of length L
- * that is stretched by the displacement e of its ends has the length L + eps s, s = q/(r + L), with q = 2 d.e
- * + eps e.e and r = sqrt(L^2 + eps q): no difference of positions is taken, which would lose the overlap's
- * digits. It pushes with f = max(rest - s, 0), rest the overlap at the start. Its stiffness is n n' - eps
- * (f/r) t t': the second term, of the turning of compressed contacts, makes soft piles buckle. */
+ * With displacements w in eps sigma and forces in m g, every spring K_s has stiffness 1. A bond of length L,
+ * stretched by the displacement e of its ends, has the length L + eps s, s = q/(r + L), with q = 2 d.e +
+ * eps e.e and r = sqrt(L^2 + eps q). A difference of positions would lose the overlap's digits. The contact
+ * force is f = max(rest - s, 0), rest the overlap at the start, and the stiffness n n' - eps (f/r) t t'. The
+ * second term, from the turning of compressed contacts, makes soft piles buckle. */
 #include "statics/equilibrium.h"
 
 #include <float.h>
@@ -17,29 +17,30 @@
 #include "statics/bonds.h"
 #include "core/stiffness.h"
 
-static const double REACH = 1.25;         /* of touching: who counts as a neighbour */
-static const double TOUCHING = 1e-9;      /* sigma: gaps and overlaps below are rounding of the input */
-static const double LEVEL = 0.2588;       /* sin(15 degrees): bonds below it are horizontal */
-static const double STEP_MAX = 0.2;       /* sigma: most that a Newton step moves neighbours apart */
-static const double SPREAD = 0.5;         /* sigma: neighbours moved that far apart are none */
-static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same where sigma has no meaning */
-static const double SLID_LINEAR = 1e3; /* the same once wells broke: over the whole weight on one K_s, or a */
-static const double KEEP_FACTOR = 0.02;  /* residual falls by this a step: the old factorisation still does */
-static const double CURVED = 0.5;        /* slope left or turned round after a step, of that before it */
-static const double LONGER = 8;          /* the next trial of a step that was too short */
-static const double APART = 3;           /* residual over that of the load step's start: going astray */
-static const double UPDATE_MAX = 8;      /* of sqrt(n): contacts that may change without factorising anew */
+static const double REACH = 1.25;         /* of touching: largest distance of neighbours */
+static const double TOUCHING = 1e-9;      /* sigma: smaller gaps and overlaps are rounding of the input */
+static const double LEVEL = 0.2588;       /* sin(15 degrees): largest of horizontal bonds */
+static const double STEP_MAX = 0.2;       /* sigma: largest relative displacement of a Newton step */
+static const double SPREAD = 0.5;         /* sigma: relative displacement that ends a solve */
+static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same for eps = 0 */
+static const double SLID_LINEAR =
+    1e3; /* the same after wells broke, over the whole weight on one K_s, or a */
+static const double KEEP_FACTOR = 0.02; /* fall of the residual a step that keeps the old factorisation */
+static const double CURVED = 0.5;   /* slope after a step over the slope before it: largest, of either sign */
+static const double LONGER = 8;     /* the next trial of a step that was too short */
+static const double APART = 3;      /* largest residual over the residual at the load step's start */
+static const double UPDATE_MAX = 8; /* of sqrt(n): most contacts that change without a new factorisation */
 static const double SINGULAR = 1e-11;    /* K_s: smaller pivots are rounding */
-static const double HOLD = 1e-9;         /* K_s: of disks that nothing holds, while it is sought what might */
-static const double SAME_PIVOTS = 1e-6;  /* of the smallest pivot: a change that turns no sign */
+static const double HOLD = 1e-9;         /* K_s: stiffness that holds free disks during the search */
+static const double SAME_PIVOTS = 1e-6;  /* of the smallest pivot: a change that keeps all signs */
 static const double SOFTEN_MIN = 1e-6;   /* least softening of a singular stiffness, or of open contacts */
-static const double SOFTEN_FIRST = 1e-4; /* the first that is tried of a negative or singular stiffness */
+static const double SOFTEN_FIRST = 1e-4; /* first softening of a negative or singular stiffness */
 static const double SOFTEN_TURN = 0.3;   /* the same in strides, of the largest turning term */
 static const double HELD =
-    1e-3; /* of the smallest pivot: what keeps open contacts does not hide a free disk */
-static const double KICK = 0.1; /* of the largest force: how far a saddle is left for a minimum */
-/* How equilibrium is sought: on the branch that a load follows, stable or not; downhill, minding the slope,
- * as in the linearised problem and from a saddle; downhill by long strides at first, whatever the slope. */
+    1e-3; /* of the smallest pivot: stiffness of open contacts that hides no free disk */
+static const double KICK = 0.1; /* of the largest force: displacement from a saddle towards a minimum */
+/* The search: along the branch of a rising load, stable or not; downhill with a check of the slope, in the
+ * linearised problem and from a saddle; downhill by long strides at first. */
 enum { FOLLOW, DESCEND, STRIDE };
 enum {
     STEPS_FOLLOW = 15,
@@ -49,8 +50,8 @@ enum {
     WELL_ROUNDS = 100,
     SMALLEST_STEP = 10,
     KICKS = 20,
-    HALVED = 1000, /* disks: more, and a smaller pile is solved first */
-    NAMED = 8,     /* disks at most that a message names */
+    HALVED = 1000, /* disks from which on a pile of half the size is solved first */
+    NAMED = 8,     /* most disks that a message names */
     INVERSE_STEPS = 30,
     MIXING_STEPS = 1 /* leaves many modes in */
 };
@@ -60,7 +61,7 @@ typedef struct {
     double hard,
         along[2];    /* stiffness in the factorised matrix, but for the turning term; its direction then */
     bool horizontal, /* within 15 degrees */
-        expected;    /* to carry a force, before any is known */
+        expected;    /* to carry a force, at the first factorisation */
 } bond;
 
 typedef struct {
@@ -107,7 +108,7 @@ const char *statics_fault_text(statics_fault fault)
     return texts[fault];
 }
 
-/* "disks 1, 2, 3 and 5 more": n of them, of which `disks` holds the first that are named. */
+/* "disks 1, 2, 3 and 5 more"; `disks` holds the first NAMED of n. */
 static void name_disks(char *text, size_t size, size_t n, const size_t disks[])
 {
     size_t used = (size_t)snprintf(text, size, "disk%s", n == 1 ? "" : "s");
@@ -168,7 +169,7 @@ static rp_status check_definition(const statics_definition *def)
     return status ? status : check_disks(def);
 }
 
-/* Overlap in eps sigma; within rounding of touching it is none. */
+/* Overlap in eps sigma; 0 within rounding of touching. */
 static double rest_overlap(double overlap, double eps)
 {
     return fabs(overlap) <= TOUCHING ? 0 : overlap / eps;
@@ -282,9 +283,8 @@ void statics_free(statics_pile *pile)
 
 /* ---- Forces and stiffness ---- */
 
-/* Push of bond k under displacements w, negative where it is open; its direction from a to b, and its length.
- */
-static double bond_push(const statics_pile *pile, size_t k, const double *w, double n[2], double *length)
+/* Force of bond k under displacements w, negative where it is open; its direction from a to b, its length. */
+static double bond_force(const statics_pile *pile, size_t k, const double *w, double n[2], double *length)
 {
     const bond *b = &pile->bonds[k];
     const double *wa = &w[2 * pile->pairs[k].a], *wb = &w[2 * pile->pairs[k].b], eps = pile->eps;
@@ -297,13 +297,13 @@ static double bond_push(const statics_pile *pile, size_t k, const double *w, dou
     return b->rest - q / (r + b->length);
 }
 
-static double push_of(const statics_pile *pile, size_t k)
+static double force_of(const statics_pile *pile, size_t k)
 {
     double n[2], length;
-    return bond_push(pile, k, pile->w, n, &length);
+    return bond_force(pile, k, pile->w, n, &length);
 }
 
-static double ground_push(const statics_pile *pile, size_t i, const double *w)
+static double ground_force(const statics_pile *pile, size_t i, const double *w)
 {
     return rest_overlap(pile->disks[i].r - pile->disks[i].y, pile->def.eps) - w[2 * i + 1];
 }
@@ -314,10 +314,10 @@ static double gradient(statics_pile *pile, const double *w, double *g)
 {
     for (size_t i = 0; i < pile->n; i++) {
         g[2 * i] = 0;
-        g[2 * i + 1] = pile->disks[i].weight - fmax(ground_push(pile, i, w), 0);
+        g[2 * i + 1] = pile->disks[i].weight - fmax(ground_force(pile, i, w), 0);
     }
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r, f = bond_push(pile, k, w, n, &r);
+        double n[2], r, f = bond_force(pile, k, w, n, &r);
         if (!(f > 0)) continue;
         double *ga = &g[2 * pile->pairs[k].a], *gb = &g[2 * pile->pairs[k].b];
         for (int c = 0; c < 2; c++) {
@@ -327,7 +327,7 @@ static double gradient(statics_pile *pile, const double *w, double *g)
     }
     for (size_t i = 0; i < pile->n_wells; i++) {
         well *h = &pile->wells[i];
-        h->N = fmax(ground_push(pile, h->disk, w), 0);
+        h->N = fmax(ground_force(pile, h->disk, w), 0);
         h->H = h->k * (w[2 * h->disk] - h->x_0);
         g[2 * h->disk] += h->H;
     }
@@ -337,17 +337,16 @@ static double gradient(statics_pile *pile, const double *w, double *g)
     return worst;
 }
 
-/* Stiffness at w; at the very start no contact carries anything yet, and those count that are expected to,
- * and the wells as under an even load. A well's change with N, which is not symmetric, is left out. `soften`
- * in [0, 1] gives open bonds that part of their stiffness and takes it from the turning term, which brings a
- * pile that would fall apart or buckle to a positive stiffness without changing what equilibrium is. With
- * `factor` it is to be factorised. */
+/* Stiffness at w. At the start no contact carries a force: the expected contacts count, and the wells as
+ * under an even load. The change of wells with N, which is not symmetric, is left out. `soften` in [0, 1]
+ * adds this part of their stiffness to open bonds and takes it from the turning term: a pile that would fall
+ * apart or buckle gets a positive stiffness, and equilibrium stays the same. `factor`: for factorisation. */
 static void assemble(statics_pile *pile, bool start, double soften, double shift, bool factor)
 {
     const double *w = pile->w;
     rp_stiffness_clear(pile->matrix, shift);
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        double n[2], r, f = bond_push(pile, k, w, n, &r);
+        double n[2], r, f = bond_force(pile, k, w, n, &r);
         bond *b = &pile->bonds[k];
         const double hard = f > 0 || (start && b->expected) ? 1 : soften;
         if (factor) {
@@ -360,13 +359,13 @@ static void assemble(statics_pile *pile, bool start, double soften, double shift
                               n[0] * n[1] * (hard + turn), hard * n[1] * n[1] - turn * n[0] * n[0]);
     }
     for (size_t i = 0; i < pile->n; i++)
-        if (ground_push(pile, i, w) > 0) rp_stiffness_add_site(pile->matrix, i, 0, 0, 1);
+        if (ground_force(pile, i, w) > 0) rp_stiffness_add_site(pile->matrix, i, 0, 0, 1);
     for (size_t i = 0; i < pile->n_wells; i++) {
         const well *h = &pile->wells[i];
         rp_stiffness_add_site(pile->matrix, h->disk, h->k, 0,
-                              ground_push(pile, h->disk, w) > 0 ? 0
-                              : start                           ? 1
-                                                                : soften);
+                              ground_force(pile, h->disk, w) > 0 ? 0
+                              : start                            ? 1
+                                                                 : soften);
     }
 }
 
@@ -375,11 +374,11 @@ static double energy(const statics_pile *pile)
 {
     double sum = 0;
     for (size_t i = 0; i < pile->n; i++) {
-        const double f = fmax(ground_push(pile, i, pile->w), 0);
+        const double f = fmax(ground_force(pile, i, pile->w), 0);
         sum += f * f / 2 + pile->disks[i].weight * pile->w[2 * i + 1];
     }
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        const double f = fmax(push_of(pile, k), 0);
+        const double f = fmax(force_of(pile, k), 0);
         sum += f * f / 2;
     }
     for (size_t i = 0; i < pile->n_wells; i++) {
@@ -392,22 +391,21 @@ static double energy(const statics_pile *pile)
 static bool same_contacts(const statics_pile *pile)
 {
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        if (push_of(pile, k) > 0 ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
+        if (force_of(pile, k) > 0 ? pile->bonds[k].hard < 1 : pile->bonds[k].hard > SOFTEN_MIN) return false;
     }
     return true;
 }
 
-/* Push of the contact that bears most. */
-static double largest_push(const statics_pile *pile)
+static double largest_force(const statics_pile *pile)
 {
     double most = 0;
-    for (size_t k = 0; k < pile->n_bonds; k++) most = fmax(most, push_of(pile, k));
+    for (size_t k = 0; k < pile->n_bonds; k++) most = fmax(most, force_of(pile, k));
     return most;
 }
 
-/* Factorise at w, softened as far as it takes for a matrix that is not singular, nor negative where a minimum
- * is sought; disks that even then are free get a weak hold. How far is remembered, and less is tried where
- * the residual is falling. */
+/* Factorise at w, softened until the matrix is not singular, and for a minimum not negative; disks that are
+ * still free get a weak hold. The softening is kept for the next time, and lowered while the residual falls.
+ */
 static rp_status factorise(statics_pile *pile, bool start, int mode, bool falling)
 {
     const bool positive = mode != FOLLOW;
@@ -422,7 +420,7 @@ static rp_status factorise(statics_pile *pile, bool start, int mode, bool fallin
         if (hold > 0) return no_result(pile, STATICS_SINGULAR, "");
         if (soften == 1) hold = HOLD;
         soften = soften > 0       ? fmin(10 * soften, 1)
-                 : mode == STRIDE ? fmin(fmax(SOFTEN_TURN * pile->eps * largest_push(pile), SOFTEN_MIN), 1)
+                 : mode == STRIDE ? fmin(fmax(SOFTEN_TURN * pile->eps * largest_force(pile), SOFTEN_MIN), 1)
                                   : SOFTEN_FIRST;
     }
     pile->soften = soften;
@@ -431,24 +429,24 @@ static rp_status factorise(statics_pile *pile, bool start, int mode, bool fallin
     return RP_OK;
 }
 
-/* Stiffness of a bond that pushes, or not, once it is brought to that. One that opens keeps the softening, or
- * SOFTEN_MIN until the contacts have settled, lest disks come free that are about to meet others. */
+/* Stiffness of a closed or open bond after an update. An opening bond keeps the softening, at least
+ * SOFTEN_MIN, until the contacts have settled: a disk between two contacts must not come free. */
 static double next_stiffness(const bond *b, bool pushes, bool settled, double soften)
 {
     return pushes ? 1 : b->hard == 1 ? fmax(soften, SOFTEN_MIN) : settled ? 0 : b->hard;
 }
 
-/* Contacts that have closed or opened since the stiffness was factorised, or brought to them. */
+/* Contacts that have closed or opened since the stiffness was factorised or updated. */
 static size_t changed_contacts(const statics_pile *pile)
 {
     size_t changed = 0;
     for (size_t k = 0; k < pile->n_bonds; k++)
-        changed += (push_of(pile, k) > 0) != (pile->bonds[k].hard == 1);
+        changed += (force_of(pile, k) > 0) != (pile->bonds[k].hard == 1);
     return changed;
 }
 
-/* Bring the factorised stiffness to the contacts at w by the few bonds that changed, of a soft pile but for
- * their turning. False if it can't be done: too many changed, or what is left is no stiffness of a pile. */
+/* Update the factorised stiffness by the few bonds that changed, without the turning term of soft piles.
+ * False if too many changed, or the result is singular or negative. */
 static bool update(statics_pile *pile, rp_status *status)
 {
     const bool settled = !(pile->eps > 0) && changed_contacts(pile) == 0;
@@ -457,7 +455,7 @@ static bool update(statics_pile *pile, rp_status *status)
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
             bond *b = &pile->bonds[k];
-            const double next = next_stiffness(b, push_of(pile, k) > 0, settled, pile->soften);
+            const double next = next_stiffness(b, force_of(pile, k) > 0, settled, pile->soften);
             if (add ? !(next > b->hard) : !(next < b->hard)) continue;
             if (n == pile->n_changes) return false;
             const double part = sqrt(fabs(next - b->hard));
@@ -516,10 +514,9 @@ static double slope_along(const statics_pile *pile)
     return sum;
 }
 
-/* Move along p: by all of it, or if that turns the slope of the energy round, for contacts open and close on
- * the way, to where the slope has fallen below half. Where the stiffness was softened p is short: it is
- * lengthened until the slope has fallen. Where the energy curves downwards the slope is positive at first;
- * its sign does not matter. Returns the residual there. */
+/* Move along p: by all of it, or where contacts on the way reverse the slope of the energy, to a slope below
+ * half. A softened stiffness gives a short p, which is lengthened until the slope has fallen. The slope's
+ * sign does not matter: it is positive at first where the energy curves downwards. Returns the residual. */
 static double advance(statics_pile *pile, bool whole)
 {
     const double slope = slope_along(pile), stretch = largest_stretch(pile, pile->p, NULL),
@@ -550,9 +547,9 @@ static double advance(statics_pile *pile, bool whole)
     return residual;
 }
 
-/* Why Newton's method is given up here; STATICS_OK: it is not. A branch is followed by whole steps from near
- * by, and left at once when they do not come closer: another step might find another branch. */
-static statics_fault hopeless(const statics_pile *pile, int mode, int step, double first)
+/* The fault that ends Newton's method here; STATICS_OK: none. A branch is followed by whole steps and left
+ * when they do not converge at once: another step might find another branch. */
+static statics_fault fault_of_step(const statics_pile *pile, int mode, int step, double first)
 {
     static const int most[] = {[FOLLOW] = STEPS_FOLLOW, [DESCEND] = STEPS_DESCEND, [STRIDE] = STEPS_DESCEND};
     if (spread(pile, SPREAD_LINEAR)) return pile->result.broken ? STATICS_SPREADS : STATICS_COLLAPSES;
@@ -562,8 +559,8 @@ static statics_fault hopeless(const statics_pile *pile, int mode, int step, doub
                : STATICS_OK;
 }
 
-/* The step of a soft pile while few contacts change: by the factorised stiffness, brought to those at w, and
- * conjugate gradients, less softened than it where the residual is falling. False if that does not do. */
+/* The step of a soft pile while few contacts change: by the updated factorisation and conjugate gradients,
+ * with less softening while the residual falls. False if this fails. */
 static bool step_by_old_factor(statics_pile *pile, bool falling, rp_status *status)
 {
     const size_t changed = changed_contacts(pile);
@@ -597,7 +594,7 @@ static rp_status newton(statics_pile *pile, bool start, int mode)
     pile->why = "";
     double last = INFINITY, first = r->residual = gradient(pile, pile->w, pile->g);
     for (int step = 0; !(r->residual <= tolerance(pile)); step++, start = false) {
-        r->fault = hopeless(pile, mode, step, first);
+        r->fault = fault_of_step(pile, mode, step, first);
         if (r->fault) return RP_NO_RESULT;
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
@@ -628,7 +625,7 @@ static bool follow_wells(statics_pile *pile)
     return change > tolerance(pile);
 }
 
-/* Break, or set anew, the wells that their disks have left; true if there was one. */
+/* Break, or set anew, the wells that their disks have left; true if there are any. */
 static bool break_wells(statics_pile *pile)
 {
     bool any = false;
@@ -667,9 +664,9 @@ static rp_status settle(statics_pile *pile, int mode)
     return no_result(pile, STATICS_CREEPS, "wells are left as often as they are set anew; ");
 }
 
-/* A branch is left at once where wells have broken. What the pile then does, its way downhill from the last
- * equilibrium tells, under all of the load: it comes apart, or to rest, though not on this branch. */
-static rp_status go_on_downhill(statics_pile *pile, double to)
+/* A branch that is lost as wells break: the descent from the last equilibrium, under the whole load, tells
+ * whether the pile comes apart or comes to rest on another branch. */
+static rp_status descend_from_kept(statics_pile *pile, double to)
 {
     memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
     pile->eps = to;
@@ -680,9 +677,9 @@ static rp_status go_on_downhill(statics_pile *pile, double to)
                               "the branch was lost as wells broke, but downhill there is rest; ");
 }
 
-/* Raise eps from 0, where w is the linearised solution, to `to`, in steps that are halved where one fails and
- * doubled where one does not. Where even the smallest fails the branch has ended, and the pile jumps: it goes
- * downhill, and stays at minima from there on. */
+/* Raise eps from 0, where w is the linearised solution, to `to`. A step that fails is halved, one that
+ * succeeds doubled. Where the smallest fails the branch has ended: the pile jumps downhill, and stays at
+ * minima from there on. */
 static rp_status raise_eps(statics_pile *pile, double to)
 {
     double *load = &pile->result.load;
@@ -703,7 +700,7 @@ static rp_status raise_eps(statics_pile *pile, double to)
         const bool ended = step < most / SMALLEST_STEP;
         if (status != RP_NO_RESULT || (mode == STRIDE && ended)) return status;
         if (pile->result.broken)
-            return mode == FOLLOW && pile->result.fault == STATICS_NOT_CONVERGED ? go_on_downhill(pile, to)
+            return mode == FOLLOW && pile->result.fault == STATICS_NOT_CONVERGED ? descend_from_kept(pile, to)
                                                                                  : status;
         memcpy(pile->w, pile->kept, 2 * pile->n * sizeof *pile->w);
         if (ended) {
@@ -738,9 +735,9 @@ static rp_status solve_half(const statics_pile *pile, double a, rp_pair *parents
     return status == RP_NO_MEMORY ? status : RP_OK;
 }
 
-/* Which contacts are expected to carry a force: all but the horizontal ones, or if all neighbours touch those
- * that do, at the same place, in the linearised pile of half the size and the same shape. Only the way to the
- * solution depends on it. */
+/* Contacts that are expected to carry a force: all but the horizontal ones; if all neighbours touch, those
+ * that do at the same position in the linearised pile of half the size. The solution does not depend on it.
+ */
 static rp_status expect_contacts(statics_pile *pile, double a)
 {
     bool touching = pile->n >= HALVED;
@@ -758,7 +755,7 @@ static rp_status expect_contacts(statics_pile *pile, double a)
         pile->w[i] = p < half->n && q < half->n ? half->w[2 * p + i % 2] + half->w[2 * q + i % 2] : NAN;
     }
     for (size_t k = 0; half && k < pile->n_bonds; k++) {
-        const double f = push_of(pile, k);
+        const double f = force_of(pile, k);
         if (!isnan(f)) pile->bonds[k].expected = f > 0;
     }
     statics_free(half);
@@ -814,8 +811,8 @@ static double kept_open(const statics_pile *pile)
     return most;
 }
 
-/* Pivots of the stiffness at the state found: of the last factorised one, if it can't differ in their signs.
- * The linearised problem's has no negative ones, so what open contacts keep may at most hide a free disk. */
+/* Pivots of the stiffness at the state found. The last factorisation serves if its signs cannot differ. For
+ * eps = 0 no pivot is negative, and the stiffness left to open contacts may at most hide a free disk. */
 static rp_status count_modes(statics_pile *pile)
 {
     const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == STATICS_WELL_SPRING &&
@@ -835,8 +832,8 @@ static rp_status count_modes(statics_pile *pile)
     return no_result(pile, STATICS_SINGULAR, ""); /* an indifferent equilibrium: its modes are not counted */
 }
 
-/* Leave a saddle along a direction close to its least stable mode, by inverse iteration with the stiffness
- * that is shifted just enough to be positive; or, after few iterations, along a mixture of unstable modes. */
+/* Leave a saddle close to its least stable mode, by inverse iteration with the stiffness shifted until it is
+ * positive. After few iterations the direction is a mixture of unstable modes. */
 static rp_status kick(statics_pile *pile)
 {
     const int steps = pile->def.leave ? MIXING_STEPS : INVERSE_STEPS;
@@ -858,7 +855,7 @@ static rp_status kick(statics_pile *pile)
         status = rp_stiffness_solve(pile->matrix, pile->p, pile->p);
     }
     if (status) return status;
-    const double scale = KICK * largest_push(pile) / largest_stretch(pile, pile->p, NULL);
+    const double scale = KICK * largest_force(pile) / largest_stretch(pile, pile->p, NULL);
     for (size_t i = 0; i < 2 * pile->n; i++) pile->w[i] += scale * pile->p[i];
     pile->factored = false;
     return RP_OK;
@@ -878,8 +875,8 @@ static rp_status go_to_minimum(statics_pile *pile)
                                        : RP_OK;
 }
 
-/* Pairs that overlap where the disks now are, and were no neighbours. */
-static rp_status check_meetings(statics_pile *pile)
+/* Pairs that overlap now and were no neighbours. */
+static rp_status check_new_overlaps(statics_pile *pile)
 {
     const double eps = pile->def.eps;
     size_t n_met = 0;
@@ -909,7 +906,7 @@ static void count_contacts(statics_pile *pile)
 {
     pile->result.contacts = pile->result.horizontal = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
-        const bool closed = push_of(pile, k) > 0;
+        const bool closed = force_of(pile, k) > 0;
         pile->result.contacts += closed;
         pile->result.horizontal += closed && pile->bonds[k].horizontal;
     }
@@ -977,8 +974,8 @@ static rp_status explain(const statics_pile *pile)
                    statics_fault_text(r->fault), wells, cause, r->load, residual, r->steps);
 }
 
-/* What is known of the state in which a solve was given up. */
-static void give_up(statics_pile *pile)
+/* The state in which a solve ended without a result. */
+static void record_state(statics_pile *pile)
 {
     statics_result *r = &pile->result;
     r->residual = gradient(pile, pile->w, pile->g);
@@ -1000,15 +997,15 @@ rp_status statics_solve(statics_pile *pile, statics_result *result)
     if (!status) status = count_modes(pile);
     if (!status && (def->branch == STATICS_BRANCH_MINIMUM || pile->result.jumps))
         status = go_to_minimum(pile);
-    /* disks that meet make no equilibrium of one in which another disk is free */
+    /* new overlaps count also where another disk is free */
     const bool free_disk = status == RP_NO_RESULT && pile->result.fault == STATICS_SINGULAR &&
                            pile->result.residual <= tolerance(pile);
     if (def->eps > 0 && (!status || free_disk)) {
-        rp_status met = check_meetings(pile);
+        rp_status met = check_new_overlaps(pile);
         if (met) status = met;
     }
     pile->result.eps = def->eps;
-    if (status == RP_NO_RESULT) give_up(pile);
+    if (status == RP_NO_RESULT) record_state(pile);
     count_contacts(pile);
     pile->result.energy = energy(pile);
     *result = pile->result;
@@ -1081,7 +1078,7 @@ rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts,
     *n = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double dir[2], r;
-        const double f = bond_push(pile, k, w, dir, &r);
+        const double f = bond_force(pile, k, w, dir, &r);
         if (!(f > 0)) continue;
         const size_t a = pile->pairs[k].a, b = pile->pairs[k].b;
         list[(*n)++] = (statics_contact){.a = a,

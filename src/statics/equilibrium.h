@@ -26,14 +26,12 @@ typedef struct {
  * ever; or (30), of stiffness mu N/a, that breaks where |x - x_0| > a and so carries up to mu N. */
 enum { STATICS_WELL_SPRING, STATICS_WELL_FRICTION };
 
-/* Which equilibrium, where there are several: the one that grows from no load, stable or not; or a minimum of
- * the energy near it, found by going downhill: from the linearised state; or, where def.leave is not 0, from
- * the primary state along a mixture, drawn with that number, of the directions in which it is not stable. The
- * primary branch is followed from the linearised problem by raising eps, which is in proportion to the
- * weight; where it ends, as contacts close or open, the pile jumps: it goes downhill from there on, to a
- * minimum, and result.jumps is 1. A step of the load may also come to a state of another branch unnoticed: of
- * 12 000 random piles of up to 55 disks, eps from 1e-7 to 3e-2, 6 in 1000 did so in one step that did not in
- * 32, of equal disks 1 in 1000. */
+/* Of several equilibria: the primary one, which grows from no load, stable or not; or a minimum of the energy
+ * near it. The minimum is reached downhill from the linearised state, or with def.leave > 0 from the primary
+ * state along a mixture of its unstable directions, drawn with that number. The primary branch is followed by
+ * raising eps, in proportion to the weight. Where it ends, as contacts close or open, the pile jumps downhill
+ * to a minimum, and result.jumps is 1. One load step may also reach another branch unnoticed: 6 in 1000 of
+ * random piles of up to 55 disks, 1 in 1000 with equal disks. */
 enum { STATICS_BRANCH_PRIMARY, STATICS_BRANCH_MINIMUM };
 
 enum { STATICS_MAX = 20000000 }; /* disks */
@@ -60,9 +58,9 @@ typedef struct {
  * a = 1 should the wells be of friction.) */
 statics_definition statics_definition_default(void);
 
-/* Why there is no equilibrium: wells broke and neighbours slid apart; so they did with no well broken, for
- * the pile toppled, or the disks or springs are too soft; wells are set anew without end; disks overlap that
- * were no neighbours; Newton's method gave up; a disk can move freely. */
+/* Faults: neighbours slid apart after wells broke; neighbours slid apart although no well broke (a toppling
+ * pile, too soft disks or springs); wells are set anew without end; disks overlap that were no neighbours;
+ * Newton's method did not converge; a disk can move freely. */
 #define STATICS_LIST(X)                                                                                      \
     X(STATICS_OK, "ok")                                                                                      \
     X(STATICS_SPREADS, "spreads")                                                                            \
