@@ -34,7 +34,9 @@ static rp_status read_block(const char *prefix, const char *what, const char *na
                             size_t *rows)
 {
     char path[4096];
-    snprintf(path, sizeof path, "%s_%s.tsv", prefix, what);
+    const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
+    snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
+             what);
     return cli_read_file(path, names, block, rows);
 }
 
