@@ -61,6 +61,11 @@ rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi
  * Errors: RP_BAD_INPUT, RP_NO_MEMORY (a GSL solver is allocated), RP_BROKEN. */
 rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *result);
 
+/* Root of f between lo and hi, where its signs differ, by Brent's method to the given errors.
+ * Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, double hi, double absolute,
+                   double relative, double *root);
+
 /* ---- surface and slopes (surface.c) ---- */
 
 #define ANG_HEIGHT_WORDS "centre | raw_centre | top"
