@@ -715,7 +715,7 @@ static void test_stress_tables(void)
         CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
     }
     rp_table_free(&t);
-    GOOD("stress field p p --width 1.2 --cell 1.2");
+    GOOD("stress field p p_contacts.tsv --width 1.2 --cell 1.2");
     t = read_table("out");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */

@@ -22,10 +22,10 @@
  *                 (1 - mu t) u^3 + (t k - mu) u^2 - (k + mu t (2 + k)) u + (mu k - t) = 0.
  *             For mu t < 1 this is >= 0 at u = 0, -t (1 + mu^2)^2 <= 0 at u = mu, and rises at infinity:
  *             of three real roots the middle one, in [0, mu], is the tilt.
- * The tests use them; the program finds every root in one way, by bracketing.
+ * The tests use them; the program finds every root by bracketing.
  *
- * Limits: all forms but lattice end where F_B/F_A comes to 0 as ray A comes to run along the flank (for
- * printed: or as tan b grows beyond bounds); there T/N comes to cot a. */
+ * Limits: all forms but lattice end where F_B/F_A tends to 0 as ray A becomes parallel to the flank (for
+ * printed: or as tan b grows beyond bounds); there T/N tends to cot a. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_roots.h>
@@ -159,8 +159,8 @@ static rp_status find_root(pile *s, double hi, double *root)
 }
 
 /* The bracket [0, limit]. At 0 the excess is >= 0 because of (3) (sine, balanced and lattice are (3) there,
- * printed asks for cos phi times that). At the limit T/N = cot a, so the excess is negative exactly
- * if f + a < pi/2, with a = theta_r for sine and balanced; for lattice T/N comes to 1/t, the same
+ * printed needs cos phi times that). At the limit T/N = cot a, so the excess is negative exactly
+ * if f + a < pi/2, with a = theta_r for sine and balanced; for lattice T/N tends to 1/t, the same
  * condition. Then one root lies between: balanced and lattice by their closed forms; for sine, sin(f -
  * theta_r - 2 theta) = cos 2phi sin(f + theta_r) falls through its right side once, as a possible rise
  * ends below it. Otherwise there is none. (printed: by scanning phi, theta_r and mu over their ranges.) */

@@ -10,8 +10,8 @@
  * whose mean is n (psi(n/2) - psi((n - 1)/2)) and not 1. The sum over groups, each scaled to the mean 1
  * (Bartlett), is chi2, on n_groups - 1 degrees of freedom.
  *
- * Both equations at once are not fitted: with one phi they ask for the same friction of a pile only if it
- * stands no tilt at all, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
+ * Both equations at once are not fitted: with one phi they need the same friction of a pile only if it
+ * fails without tilt, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
  * u)/ (1 - t u), rays near 45 degrees and twice the friction. What can be tested is by how much the two phi
  * differ, on common resamples of the piles. */
 #include <gsl/gsl_cdf.h>

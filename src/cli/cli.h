@@ -91,6 +91,29 @@ rp_status cli_find_columns(const rp_table *table, size_t n, const char *const na
 rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
                            double **block);
 
+/* The columns of the list `names` ("a,b,...") in the same way, and of the table in a file.
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY; those of rp_table_read. */
+rp_status cli_read_named(const rp_table *table, const char *names, int missing_ok, double **block);
+rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows);
+
+/* Rows with a result as columns of numbers: status, if there is such a column, starts with ok. */
+enum { CLI_MOST_COLUMNS = 32 };
+typedef struct {
+    size_t n;
+    double *column[CLI_MOST_COLUMNS]; /* of the list of names; the first is all memory */
+} cli_rows;
+
+/* `grouped`: ordered by the first column, and without rows that have nan; else as in the table. Free with
+ * cli_rows_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY; RP_NO_RESULT without such a row. */
+rp_status cli_rows_read(const rp_table *table, const char *names, bool grouped, cli_rows *rows);
+void cli_rows_free(cli_rows *rows);
+
+/* End of the rows with the same number in the first column as row `first`. */
+size_t cli_rows_end(const cli_rows *rows, size_t first);
+
+/* The header line that says how many rows count. */
+void cli_rows_note(const rp_table *table, const cli_rows *rows);
+
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
 typedef struct {
     size_t n_groups;

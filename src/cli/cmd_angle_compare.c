@@ -1,7 +1,6 @@
 /* repose angle compare, repose angle phi: measured piles against (3) and (4). */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
@@ -20,160 +19,92 @@ typedef struct {
 } compare_options;
 
 static const rp_param compare_params[] = {
-    CLI_PHI(compare_options),
-    {"bootstrap", "", RP_INT, offsetof(compare_options, bootstrap), "2000", "[2, 10000000]",
-     "resamples of the piles"},
-    {"seed", "", RP_INT, offsetof(compare_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
-    CLI_WHERE(compare_options),
-    {0}};
+    CLI_PHI(compare_options), CLI_BOOTSTRAP(compare_options, "2000"), CLI_WHERE(compare_options), {0}};
 
-/* Piles ordered by mu, then as in the file. */
-typedef struct {
-    double mu, theta_r, theta_t;
-    size_t row;
-} pile;
-
-static int by_mu(const void *a, const void *b)
+/* Piles ordered by mu: mu, theta_r, theta_t. */
+static rp_status read_piles(const rp_table *table, cli_rows *piles)
 {
-    const pile *p = a, *q = b;
-    return p->mu != q->mu ? (p->mu > q->mu) - (p->mu < q->mu) : (p->row > q->row) - (p->row < q->row);
+    rp_status status = cli_rows_read(table, "mu,theta_r3_deg,theta_t_displacement_deg", true, piles);
+    for (size_t i = 0; i < piles->n && !status; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
+    return status;
 }
-
-static const char *const compare_columns[][2] = {
-    {"mu", ""},
-    {"n", ""},
-    {"theta_r_deg", "deg"},
-    {"theta_r_se_deg", "deg"},
-    {"theta_t_deg", "deg"},
-    {"theta_t_se_deg", "deg"},
-    {"theta_rt_deg", "deg"},
-    {"theta_rt_se_deg", "deg"},
-    {"theta_ms_deg", "deg"},
-    {"diff_ms_deg", "deg"},
-    {"diff_ms_se_deg", "deg"},
-    {"n_unstable", ""},
-    {"n_lost", ""},
-};
-/* Before and after the form's name, and the unit. */
-static const char *const form_columns[][3] = {{"theta_t_", "_deg", "deg"},  {"theta_t_", "_se_deg", "deg"},
-                                              {"diff_", "_deg", "deg"},     {"diff_", "_se_deg", "deg"},
-                                              {"theta_rt_", "_deg", "deg"}, {"theta_rt_", "_se_deg", "deg"},
-                                              {"gain_", "_deg", "deg"},     {"gain_", "_se_deg", "deg"},
-                                              {"gain_relative_", "", ""},   {"gain_relative_", "_se", ""}};
-enum {
-    N_HEAD = N_OF(compare_columns),
-    N_FORM = N_OF(form_columns),
-    N_COMPARE = N_HEAD + ANG_N_FORMS * N_FORM
-};
 
 static void print_compare_header(void)
 {
-    char names[ANG_N_FORMS * N_FORM][40];
-    const char *columns[N_COMPARE + 1][2];
-    memcpy(columns, compare_columns, sizeof compare_columns);
-    for (int i = 0; i < ANG_N_FORMS * N_FORM; i++) {
-        snprintf(names[i], sizeof names[i], "%s%s%s", form_columns[i % N_FORM][0],
-                 ang_form_word((ang_form)(i / N_FORM)), form_columns[i % N_FORM][1]);
-        columns[N_HEAD + i][0] = names[i];
-        columns[N_HEAD + i][1] = form_columns[i % N_FORM][2];
+    static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
+    char text[4096];
+    size_t used = (size_t)snprintf(
+        text, sizeof text,
+        "mu, n, theta_r_deg [deg], theta_r_se_deg [deg], theta_t_deg [deg], "
+        "theta_t_se_deg [deg], theta_rt_deg [deg], theta_rt_se_deg [deg], theta_ms_deg [deg], "
+        "diff_ms_deg [deg], diff_ms_se_deg [deg], n_unstable, n_lost");
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        const char *form = ang_form_word((ang_form)f);
+        for (size_t k = 0; k < N_OF(parts); k++)
+            used += (size_t)snprintf(text + used, sizeof text - used, ", %s_%s_deg [deg], %s_%s_se_deg [deg]",
+                                     parts[k], form, parts[k], form);
+        used += (size_t)snprintf(text + used, sizeof text - used, ", gain_relative_%s, gain_relative_%s_se",
+                                 form, form);
     }
-    columns[N_COMPARE][0] = "status";
-    columns[N_COMPARE][1] = "";
-    rp_table_columns(stdout, N_COMPARE + 1, (const char *const(*)[2])columns);
+    snprintf(text + used, sizeof text - used, ", status");
+    rp_table_header(stdout, text);
 }
 
 static void print_comparison(double mu, const ang_comparison *c)
 {
-    double v[N_COMPARE] = {mu,
-                           (double)c->theta_r.n,
-                           c->theta_r.mean / deg,
-                           c->theta_r.se / deg,
-                           c->theta_t.mean / deg,
-                           c->theta_t.se / deg,
-                           c->theta_rt.mean / deg,
-                           c->theta_rt.se / deg,
-                           c->theta_ms / deg,
-                           c->diff_ms.value / deg,
-                           c->diff_ms.se / deg,
-                           (double)c->n_unstable,
-                           (double)c->n_lost};
+    enum { N_HEAD = 13, N_FORM = 10 };
+    double v[N_HEAD + ANG_N_FORMS * N_FORM] = {mu,
+                                               (double)c->theta_r.n,
+                                               c->theta_r.mean / deg,
+                                               c->theta_r.se / deg,
+                                               c->theta_t.mean / deg,
+                                               c->theta_t.se / deg,
+                                               c->theta_rt.mean / deg,
+                                               c->theta_rt.se / deg,
+                                               c->theta_ms / deg,
+                                               c->diff_ms.value / deg,
+                                               c->diff_ms.se / deg,
+                                               (double)c->n_unstable,
+                                               (double)c->n_lost},
+                                    *next = v + N_HEAD;
     ang_tilt_status worst = ANG_TILT_OK;
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const ang_estimate parts[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
-                                      c->form[f].gain, c->form[f].gain_relative};
-        for (int i = 0; i < N_FORM; i++)
-            v[N_HEAD + f * N_FORM + i] =
-                (i % 2 ? parts[i / 2].se : parts[i / 2].value) / (*form_columns[i][2] ? deg : 1.0);
+        const ang_estimate angles[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
+                                       c->form[f].gain};
+        for (size_t k = 0; k < N_OF(angles); k++)
+            *next++ = angles[k].value / deg, *next++ = angles[k].se / deg;
+        *next++ = c->form[f].gain_relative.value;
+        *next++ = c->form[f].gain_relative.se;
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
-    rp_table_row_word(stdout, N_COMPARE, v, ang_tilt_word(worst));
-}
-
-/* The piles that count, ordered by mu: status ok, both angles. *piles is a new array (free it). */
-static rp_status read_piles(const rp_table *table, pile **piles, size_t *n)
-{
-    static const char *const names[] = {"mu", "theta_r3_deg", "theta_t_displacement_deg", "status"};
-    int columns[4];
-    double *block = NULL;
-    size_t rows = table->n_rows;
-    *n = 0;
-    *piles = malloc((rows + 1) * sizeof **piles);
-    rp_status status = *piles ? cli_find_columns(table, 4, names, columns)
-                              : rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
-    for (size_t i = 0; i < rows && !status; i++) {
-        pile p = {block[i], block[rows + i] * deg, block[2 * rows + i] * deg, i};
-        const char *word = table->cells[i * table->n_columns + (size_t)columns[3]];
-        if (strncmp(word, "ok", 2) == 0 && !isnan(p.mu) && !isnan(p.theta_r) && !isnan(p.theta_t))
-            (*piles)[(*n)++] = p;
-    }
-    free(block);
-    qsort(*piles, *n, sizeof **piles, by_mu);
-    return status;
-}
-
-/* One row for each run of equal mu. theta_r[n] and theta_t[n] are work space. */
-static rp_status compare_groups(size_t n, const pile piles[], const compare_options *o, double theta_r[],
-                                double theta_t[])
-{
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    if (!rng) return rp_fail(RP_NO_MEMORY, "compare: out of memory");
-    rp_status status = RP_OK;
-    for (size_t first = 0, end; first < n && !status; first = end) {
-        ang_comparison c;
-        for (end = first; end < n && piles[end].mu == piles[first].mu; end++) {
-            theta_r[end - first] = piles[end].theta_r;
-            theta_t[end - first] = piles[end].theta_t;
-        }
-        status = ang_compare(end - first, theta_r, theta_t, piles[first].mu, o->phi_deg * deg,
-                             (size_t)o->bootstrap, rng, &c);
-        if (status)
-            rp_prefix(status, "mu = %g: ", piles[first].mu);
-        else
-            print_comparison(piles[first].mu, &c);
-    }
-    gsl_rng_free(rng);
-    return status;
+    rp_table_row_word(stdout, N_OF(v), v, ang_tilt_word(worst));
 }
 
 static rp_status compare_table(rp_table *table, const void *values)
 {
     const compare_options *o = values;
-    pile *piles;
-    size_t n;
-    rp_status status = read_piles(table, &piles, &n);
-    double *angles = malloc((2 * n + 1) * sizeof *angles);
-    if (!status && !angles) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    cli_rows piles;
+    rp_status status = read_piles(table, &piles);
+    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
+    if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "compare: out of memory");
     if (!status) {
         cli_table(stdout, compare_params, o);
-        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        cli_rows_note(table, &piles);
         print_compare_header();
-        status = n > 0 ? compare_groups(n, piles, o, angles, angles + n)
-                       : rp_fail(RP_NO_RESULT, "no row with status ok and both angles");
-        if (status) rp_prefix(status, "%s: ", table->path);
     }
-    free(angles);
-    free(piles);
+    for (size_t first = 0, end; !status && first < piles.n; first = end) {
+        const double mu = piles.column[0][first];
+        ang_comparison c;
+        end = cli_rows_end(&piles, first);
+        status = ang_compare(end - first, piles.column[1] + first, piles.column[2] + first, mu,
+                             o->phi_deg * deg, (size_t)o->bootstrap, rng, &c);
+        if (status)
+            rp_prefix(status, "%s: mu = %g: ", table->path, mu);
+        else
+            print_comparison(mu, &c);
+    }
+    if (rng) gsl_rng_free(rng);
+    cli_rows_free(&piles);
     return status;
 }
 
@@ -205,9 +136,7 @@ typedef struct {
 static const rp_param phi_params[] = {
     {"from", "", RP_REAL, offsetof(phi_options, from), "0", "[0, inf)", "smallest mu that is used"},
     {"to", "", RP_REAL, offsetof(phi_options, to), "1e308", "(0, inf)", "largest mu that is used"},
-    {"bootstrap", "", RP_INT, offsetof(phi_options, bootstrap), "1000", "[2, 10000000]",
-     "resamples of the piles"},
-    {"seed", "", RP_INT, offsetof(phi_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    CLI_BOOTSTRAP(phi_options, "1000"),
     CLI_WHERE(phi_options),
     {0}};
 
@@ -247,49 +176,37 @@ static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_o
     return status;
 }
 
-/* Groups of equal mu among the sorted piles; their angles are copied to `angles`, 2 n numbers. */
-static rp_status group_piles(size_t n, const pile piles[], const phi_options *o, double angles[],
-                             ang_piles groups[], size_t *n_groups)
-{
-    *n_groups = 0;
-    for (size_t i = 0; i < n; i++) {
-        angles[i] = piles[i].theta_r;
-        angles[n + i] = piles[i].theta_t;
-        if (piles[i].mu == 0.0 || piles[i].mu < o->from || piles[i].mu > o->to) continue;
-        if (*n_groups == 0 || groups[*n_groups - 1].mu != piles[i].mu)
-            groups[(*n_groups)++] = (ang_piles){piles[i].mu, 0, angles + i, angles + n + i};
-        groups[*n_groups - 1].n++;
-    }
-    return *n_groups > 0 ? RP_OK
-                         : rp_fail(RP_NO_RESULT, "no row with status ok, both angles, and mu in range");
-}
-
 static rp_status phi_table(rp_table *table, const void *values)
 {
     const phi_options *o = values;
-    pile *piles;
-    size_t n, n_groups;
-    rp_status status = read_piles(table, &piles, &n);
-    double *angles = malloc((2 * table->n_rows + 1) * sizeof *angles);
+    cli_rows piles;
+    size_t n_groups = 0;
+    rp_status status = read_piles(table, &piles);
     ang_piles *groups = malloc((table->n_rows + 1) * sizeof *groups);
     gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    if (!status && !(angles && groups && rng))
-        status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    if (!status && !(groups && rng)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    for (size_t first = 0, end; !status && first < piles.n; first = end) {
+        const double mu = piles.column[0][first];
+        end = cli_rows_end(&piles, first);
+        if (mu == 0.0 || mu < o->from || mu > o->to) continue;
+        groups[n_groups++] = (ang_piles){mu, end - first, piles.column[1] + first, piles.column[2] + first};
+    }
+    if (!status && n_groups == 0)
+        status =
+            rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
     if (!status) {
         cli_table(stdout, phi_params, o);
-        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+        cli_rows_note(table, &piles);
         rp_table_header(stdout,
                         "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
                         "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
                         "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
-        status = group_piles(n, piles, o, angles, groups, &n_groups);
-        if (!status) status = fit_phis(n_groups, groups, o, rng);
+        status = fit_phis(n_groups, groups, o, rng);
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     if (rng) gsl_rng_free(rng);
     free(groups);
-    free(angles);
-    free(piles);
+    cli_rows_free(&piles);
     return status;
 }
 

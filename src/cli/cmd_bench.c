@@ -51,15 +51,10 @@ static int ascending(const void *a, const void *b)
 /* The grains of a table as a new array, with velocity 0. */
 static rp_status read_start(const char *path, dem_grain **grains, long *n)
 {
-    static const char *const names[] = {"x", "y", "r"};
-    int columns[3];
     double *values = NULL;
-    rp_table table;
-    rp_status status = rp_table_read(path, &table);
-    if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no grains", path);
-    if (!status) status = cli_find_columns(&table, 3, names, columns);
-    if (!status) status = cli_read_columns(&table, 3, columns, 0, &values);
-    const size_t rows = status ? 0 : table.n_rows;
+    size_t rows;
+    rp_status status = cli_read_file(path, "x,y,r", &values, &rows);
+    if (!status && rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no grains", path);
     if (!status && !(*grains = calloc(rows, sizeof **grains)))
         status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     for (size_t i = 0; !status && i < rows; i++) {
@@ -69,7 +64,6 @@ static rp_status read_start(const char *path, dem_grain **grains, long *n)
     }
     *n = (long)rows;
     free(values);
-    rp_table_free(&table);
     return status;
 }
 

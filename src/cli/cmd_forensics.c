@@ -15,7 +15,7 @@
 
 static const double deg = M_PI / 180.0;
 
-enum { MAX_FACTORS = 24, MAX_LEVELS = 12, MAX_CLAIMS = 24, MAX_TERMS = 64, MAX_COORDINATES = 8 };
+enum { MAX_FACTORS = 24, MAX_LEVELS = 12, MAX_CLAIMS = 24, MAX_TERMS = 64 };
 enum { REPORT_COMBINATIONS, REPORT_EFFECTS, REPORT_LEVELS };
 
 typedef struct {
@@ -36,7 +36,7 @@ static const rp_param options[] = {
      "a true combination is excluded with this chance"},
     {"draws", "", RP_INT, offsetof(forensics_options, draws), "1000", "[20, 1000000]",
      "simulated publications of each combination"},
-    {"seed", "", RP_INT, offsetof(forensics_options, seed), "1993", "[0, 2147483647]", "seed of the draws"},
+    CLI_SEED(forensics_options, "1993", "seed of the draws"),
     {0}};
 
 /* How the surface of a pile is read; a column of the first has its stem alone. */
@@ -47,30 +47,25 @@ enum { N_VARIANTS = sizeof variants / sizeof *variants };
 typedef struct {
     size_t claim;
     double coefficient;
-    double at[MAX_COORDINATES];
+    bool *rows;             /* of the runs: is it measured there? */
     int column[N_VARIANTS]; /* of the runs */
 } claim_term;
 
 typedef struct {
-    const rp_table *runs;
-    size_t n_factors, n_coordinates, n_claims, n_terms, n_combinations;
-    struct {
-        char name[40];
-        int column, within; /* within: the column whose values it is nested in, or -1 */
-        size_t n_levels;
-        char levels[MAX_LEVELS][24];
-    } factor[MAX_FACTORS];
-    char coordinates[MAX_COORDINATES][24]; /* keys that say where a term is measured */
-    double usual[MAX_COORDINATES];         /* and where, if the term does not say */
-    int coordinate[MAX_COORDINATES], status;
+    rp_table *runs;
+    size_t n_factors, n_claims, n_terms;
+    char factors[1024]; /* memory of the names */
+    const char *name[MAX_FACTORS];
+    cli_groups factor[MAX_FACTORS], combination; /* levels of each factor, combinations of all */
+    size_t *first;                               /* first run of each combination */
+    cli_words usual;                             /* key=value, where a term is measured if it does not say */
+    int status;
     struct {
         char name[40];
         bool held_out;
     } about[MAX_CLAIMS];
     stats_claim claims[MAX_CLAIMS];
     claim_term terms[MAX_TERMS];
-    size_t *level;  /* [combination][factor] */
-    size_t *of_run; /* combination of each run */
     double *y, *se; /* [combination][variant][claim] */
 } study;
 
@@ -84,81 +79,71 @@ static rp_status find_column(const rp_table *t, const char *name, int *column)
     return cli_find_columns(t, 1, &name, column);
 }
 
-/* ---- reading ---- */
-
-static rp_status read_factors(study *s, const char *list)
+/* Level of a factor in a combination; the first run's levels are the reference of each factor. */
+static size_t level_of(const study *s, size_t combination, size_t factor)
 {
-    char text[1024];
-    if (strlen(list) >= sizeof text) return rp_fail(RP_BAD_INPUT, "--factors: too long");
-    strcpy(text, list);
-    for (char *save, *word = strtok_r(text, ",", &save); word; word = strtok_r(NULL, ",", &save)) {
-        if (s->n_factors == MAX_FACTORS) return rp_fail(RP_BAD_INPUT, "--factors: at most %d", MAX_FACTORS);
-        char *colon = strchr(word, ':');
-        if (colon) *colon = '\0';
-        snprintf(s->factor[s->n_factors].name, sizeof s->factor->name, "%s", word);
-        s->factor[s->n_factors].within = -1;
-        rp_status status = find_column(s->runs, word, &s->factor[s->n_factors].column);
-        if (!status && colon) status = find_column(s->runs, colon + 1, &s->factor[s->n_factors].within);
-        if (status) return status;
-        s->n_factors++;
-    }
-    return s->n_factors > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "--factors: none given");
+    return s->factor[factor].of_row[s->first[combination]];
 }
+
+/* ---- reading ---- */
 
 /* Rank of a run's value among the distinct values of its nest. */
 static size_t rank_within(const rp_table *t, size_t row, int column, int within)
 {
-    size_t rank = 1;
+    size_t rank = 0, n_seen = 0;
     double value = strtod(cell(t, row, column), NULL), seen[MAX_LEVELS];
-    size_t n_seen = 0;
-    for (size_t r = 0; r < t->n_rows; r++) {
+    for (size_t r = 0; r < t->n_rows && n_seen < MAX_LEVELS; r++) {
         if (strcmp(cell(t, r, within), cell(t, row, within)) != 0) continue;
         double other = strtod(cell(t, r, column), NULL);
         bool known = other >= value;
         for (size_t k = 0; k < n_seen && !known; k++) known = seen[k] == other;
-        if (known || n_seen == MAX_LEVELS) continue;
-        seen[n_seen++] = other;
-        rank++;
+        if (!known) seen[n_seen++] = other, rank++;
     }
     return rank;
 }
 
-static rp_status level_of(study *s, size_t row, size_t f, size_t *level)
+/* Factor "a" or "a:b", whose cells become ranks; `raw` has the cells as they were. */
+static rp_status read_factor(study *s, const rp_table *raw, char *name)
 {
-    char label[24];
-    const char *text = cell(s->runs, row, s->factor[f].column);
-    if (s->factor[f].within >= 0)
-        snprintf(label, sizeof label, "%zu",
-                 rank_within(s->runs, row, s->factor[f].column, s->factor[f].within));
-    else
-        snprintf(label, sizeof label, "%s", text);
-    for (*level = 0; *level < s->factor[f].n_levels; ++*level)
-        if (strcmp(s->factor[f].levels[*level], label) == 0) return RP_OK;
-    if (*level == MAX_LEVELS)
-        return rp_fail(RP_BAD_INPUT, "%s: column %s has more than %d different values: no factor",
-                       s->runs->path, s->factor[f].name, MAX_LEVELS);
-    strcpy(s->factor[f].levels[s->factor[f].n_levels++], label);
-    return RP_OK;
+    static char *const ranks[] = {"1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13"};
+    cli_groups *levels = &s->factor[s->n_factors];
+    char *colon = strchr(name, ':');
+    int column, within;
+    if (s->n_factors == MAX_FACTORS) return rp_fail(RP_BAD_INPUT, "--factors: at most %d", MAX_FACTORS);
+    if (colon) *colon++ = '\0';
+    rp_status status = find_column(raw, name, &column);
+    if (!status && colon) status = find_column(raw, colon, &within);
+    for (size_t i = 0; i < raw->n_rows && !status && colon; i++)
+        s->runs->cells[i * raw->n_columns + (size_t)column] = ranks[rank_within(raw, i, column, within)];
+    if (!status) status = cli_group_rows(s->runs, name, ',', levels);
+    s->name[s->n_factors++] = name;
+    return status || levels->n_groups <= MAX_LEVELS
+               ? status
+               : rp_fail(RP_BAD_INPUT, "%s: column %s has more than %d different values: no factor",
+                         raw->path, name, MAX_LEVELS);
 }
 
-/* Give each run the number of its combination; the first run's levels are the reference of each factor. */
-static rp_status read_combinations(study *s)
+static rp_status read_factors(study *s, const char *list)
 {
-    const size_t n = s->runs->n_rows, F = s->n_factors;
-    s->level = calloc((n + 1) * F, sizeof *s->level);
-    s->of_run = calloc(n + 1, sizeof *s->of_run);
-    if (!s->level || !s->of_run) return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    for (size_t row = 0; row < n; row++) {
-        size_t *mine = s->level + s->n_combinations * F, c = 0;
-        for (size_t f = 0; f < F; f++) {
-            rp_status status = level_of(s, row, f, &mine[f]);
-            if (status) return status;
-        }
-        while (memcmp(s->level + c * F, mine, F * sizeof *mine) != 0) c++;
-        s->of_run[row] = c;
-        s->n_combinations += c == s->n_combinations;
+    rp_table raw = *s->runs;
+    const size_t n = raw.n_rows, cells = n * raw.n_columns;
+    char names[sizeof s->factors] = "";
+    if (strlen(list) >= sizeof s->factors) return rp_fail(RP_BAD_INPUT, "--factors: too long");
+    strcpy(s->factors, list);
+    raw.cells = malloc((cells + 1) * sizeof *raw.cells);
+    s->first = calloc(n + 1, sizeof *s->first);
+    rp_status status = raw.cells && s->first ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    if (!status) memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
+    for (char *save, *word = strtok_r(s->factors, ",", &save); word && !status;
+         word = strtok_r(NULL, ",", &save)) {
+        status = read_factor(s, &raw, word);
+        strcat(strcat(names, *names ? "," : ""), word);
     }
-    return RP_OK;
+    free(raw.cells);
+    if (!status && s->n_factors == 0) status = rp_fail(RP_BAD_INPUT, "--factors: none given");
+    if (!status) status = cli_group_rows(s->runs, names, ',', &s->combination);
+    for (size_t i = n; i-- > 0 && !status;) s->first[s->combination.of_row[i]] = i;
+    return status;
 }
 
 /* The columns of all surface variants of a quantity such as theta_r3. */
@@ -178,41 +163,23 @@ static rp_status find_variants(const study *s, const char *stem, int column[N_VA
     return status;
 }
 
-/* Set coordinates from the words key=value, first <= w < last. */
-static rp_status read_point(const study *s, const cli_words *words, int first, int last, double at[])
+/* Where a term is measured: the usual values of the keys, but for the words first <= w < last. */
+static rp_status find_rows(const study *s, const cli_words *words, int first, int last, bool rows[])
 {
+    cli_words at = s->usual;
     for (int w = first; w < last; w++) {
-        char *equals = strchr(words->words[w], '='), *end;
-        size_t k = 0;
-        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
-        const size_t length = (size_t)(equals - words->words[w]);
-        while (k < s->n_coordinates &&
-               (strncmp(s->coordinates[k], words->words[w], length) != 0 || s->coordinates[k][length]))
-            k++;
-        if (k == s->n_coordinates)
+        const size_t length = strcspn(words->words[w], "=") + 1;
+        int k = 0;
+        while (k < at.n && strncmp(at.words[k], words->words[w], length) != 0) k++;
+        if (k == at.n)
             return rp_fail(RP_BAD_INPUT, "\"%s\": not among the keys of the header line `at`",
                            words->words[w]);
-        at[k] = strtod(equals + 1, &end);
-        if (*end) return rp_fail(RP_BAD_INPUT, "\"%s\": not a number", words->words[w]);
+        at.words[k] = words->words[w];
     }
-    return RP_OK;
-}
-
-/* The header line `at`: the keys that say where a term is measured, and their values by default. */
-static rp_status read_coordinates(study *s, const rp_table *claims)
-{
-    cli_words words;
-    const char *note = rp_table_find_note(claims, "at");
-    rp_status status = note ? cli_split(note, &words) : rp_fail(RP_BAD_INPUT, "no header line \"at\"");
-    if (status) return status;
-    if (words.n > MAX_COORDINATES) return rp_fail(RP_BAD_INPUT, "at: at most %d keys", MAX_COORDINATES);
-    for (int w = 0; w < words.n && !status; w++) {
-        snprintf(s->coordinates[w], sizeof s->coordinates[w], "%.*s", (int)strcspn(words.words[w], "="),
-                 words.words[w]);
-        status = find_column(s->runs, s->coordinates[w], &s->coordinate[w]);
-        s->n_coordinates++;
-    }
-    return status ? status : read_point(s, &words, 0, words.n, s->usual);
+    rp_status status = RP_OK;
+    for (size_t row = 0; row < s->runs->n_rows && !status; row++)
+        status = cli_row_matches(s->runs, row, &at, 0, at.n, &rows[row]);
+    return status;
 }
 
 static rp_status add_terms(study *s, const cli_words *words, int first)
@@ -222,10 +189,9 @@ static rp_status add_terms(study *s, const cli_words *words, int first)
         if (s->n_terms == MAX_TERMS) return rp_fail(RP_BAD_INPUT, "at most %d terms", MAX_TERMS);
         claim_term *term = &s->terms[s->n_terms++];
         for (last = first + 1; last < words->n && strcmp(words->words[last], "less") != 0;) last++;
-        term->claim = s->n_claims;
-        term->coefficient = coefficient;
-        memcpy(term->at, s->usual, sizeof term->at);
-        rp_status status = read_point(s, words, first + 1, last, term->at);
+        *term = (claim_term){s->n_claims, coefficient, calloc(s->runs->n_rows + 1, sizeof *term->rows), {0}};
+        rp_status status = term->rows ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+        if (!status) status = find_rows(s, words, first + 1, last, term->rows);
         if (!status) status = find_variants(s, words->words[first], term->column);
         if (status) return status;
     }
@@ -257,7 +223,9 @@ static rp_status read_claims(study *s, const char *path)
 {
     cli_claims all;
     rp_status status = cli_claims_read(path, &all);
-    if (!status && (status = read_coordinates(s, &all.table)) != RP_OK) rp_prefix(status, "%s: ", path);
+    const char *at = status ? NULL : rp_table_find_note(&all.table, "at");
+    if (!status)
+        status = at ? cli_split(at, &s->usual) : rp_fail(RP_BAD_INPUT, "%s: no header line \"at\"", path);
     for (size_t i = 0; i < all.n && !status; i++)
         if (*all.claims[i].forensics && (status = read_claim(s, &all.claims[i])) != RP_OK)
             rp_prefix(status, "%s: claim %s: ", path, all.claims[i].id);
@@ -267,15 +235,6 @@ static rp_status read_claims(study *s, const char *path)
 }
 
 /* ---- numbers of each combination ---- */
-
-static bool matches(const study *s, const claim_term *term, size_t row)
-{
-    for (size_t k = 0; k < s->n_coordinates; k++) {
-        double at = strtod(cell(s->runs, row, s->coordinate[k]), NULL);
-        if (!(fabs(at - term->at[k]) <= 1e-9 * fabs(term->at[k]))) return false;
-    }
-    return true;
-}
 
 typedef struct {
     size_t n, n_ok;
@@ -287,10 +246,10 @@ typedef struct {
 static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums[])
 {
     const rp_table *t = s->runs;
-    memset(sums, 0, s->n_combinations * sizeof *sums);
+    memset(sums, 0, s->combination.n_groups * sizeof *sums);
     for (size_t row = 0; row < t->n_rows; row++) {
-        if (!matches(s, term, row)) continue;
-        cell_sum *c = &sums[s->of_run[row]];
+        if (!term->rows[row]) continue;
+        cell_sum *c = &sums[s->combination.of_row[row]];
         double value;
         rp_status status = rp_table_number(t, row, term->column[v], 1, &value);
         if (status) return status;
@@ -301,12 +260,12 @@ static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums
         c->squares += value * deg * value * deg;
     }
     double squares = 0.0, dof = 0.0;
-    for (size_t c = 0; c < s->n_combinations; c++) {
+    for (size_t c = 0; c < s->combination.n_groups; c++) {
         if (sums[c].n_ok < 2) continue;
         squares += sums[c].squares - sums[c].sum * sums[c].sum / (double)sums[c].n_ok;
         dof += (double)sums[c].n_ok - 1.0;
     }
-    for (size_t c = 0; c < s->n_combinations; c++) {
+    for (size_t c = 0; c < s->combination.n_groups; c++) {
         size_t at = (c * N_VARIANTS + (size_t)v) * s->n_claims + term->claim;
         double n = (double)sums[c].n_ok;
         bool enough = sums[c].n_ok > 0 && 2 * sums[c].n_ok >= sums[c].n;
@@ -318,10 +277,10 @@ static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums
 
 static rp_status read_numbers(study *s)
 {
-    const size_t n = s->n_combinations * N_VARIANTS * s->n_claims;
+    const size_t n = s->combination.n_groups * N_VARIANTS * s->n_claims;
     s->y = calloc(n + 1, sizeof *s->y);
     s->se = calloc(n + 1, sizeof *s->se);
-    cell_sum *sums = calloc(s->n_combinations + 1, sizeof *sums);
+    cell_sum *sums = calloc(s->combination.n_groups + 1, sizeof *sums);
     rp_status status = s->y && s->se && sums ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     for (size_t k = 0; k < s->n_terms; k++)
         for (int v = 0; v < N_VARIANTS && !status; v++) status = add_term(s, &s->terms[k], v, sums);
@@ -336,7 +295,7 @@ static rp_status read_numbers(study *s)
 static rp_status judge(const study *s, bool held_out, const forensics_options *o, stats_agreement agreement[],
                        stats_chance *chance)
 {
-    const size_t m = s->n_combinations * N_VARIANTS;
+    const size_t m = s->combination.n_groups * N_VARIANTS;
     stats_claim claims[MAX_CLAIMS];
     size_t n = 0;
     double *y = malloc((m * s->n_claims + 1) * sizeof *y), *se = malloc((m * s->n_claims + 1) * sizeof *se);
@@ -377,23 +336,24 @@ static int by_likelihood(const void *a, const void *b)
 
 static void print_combination_header(const study *s)
 {
-    printf("#");
-    for (size_t f = 0; f < s->n_factors + 5; f++) printf("\t");
-    for (size_t k = 0; k < s->n_claims; k++) printf("\tdeg\tdeg");
-    printf("\t\n# rank\tcombination\tsimulated\tsurface");
-    for (size_t f = 0; f < s->n_factors; f++) printf("\t%s", s->factor[f].name);
-    printf("\tlog_likelihood\tp_value\tp_held_out");
+    char text[8192];
+    size_t used = (size_t)snprintf(text, sizeof text, "rank, combination, simulated, surface");
+    for (size_t f = 0; f < s->n_factors; f++)
+        used += (size_t)snprintf(text + used, sizeof text - used, ", %s", s->name[f]);
+    used += (size_t)snprintf(text + used, sizeof text - used, ", log_likelihood, p_value, p_held_out");
     for (size_t k = 0; k < s->n_claims; k++)
-        printf("\t%s_deg\t%s_se_deg", s->about[k].name, s->about[k].name);
-    printf("\tstatus\n");
+        used += (size_t)snprintf(text + used, sizeof text - used, ", %s_deg [deg], %s_se_deg [deg]",
+                                 s->about[k].name, s->about[k].name);
+    snprintf(text + used, sizeof text - used, ", status");
+    rp_table_header(stdout, text);
 }
 
 static rp_status print_combinations(const study *s, const stats_agreement *main, const stats_agreement *held)
 {
-    const size_t m = s->n_combinations * N_VARIANTS;
+    const size_t m = s->combination.n_groups * N_VARIANTS;
     size_t *order = malloc((m + 1) * sizeof *order);
     double *key = malloc((m + 1) * sizeof *key);
-    bool *seen = calloc(s->n_combinations + 1, sizeof *seen);
+    bool *seen = calloc(s->combination.n_groups + 1, sizeof *seen);
     if (!order || !key || !seen) {
         free(order);
         free(key);
@@ -413,7 +373,7 @@ static rp_status print_combinations(const study *s, const stats_agreement *main,
         seen[combination] = true;
         printf("%zu\t%zu\t%zu\t%s", i + 1, combination, simulated, variants[c % N_VARIANTS]);
         for (size_t f = 0; f < s->n_factors; f++)
-            printf("\t%s", s->factor[f].levels[s->level[combination * s->n_factors + f]]);
+            printf("\t%s", s->factor[f].words[level_of(s, combination, f)]);
         printf("\t%.17g\t%.17g\t%.17g", main[c].log_likelihood, main[c].p_value, held[c].p_value);
         for (size_t k = 0; k < s->n_claims; k++)
             printf("\t%.17g\t%.17g", s->y[c * s->n_claims + k] / deg, s->se[c * s->n_claims + k] / deg);
@@ -428,7 +388,7 @@ static rp_status print_combinations(const study *s, const stats_agreement *main,
 /* Each level of each factor, and each way to read the surface: how much of it is left. */
 static void print_levels(const study *s, const stats_agreement *a)
 {
-    const size_t m = s->n_combinations * N_VARIANTS;
+    const size_t m = s->combination.n_groups * N_VARIANTS;
     double top = -INFINITY, total = 0.0;
     for (size_t c = 0; c < m; c++)
         if (a[c].complete) top = fmax(top, a[c].log_likelihood);
@@ -436,20 +396,20 @@ static void print_levels(const study *s, const stats_agreement *a)
         if (a[c].complete) total += exp(a[c].log_likelihood - top);
     rp_table_header(stdout, "factor, level, tested, complete, not_excluded, share");
     for (size_t f = 0; f <= s->n_factors; f++) {
-        size_t n_levels = f < s->n_factors ? s->factor[f].n_levels : (size_t)N_VARIANTS;
+        size_t n_levels = f < s->n_factors ? s->factor[f].n_groups : (size_t)N_VARIANTS;
         for (size_t l = 0; l < n_levels; l++) {
             size_t tested = 0, complete = 0, passed = 0;
             double share = 0.0;
             for (size_t c = 0; c < m; c++) {
-                size_t mine = f < s->n_factors ? s->level[c / N_VARIANTS * s->n_factors + f] : c % N_VARIANTS;
+                size_t mine = f < s->n_factors ? level_of(s, c / N_VARIANTS, f) : c % N_VARIANTS;
                 if (mine != l) continue;
                 tested++;
                 complete += a[c].complete;
                 passed += a[c].complete && !a[c].excluded;
                 if (a[c].complete) share += exp(a[c].log_likelihood - top) / total;
             }
-            printf("%s\t%s\t%zu\t%zu\t%zu\t%.17g\n", f < s->n_factors ? s->factor[f].name : "surface",
-                   f < s->n_factors ? s->factor[f].levels[l] : variants[l], tested, complete, passed, share);
+            printf("%s\t%s\t%zu\t%zu\t%zu\t%.17g\n", f < s->n_factors ? s->name[f] : "surface",
+                   f < s->n_factors ? s->factor[f].words[l] : variants[l], tested, complete, passed, share);
         }
     }
 }
@@ -469,13 +429,13 @@ static rp_status factor_effects(const study *s, size_t k, double y[], size_t lev
     size_t n = 0, n_levels[MAX_FACTORS];
     stats_effect effects[MAX_FACTORS * MAX_LEVELS];
     double residual;
-    for (size_t c = 0; c < s->n_combinations; c++) {
+    for (size_t c = 0; c < s->combination.n_groups; c++) {
         double value = s->y[c * N_VARIANTS * s->n_claims + k];
         if (!isfinite(value)) continue;
-        memcpy(level + n * s->n_factors, s->level + c * s->n_factors, s->n_factors * sizeof *level);
+        for (size_t f = 0; f < s->n_factors; f++) level[n * s->n_factors + f] = level_of(s, c, f);
         y[n++] = value;
     }
-    for (size_t f = 0; f < s->n_factors; f++) n_levels[f] = s->factor[f].n_levels;
+    for (size_t f = 0; f < s->n_factors; f++) n_levels[f] = s->factor[f].n_groups;
     rp_status status = stats_effects(n, s->n_factors, level, n_levels, y, effects, &residual);
     if (status == RP_NO_RESULT) { /* a number that too few combinations have: no row, and it is said */
         fprintf(stderr, "%s: %s\n", s->about[k].name, rp_message());
@@ -485,8 +445,8 @@ static rp_status factor_effects(const study *s, size_t k, double y[], size_t lev
     const stats_effect *e = effects;
     for (size_t f = 0; f < s->n_factors; f++)
         for (size_t l = 1; l < n_levels[f]; l++)
-            print_effect(s->about[k].name, s->factor[f].name, s->factor[f].levels[l], s->factor[f].levels[0],
-                         e++, n, residual);
+            print_effect(s->about[k].name, s->name[f], s->factor[f].words[l], s->factor[f].words[0], e++, n,
+                         residual);
     return RP_OK;
 }
 
@@ -495,7 +455,7 @@ static rp_status surface_effects(const study *s, size_t k, double difference[])
 {
     for (size_t v = 1; v < N_VARIANTS; v++) {
         size_t n = 0;
-        for (size_t c = 0; c < s->n_combinations; c++) {
+        for (size_t c = 0; c < s->combination.n_groups; c++) {
             double d = s->y[(c * N_VARIANTS + v) * s->n_claims + k] - s->y[c * N_VARIANTS * s->n_claims + k];
             if (isfinite(d)) difference[n++] = d;
         }
@@ -511,8 +471,8 @@ static rp_status surface_effects(const study *s, size_t k, double difference[])
 
 static rp_status print_effects(const study *s)
 {
-    double *y = malloc((s->n_combinations + 1) * sizeof *y);
-    size_t *level = malloc((s->n_combinations + 1) * s->n_factors * sizeof *level);
+    double *y = malloc((s->combination.n_groups + 1) * sizeof *y);
+    size_t *level = malloc((s->combination.n_groups + 1) * s->n_factors * sizeof *level);
     rp_status status = y && level ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
     if (!status)
         rp_table_header(
@@ -530,27 +490,30 @@ static rp_status print_effects(const study *s)
 
 /* ---- command ---- */
 
-/* The same counts of the combinations that were simulated, whatever the reading of their surface. */
-static void note_simulated(const study *s, const stats_agreement *a)
+/* Notes of how many combinations are complete and how many of these are not excluded, by sets of `variants`
+ * judgements of one simulated combination: it counts if one of them does. */
+static void note_counts(const char *prefix, size_t n, size_t n_variants, const stats_agreement *a)
 {
+    char key[40];
     size_t complete = 0, passed = 0;
-    for (size_t c = 0; c < s->n_combinations; c++) {
+    for (size_t c = 0; c < n; c += n_variants) {
         bool any_complete = false, any_passed = false;
-        for (size_t v = 0; v < N_VARIANTS; v++) {
-            const stats_agreement *one = &a[c * N_VARIANTS + v];
-            any_complete |= one->complete;
-            any_passed |= one->complete && !one->excluded;
+        for (size_t v = c; v < c + n_variants; v++) {
+            any_complete |= a[v].complete;
+            any_passed |= a[v].complete && !a[v].excluded;
         }
         complete += any_complete;
         passed += any_passed;
     }
-    rp_table_note(stdout, "simulated_complete", "%zu", complete);
-    rp_table_note(stdout, "simulated_not_excluded", "%zu", passed);
+    snprintf(key, sizeof key, "%scomplete", prefix);
+    rp_table_note(stdout, key, "%zu", complete);
+    snprintf(key, sizeof key, "%snot_excluded", prefix);
+    rp_table_note(stdout, key, "%zu", passed);
 }
 
 static rp_status print_report(const study *s, const forensics_options *o)
 {
-    const size_t m = s->n_combinations * N_VARIANTS;
+    const size_t m = s->combination.n_groups * N_VARIANTS;
     stats_chance chance = {NAN, NAN}, unused;
     stats_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
     rp_status status = main && held ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
@@ -560,20 +523,14 @@ static rp_status print_report(const study *s, const forensics_options *o)
     }
     if (!status) {
         cli_table(stdout, options, o);
-        rp_table_note(stdout, "combinations", "%zu, each with %d ways to read the surface", s->n_combinations,
-                      (int)N_VARIANTS);
+        rp_table_note(stdout, "combinations", "%zu, each with %d ways to read the surface",
+                      s->combination.n_groups, (int)N_VARIANTS);
     }
     if (!status && o->report != REPORT_EFFECTS) {
-        size_t complete = 0, passed = 0;
-        for (size_t c = 0; c < m; c++) {
-            complete += main[c].complete;
-            passed += main[c].complete && !main[c].excluded;
-        }
-        rp_table_note(stdout, "complete", "%zu", complete);
-        rp_table_note(stdout, "not_excluded", "%zu", passed);
+        note_counts("", m, 1, main);
         rp_table_note(stdout, "by_chance", "%.2g", chance.mean);
         rp_table_note(stdout, "chance_of_as_many", "%.2g", chance.as_many);
-        note_simulated(s, main);
+        note_counts("simulated_", m, N_VARIANTS, main);
     }
     if (!status && o->report == REPORT_COMBINATIONS) status = print_combinations(s, main, held);
     if (!status && o->report == REPORT_LEVELS) print_levels(s, main);
@@ -591,12 +548,13 @@ static rp_status judge_runs(rp_table *runs, const void *values)
     s->runs = runs;
     rp_status status = find_column(runs, "status", &s->status);
     if (!status) status = read_factors(s, o->factors);
-    if (!status) status = read_combinations(s);
     if (!status) status = read_claims(s, o->claims);
     if (!status) status = read_numbers(s);
     if (!status) status = print_report(s, o);
-    free(s->level);
-    free(s->of_run);
+    for (size_t k = 0; k < s->n_terms; k++) free(s->terms[k].rows);
+    for (size_t f = 0; f < s->n_factors; f++) cli_groups_free(&s->factor[f]);
+    cli_groups_free(&s->combination);
+    free(s->first);
     free(s->y);
     free(s->se);
     free(s);

@@ -62,19 +62,12 @@ static rp_status no_memory(void)
 
 static rp_status read_outline(const char *path, an_point **v, size_t *n)
 {
-    static const char *const names[] = {"x", "y"};
-    rp_table table;
-    int columns[2];
     double *block = NULL;
-    rp_status status = rp_table_read(path, &table);
-    if (!status) status = cli_find_columns(&table, 2, names, columns);
-    if (!status) status = cli_read_columns(&table, 2, columns, 0, &block);
-    *n = table.n_rows;
+    rp_status status = cli_read_file(path, "x,y", &block, n);
     *v = status ? NULL : malloc((*n + 1) * sizeof **v);
     if (!status && !*v) status = no_memory();
     for (size_t i = 0; !status && i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
     free(block);
-    rp_table_free(&table);
     return status;
 }
 
@@ -151,7 +144,9 @@ static rp_status write_tables(const options *o, const sweep_solved *s, const swe
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->directory ? sweep_pile_write(s, o->directory, write_header) : RP_OK;
+    return *o->directory
+               ? sweep_pile_write(s, &(sweep_tables){.directory = o->directory, .header = write_header})
+               : RP_OK;
 }
 
 /* Options that would have no effect beside others. */

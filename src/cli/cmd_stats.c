@@ -45,10 +45,8 @@ static rp_status print_maximum(size_t n, const double v[], double work[], const 
 static rp_status maximum_of_table(rp_table *table, const void *options)
 {
     const maximum_options *o = options;
-    int column;
     double *values = NULL;
-    rp_status status = cli_find_columns(table, 1, &o->column, &column);
-    if (!status) status = cli_read_columns(table, 1, &column, 1, &values);
+    rp_status status = cli_read_named(table, o->column, 1, &values);
     double *work = malloc((2 * table->n_rows + (size_t)o->bootstrap) * sizeof *work);
     if (!status && !work) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     if (!status) {

@@ -30,30 +30,24 @@ static void pile_free(stress_pile *p)
     free(p->x);
 }
 
-static rp_status read_block(const char *prefix, const char *what, size_t n, const char *const names[],
-                            double **block, size_t *rows)
+static rp_status read_block(const char *prefix, const char *what, const char *names, double **block,
+                            size_t *rows)
 {
     char path[4096];
-    rp_table table;
-    int columns[16];
-    snprintf(path, sizeof path, "%s_%s.tsv", prefix, what);
-    rp_status status = rp_table_read(path, &table);
-    if (!status) status = cli_find_columns(&table, n, names, columns);
-    if (!status) status = cli_read_columns(&table, n, columns, 0, block);
-    *rows = status ? 0 : table.n_rows;
-    rp_table_free(&table);
-    return status;
+    const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
+    snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
+             what);
+    return cli_read_file(path, names, block, rows);
 }
 
 static rp_status pile_read(const char *prefix, stress_pile *p)
 {
-    static const char *const contact_names[] = {"id_b", "wall",         "x",          "y", "x_b",
-                                                "y_b",  "normal_force", "shear_force"};
-    static const char *const grain_names[] = {"x", "y", "m"};
     double *block = NULL;
     *p = (stress_pile){0};
-    rp_status status = read_block(prefix, "contacts", N_OF(contact_names), contact_names, &block, &p->n);
-    if (!status) status = read_block(prefix, "grains", N_OF(grain_names), grain_names, &p->x, &p->n_grains);
+    rp_status status =
+        read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n);
+    if (!status) status = read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains);
+    if (status) p->n = p->n_grains = 0;
     p->contacts = malloc((p->n + 1) * sizeof *p->contacts);
     p->floor = malloc((p->n + 1) * sizeof *p->floor);
     if (!status && !(p->contacts && p->floor)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", prefix);

@@ -23,41 +23,34 @@ static const rp_param params[] = {
     {"margin", "", RP_REAL, offsetof(options, margin), "0.1", "(0, inf)", "largest |D| that counts as none"},
     {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
     {"resamples", "", RP_INT, offsetof(options, resamples), "10000", "[2, 10000000]", "of the piles"},
-    {"seed", "", RP_INT, offsetof(options, seed), "1992", "[0, 2147483647]", "seed of the resamples"},
+    CLI_SEED(options, "1992", "seed of the resamples"),
     {"against", "", RP_CHOICE, offsetof(options, against), "triangle", "triangle | zero",
      "what a pile without a dip has"},
     {"profile", "", RP_BOOL, offsetof(options, profile), "false", "", "print the mean profile"},
     CLI_WHERE(options),
     {0}};
 
-enum { LEFT = STRESS_DIP_BINS, RIGHT, COLUMNS };
-
 /* Profiles of the rows that count, one after the other, and what each has without a dip. */
 static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
 {
-#define NAME(k) "n_" #k,
-    static const char *const columns_of[COLUMNS] = {STRESS_DIP_BIN_LIST(NAME) "left_deg", "right_deg"};
+#define NAME(k) "n_" #k ","
+    cli_rows rows;
+    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(NAME) "left_deg,right_deg", false, &rows);
 #undef NAME
-    int columns[COLUMNS], status_column;
-    double *block = NULL;
     *n = 0;
     *profiles = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **profiles);
     *without = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **without);
-    if (!*profiles || !*without) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    rp_status status = cli_find_columns(t, COLUMNS, columns_of, columns);
-    if (!status) status = cli_find_columns(t, 1, (const char *const[]){"status"}, &status_column);
-    if (!status) status = cli_read_columns(t, COLUMNS, columns, 1, &block);
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
-        if (strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") != 0) continue;
+    if (!status && !(*profiles && *without)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    for (size_t i = 0; i < rows.n && !status; i++) {
         double *N = *profiles + *n * STRESS_DIP_BINS, *flat = *without + *n * STRESS_DIP_BINS;
-        const double slope = 0.5 * (block[LEFT * t->n_rows + i] + block[RIGHT * t->n_rows + i]);
+        const double slope = 0.5 * (rows.column[STRESS_DIP_BINS][i] + rows.column[STRESS_DIP_BINS + 1][i]);
         if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
-        for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = block[k * t->n_rows + i], flat[k] = 1.0;
+        for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = rows.column[k][i], flat[k] = 1.0;
         if (against == TRIANGLE) status = sweep_outline_triangle(slope * (M_PI / 180), flat);
-        if (status) rp_prefix(status, "%s:%zu: ", t->path, t->lines[i]);
+        if (status) rp_prefix(status, "%s: pile %zu: ", t->path, i + 1);
         ++*n;
     }
-    free(block);
+    cli_rows_free(&rows);
     return status;
 }
 

@@ -1,4 +1,5 @@
 /* Columns of a table as arrays of numbers, groups of rows; see cli.h. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,7 +27,7 @@ rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[],
     return RP_OK;
 }
 
-enum { MOST_BY = 16 };
+enum { MOST_BY = 24 };
 
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
@@ -39,6 +40,84 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
         if (status) return status;
     }
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
+}
+
+rp_status cli_read_named(const rp_table *table, const char *names, int missing_ok, double **block)
+{
+    int columns[CLI_MOST_COLUMNS];
+    size_t n;
+    rp_status status = cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns);
+    return status ? status : cli_read_columns(table, n, columns, missing_ok, block);
+}
+
+rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows)
+{
+    rp_table table;
+    rp_status status = rp_table_read(path, &table);
+    if (!status) status = cli_read_named(&table, names, false, block);
+    *n_rows = table.n_rows;
+    rp_table_free(&table);
+    return status;
+}
+
+/* Rows of numbers by the first; the last is the row's index. */
+static size_t row_length;
+
+static int by_first(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0])
+                        : (p[row_length - 1] > q[row_length - 1]) - (p[row_length - 1] < q[row_length - 1]);
+}
+
+rp_status cli_rows_read(const rp_table *t, const char *names, bool grouped, cli_rows *r)
+{
+    int columns[CLI_MOST_COLUMNS];
+    const int word = rp_table_column(t, "status");
+    size_t k;
+    *r = (cli_rows){0};
+    rp_status status = cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns);
+    if (status) return status;
+    row_length = k + 1;
+    double *rows = malloc((t->n_rows + 1) * row_length * sizeof *rows);
+    r->column[0] = malloc((t->n_rows * k + 1) * sizeof **r->column);
+    if (!rows || !r->column[0]) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    for (size_t i = 0; i < t->n_rows && !status; i++) {
+        double *row = rows + r->n * row_length;
+        bool missing = word >= 0 && strncmp(t->cells[i * t->n_columns + (size_t)word], "ok", 2) != 0;
+        for (size_t c = 0; c < k && !missing && !status; c++) {
+            status = rp_table_number(t, i, columns[c], true, &row[c]);
+            missing = grouped && isnan(row[c]);
+        }
+        row[k] = (double)i;
+        r->n += !missing;
+    }
+    if (!status && r->n == 0)
+        status = rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
+    if (!status && grouped) qsort(rows, r->n, row_length * sizeof *rows, by_first);
+    for (size_t c = 0; c < k && !status; c++) {
+        r->column[c] = r->column[0] + c * r->n;
+        for (size_t i = 0; i < r->n; i++) r->column[c][i] = rows[i * row_length + c];
+    }
+    free(rows);
+    return status;
+}
+
+void cli_rows_free(cli_rows *r)
+{
+    free(r->column[0]);
+}
+
+size_t cli_rows_end(const cli_rows *r, size_t first)
+{
+    size_t end = first;
+    while (end < r->n && r->column[0][end] == r->column[0][first]) end++;
+    return end;
+}
+
+void cli_rows_note(const rp_table *table, const cli_rows *rows)
+{
+    rp_table_note(stdout, "rows", "%zu used, %zu left out", rows->n, table->n_rows - rows->n);
 }
 
 void cli_column_unit(const rp_table *table, int column, char unit[32])
