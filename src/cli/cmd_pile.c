@@ -144,7 +144,9 @@ static rp_status write_tables(const options *o, const sweep_solved *s, const swe
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->directory ? sweep_pile_write(s, o->directory, write_header) : RP_OK;
+    return *o->directory
+               ? sweep_pile_write(s, &(sweep_tables){.directory = o->directory, .header = write_header})
+               : RP_OK;
 }
 
 /* Options that would have no effect beside others. */

@@ -20,12 +20,8 @@ typedef struct {
 
 /* clang-format off */
 #define COLUMN_PARAMS(POWER)                                                                                 \
-    {"x", "", RP_TEXT, offsetof(options, x), NULL, "", "column of x"},                                       \
-    {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                       \
-    {"by", "", RP_TEXT, offsetof(options, by), "none", "",                                                   \
-     "columns (a or a,b,...) whose different cells make the groups"},                                        \
-    {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
-    {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
+    CLI_TEXT(options, x, NULL, "column of x"), CLI_TEXT(options, y, NULL, "column of y"),                    \
+    CLI_BY(options, "none", "groups"), CLI_RANGE(options, "x"),                                              \
     {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
      "weights x^power: 2 where scatter falls as 1/x"},                                                       \
     CLI_WHERE(options)
@@ -48,18 +44,13 @@ static const rp_param trend_params[] = {
 
 static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
 
-/* What is printed of a trend. */
-static const char *const trend_columns[][2] = {
-    {"n", ""},       {"n_left", ""},       {"n_x", ""},          {"x_from", "x"},
-    {"x_to", "x"},   {"slope", "y/x"},     {"slope_se", "y/x"},  {"dof", ""},
-    {"change", "y"}, {"change_se", "y"},   {"change_lo", "y"},   {"change_hi", "y"},
-    {"p_value", ""}, {"p_holm", ""},       {"bend", "y/x^2"},    {"bend_se", "y/x^2"},
-    {"p_bend", ""},  {"change_lo90", "y"}, {"change_hi90", "y"}, {"p_margin", ""},
-    {"pair", "y"},   {"pair_se", "y"},     {"p_pairs", ""}};
-static const char *const size_columns[][2] = {
-    {"n", ""},         {"n_x", ""},       {"x_from", "x"},   {"x_to", "x"},  {"limit", "y"},
-    {"limit_se", "y"}, {"limit_lo", "y"}, {"limit_hi", "y"}, {"c", "x y"},   {"c_se", "x y"},
-    {"c_lo", "x y"},   {"c_hi", "x y"},   {"p_value", ""},   {"p_holm", ""}, {"p_bend", ""}};
+#define TREND_COLUMNS                                                                                        \
+    "n, n_left, n_x, x_from [x], x_to [x], slope [y/x], slope_se [y/x], dof, change [y], change_se [y], "    \
+    "change_lo [y], change_hi [y], p_value, p_holm, bend [y/x^2], bend_se [y/x^2], p_bend, "                 \
+    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, verdict"
+#define SIZE_COLUMNS                                                                                         \
+    "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
+    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, status"
 
 static bool grouped(const options *o)
 {
@@ -179,17 +170,14 @@ static void print_size(const stats_trend *t, double p_holm)
 
 static void print_header(const rows *r, const options *o, bool size)
 {
-    const char *columns[N_OF(trend_columns) + 2][2] = {{o->by, ""}};
-    size_t n = grouped(o) ? 1 : 0, own = size ? N_OF(size_columns) : N_OF(trend_columns);
-    memcpy(columns + n, size ? size_columns : trend_columns, own * sizeof *columns);
-    n += own;
-    columns[n][0] = size ? "status" : "verdict";
-    columns[n][1] = "";
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s%s", grouped(o) ? o->by : "", grouped(o) ? ", " : "",
+             size ? SIZE_COLUMNS : TREND_COLUMNS);
     cli_table(stdout, size ? size_params : trend_params, o);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->n, r->n_failed, r->n_nan, r->n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_header(stdout, text);
 }
 
 static rp_status fit_groups(const rows *r, const options *o, bool size)

@@ -1,5 +1,4 @@
 /* repose sweep plan|run|status|export|digest|make */
-#include "cli/progress.h"
 
 #include <errno.h>
 #include <glob.h>
@@ -60,9 +59,7 @@ static const cli_command plan = {
     plan_options,
     .act = act_plan};
 
-static const rp_param run_options[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-                                        "worker processes; auto: one per processor"},
-                                       {0}};
+static const rp_param run_options[] = {CLI_WORKERS(options), {0}};
 
 static rp_status act_run(const void *values)
 {
@@ -211,8 +208,7 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
 static const rp_param make_options[] = {
     {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
     {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
-    {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-     "worker processes; auto: one per processor"},
+    CLI_WORKERS(options),
     {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
      "runs per grid point; auto: as in the file"},
     {"study", "", RP_BOOL, offsetof(options, study), "false", "", "as many runs as `study` in the file"},
