@@ -15,8 +15,8 @@ typedef struct {
 
 static const rp_param options[] = {
     {"tables", "", RP_TEXT, offsetof(report_options, tables), "results,build/tables", "",
-     "folders of the tables, joined by commas; the first that has a table counts"},
-    {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "the claims"},
+     "folders of tables, joined by commas; a table is read from the first folder that holds it"},
+    {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "file of the claims"},
     {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
     {0}};
 

@@ -157,7 +157,7 @@ static rp_status fit_table(rp_table *table, const void *values)
 const cli_command cmd_stats_fit = {
     "stats fit",
     "straight line or power law through a table",
-    "TABLE --x COLUMN --y COLUMN [options]",
+    "TABLE -x COLUMN -y COLUMN [options]",
     "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
     "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
     "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
@@ -166,6 +166,6 @@ const cli_command cmd_stats_fit = {
     "line has p_value, or p_bend, of at least --level; nan if there is none.\n"
     "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
     "out.",
-    "repose stats fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
+    "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
     .on_table = fit_table};

@@ -79,12 +79,12 @@ static rp_status threshold_of_table(rp_table *t, const void *values)
 const cli_command cmd_stats_threshold = {
     "stats threshold",
     "where runs cease to fail as a parameter grows",
-    "TABLE --x COLUMN [options]",
+    "TABLE -x COLUMN [options]",
     "Where runs cease to fail as x grows, one row a group: unstable_x, the largest x of a row whose status\n"
     "is not ok; stable_x, the smallest x of one whose status is ok (x is the column's name); nan where\n"
     "there is no such row. mixed: rows with status ok below unstable_x. TABLE (- for standard input): one\n"
     "row a run.",
-    "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
+    "repose stats threshold build/tables/li_smooth_runs.tsv -x mu --by alpha_deg,well",
     threshold_params,
     .on_table = threshold_of_table};
 
@@ -152,12 +152,12 @@ static rp_status cost_of_table(rp_table *t, const void *values)
 const cli_command cmd_stats_cost = {
     "stats cost",
     "time that a standard error of 1 takes, by setting",
-    "TABLE --y COLUMN --by COLUMNS [options]",
+    "TABLE -y COLUMN --by COLUMNS [options]",
     "Time that a standard error of 1 in y takes, one row a setting. sd: of y over its runs; bias: mean\n"
     "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the\n"
     "least time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where\n"
     "no other setting has both less cost and less bias. TABLE (- for standard input): one row a run,\n"
     "columns replica, seconds, steps, status; rows whose status is not ok are left out.",
-    "repose stats cost build/tables/val_cost_runs.tsv --y theta_r3_deg --by W,dt,rest_energy --size W",
+    "repose stats cost build/tables/val_cost_runs.tsv -y theta_r3_deg --by W,dt,rest_energy --size W",
     cost_params,
     .on_table = cost_of_table};

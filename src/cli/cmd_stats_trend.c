@@ -27,8 +27,8 @@ typedef struct {
     CLI_WHERE(options)
 
 #define TABLE_HELP                                                                                           \
-    "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if\n"    \
-    "there is such a column) does not start with ok, or with nan in a column, are left out and counted.\n"
+    "TABLE (- for standard input): one row per run, as repose sweep export writes. Rows are left out\n"      \
+    "and counted (n_left) if a column holds nan, or a status that does not start with ok."
 /* clang-format on */
 
 static const rp_param trend_params[] = {
@@ -37,7 +37,7 @@ static const rp_param trend_params[] = {
      "straight line in x, or in log10 x"},
     {"margin", "y", RP_REAL, offsetof(options, margin), "1", "(0, inf)",
      "largest change that counts as none"},
-    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
+    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "significance level of the tests"},
     {"pair", "", RP_BOOL, offsetof(options, pair), "false", "",
      "compare rows of the same pile (column pile)"},
     {0}};
@@ -276,30 +276,32 @@ static rp_status size_of_table(rp_table *table, const void *values)
 const cli_command cmd_stats_trend = {
     "stats trend",
     "does a column of a table of runs depend on another?",
-    "TABLE --x COLUMN --y COLUMN [options]",
-    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
-    "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as\n"
-    "they appear.\n"
-    "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of\n"
-    "90 %;\n"
-    "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
-    "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest\n"
-    "difference of the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for\n"
-    "far more.\n"
-    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
-    "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
-    "repose stats trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
+    "TABLE -x COLUMN -y COLUMN [options]",
+    "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x; with\n"
+    "--pair, from the slopes of single piles that have a row at every x. Words in column x count as\n"
+    "0, 1, ... in the order in which they appear.\n"
+    "  change    of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"
+    "            change_lo90, change_hi90: 90 % interval\n"
+    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the number of groups\n"
+    "  bend      coefficient of x^2 in a quadratic fit\n"
+    "  p_margin  equivalence test (TOST): chance of a change this small if the true one were the margin\n"
+    "  pair      largest difference of the means at two x; p_pairs: largest TOST p over all pairs of x,\n"
+    "            a much stricter test\n"
+    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
+    "            falls_within_margin or rises_within_margin if both; undecided if neither; "
+    "no_result\n" TABLE_HELP,
+    "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
     .on_table = trend_of_table};
 
 const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
-    "TABLE --x COLUMN --y COLUMN [options]",
+    "TABLE -x COLUMN -y COLUMN [options]",
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the "
     "means.\n" TABLE_HELP,
-    "repose stats size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
+    "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
     .on_table = size_of_table};
