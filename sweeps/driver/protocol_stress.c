@@ -352,7 +352,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 /* A short run through all phases, of a small pile that is hardly at rest. */
 static rp_status fingerprint(char digits[33])
 {
-    stress_params p;
+    stress_params p = {0}; /* the schema does not have every field */
     sweep_result result;
     static const int hashed[] = {OUT_theta_r3_deg,
                                  OUT_theta_t_displacement_deg,
