@@ -104,8 +104,12 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
-	@sh tests/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
+$(B)/mutants: tests/mutate/mutants.c
+	@mkdir -p $(@D)
+	@$(CC) $(CPPFLAGS) $(CFLAGS) $< -o $@
+
+mutate: $(B)/mutants | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
 # ---- Sweeps and models -> tables -> figures and report
 
