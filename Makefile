@@ -7,8 +7,6 @@ B       := build
 T       := $(B)/tables
 JOBS    ?= $(shell nproc)
 CC      := gcc
-WERROR  :=
-SAN     :=
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
            -Wno-missing-field-initializers $(WERROR) $(SAN)
@@ -122,8 +120,8 @@ owner     = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s
 # Those of studies are drawn where the tables in results are there.
 tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
 lacks     = $(strip $(foreach t,$(call tables_of,$(1)),$(if $(filter $(STUDIES),$(call owner,$(t:.tsv=))),$(if $(wildcard results/$(t)),,$(t)))))
-FIGURES  = $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp))) $(BEYOND)
-BEYOND   = $(foreach f,$(basename $(notdir $(wildcard figures/studies/*.gp))),$(if $(call lacks,$(f)),,$(f)))
+FIGURES   = $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp))) \
+            $(foreach f,$(basename $(notdir $(wildcard figures/studies/*.gp))),$(if $(call lacks,$(f)),,$(f)))
 CHECKED := $(filter-out bench,$(basename $(notdir $(wildcard figures/val/*.gp))))
 VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(basename $(notdir $(wildcard validation/*.c))))
 # A table is stale when any code but the commit's name has changed.
@@ -132,11 +130,11 @@ vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
 # Each core works on a sweep of its own, so that none waits for the last run of another; what takes longest comes first.
 LONGEST := lh5 lh2b lh_gamma lh3
+make_report = $(REPOSE) report figures/paper-repro.md.in --tables results,$(T)
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg)
-	@$(REPOSE) report figures/paper-repro.md.in --tables results,$(T) -o $(B)/paper-repro.md
-	@echo "report  $(B)/paper-repro.md"
+	@$(make_report) -o $(B)/paper-repro.md && echo "report  $(B)/paper-repro.md"
 
 validate: $(REPOSE) ## the validation at full size, tables and figures
 	@$(MAKE) -s -j$(JOBS) $(B)/check
@@ -184,8 +182,7 @@ fig-%: $(B)/figures/%.svg
 
 SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
 report: figures validate $(T)/bench.tsv ## paper-repro.md and the pictures that it and README show, from the tables
-	@mkdir -p figures/shown
-	@$(REPOSE) report figures/paper-repro.md.in --tables results,$(T) -o paper-repro.md
+	@$(make_report) -o paper-repro.md
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 
 # Speed, against LAMMPS and LIGGGHTS where they are installed; for a quiet machine, an hour. Starts are kept.

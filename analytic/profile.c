@@ -88,7 +88,7 @@ rp_status an_profile_force(const an_profile *profile, double x, an_force *force)
 rp_status an_profile_largest(const an_profile *profile, double *x, double *N)
 {
     const double left = profile->v[0].x, right = profile->v[profile->n - 1].x;
-    double place = left, most = 0;
+    double first = left, most = 0;
     for (size_t i = 0; i < profile->n; i++)
         for (int side = -1; side <= 1; side += 2) {
             const double at = fmin(fmax(profile->v[i].x + side * LEAN * profile->v[i].y, left), right);
@@ -97,9 +97,9 @@ rp_status an_profile_largest(const an_profile *profile, double *x, double *N)
             if (status) return status;
             if (!(force.N > most)) continue;
             most = force.N;
-            place = at;
+            first = at;
         }
-    *x = place;
+    *x = first;
     *N = most;
     return RP_OK;
 }

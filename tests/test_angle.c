@@ -311,7 +311,7 @@ static void test_surface_errors(void)
         memcpy(x, grain_x, sizeof x);
         x[i] = INFINITY;
         char text[32];
-        snprintf(text, sizeof text, "grain %d: place", i + 1);
+        snprintf(text, sizeof text, "grain %d: position", i + 1);
         CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, NULL, 2.13, &o, &s), RP_BAD_INPUT, text);
     }
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0: out of range");

@@ -162,7 +162,7 @@ static void base_of_known_loads(void)
     for (int i = 0; i < N; i++) load[i] = 0.0;
     CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "no load");
     load[0] = 1.0;
-    CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one place");
+    CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one position");
 }
 
 /* Flat profiles with a step D in the middle and noise in each bin. */

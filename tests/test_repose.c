@@ -620,7 +620,7 @@ static void test_stands(void)
         if (quasi_static) {
             CU_ASSERT(tilt >= 600.0 * 5010.0 && tilt < 605.0 * 5010.0); /* some wait longer */
         } else {
-            CU_ASSERT_STRING_EQUAL(result.message, "tilt: stands, by a criterion, at 60 degrees");
+            CU_ASSERT_STRING_EQUAL(result.message, "tilt: stable, by a criterion, at 60 degrees");
             CU_ASSERT(output(&result, "theta_t_energy_deg") > 0.5);
             CHECK_NEAR(tilt, 6000.0, 1.0); /* sums of 0.01 end just below 60, or above */
         }

@@ -1,4 +1,4 @@
-/* The angle toolkit: slopes of a pile's surface, and the angles at which theory lets it stand and slide.
+/* The angle toolkit: slopes of a pile's surface, and the angles up to which it is stable by theory.
  * Plain arrays in, plain numbers out; angles in radians, every length in one unit.
  *
  * Theory: Lee & Herrmann 1993, section 6. Equations (3) and (4) compare the force of the pile on a grain of
@@ -48,17 +48,23 @@ const char *ang_tilt_word(ang_tilt_status status);
 
 /* Equation (3) for any inclination of the rays: tan theta_ms = mu tan^2 phi. mu in [0, inf], where infinity
  * gives pi/2; phi in (0, pi/2). *extrapolated (may be NULL) is true if theta_ms >= phi: then a pile whose
- * flank is as steep as the rays stands, and (3) goes beyond its derivation. Errors: RP_BAD_INPUT. */
+ * flank is as steep as the rays is stable, and (3) is extrapolated beyond its derivation. Errors:
+ * RP_BAD_INPUT. */
 rp_status ang_marginal(double mu, double phi, double *theta_ms, bool *extrapolated);
 
 /* Friction that a pile of slope theta_r needs at the tilt theta_t: the right side of (4).
  * theta_r in [0, phi), theta_t in [0, limit of the form), phi in (0, pi/2). Errors: RP_BAD_INPUT. */
 rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi, double *mu);
 
-/* The tilt theta_t at which (4) asks for the friction mu. mu in [0, inf], theta_r in [0, pi/2), phi in
+/* The tilt theta_t at which (4) needs the friction mu. mu in [0, inf], theta_r in [0, pi/2), phi in
  * (0, pi/2). A pile without such a tilt is a result, not an error: see result->status.
  * Errors: RP_BAD_INPUT, RP_NO_MEMORY (a GSL solver is allocated), RP_BROKEN. */
 rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *result);
+
+/* Root of f between lo and hi, where its signs differ, by Brent's method to the given errors.
+ * Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, double hi, double absolute,
+                   double relative, double *root);
 
 /* ---- surface and slopes (surface.c) ---- */
 

@@ -22,10 +22,10 @@
  *                 (1 - mu t) u^3 + (t k - mu) u^2 - (k + mu t (2 + k)) u + (mu k - t) = 0.
  *             For mu t < 1 this is >= 0 at u = 0, -t (1 + mu^2)^2 <= 0 at u = mu, and rises at infinity:
  *             of three real roots the middle one, in [0, mu], is the tilt.
- * The tests use them; the program finds every root in one way, by bracketing.
+ * The tests use them; the program finds every root by bracketing.
  *
- * Limits: all forms but lattice end where F_B/F_A comes to 0 as ray A comes to run along the flank (for
- * printed: or as tan b grows beyond bounds); there T/N comes to cot a. */
+ * Limits: all forms but lattice end where F_B/F_A tends to 0 as ray A becomes parallel to the flank (for
+ * printed: or as tan b grows beyond bounds); there T/N tends to cot a. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_roots.h>
@@ -141,26 +141,27 @@ rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi
     return RP_OK;
 }
 
-static rp_status find_root(pile *s, double hi, double *root)
+rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, double hi, double absolute,
+                   double relative, double *root)
 {
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    if (!solver) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
-    gsl_function f = {excess, s};
-    int state = gsl_root_fsolver_set(solver, &f, 0.0, hi);
+    if (!solver) return rp_fail(RP_NO_MEMORY, "root: out of memory");
+    gsl_function function = {f, data};
+    int state = gsl_root_fsolver_set(solver, &function, lo, hi);
     bool found = false;
     for (int i = 0; i < MAX_ITERATIONS && !state && !found; i++) {
         state = gsl_root_fsolver_iterate(solver);
         found = gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver),
-                                       root_tolerance, 4.0 * GSL_DBL_EPSILON) == GSL_SUCCESS;
+                                       absolute, relative) == GSL_SUCCESS;
     }
     *root = gsl_root_fsolver_root(solver);
     gsl_root_fsolver_free(solver);
-    return found && !state ? RP_OK : rp_fail(RP_BROKEN, "tilt: root search failed: %s", gsl_strerror(state));
+    return found && !state ? RP_OK : rp_fail(RP_BROKEN, "root not found: %s", gsl_strerror(state));
 }
 
 /* The bracket [0, limit]. At 0 the excess is >= 0 because of (3) (sine, balanced and lattice are (3) there,
- * printed asks for cos phi times that). At the limit T/N = cot a, so the excess is negative exactly
- * if f + a < pi/2, with a = theta_r for sine and balanced; for lattice T/N comes to 1/t, the same
+ * printed needs cos phi times that). At the limit T/N = cot a, so the excess is negative exactly
+ * if f + a < pi/2, with a = theta_r for sine and balanced; for lattice T/N tends to 1/t, the same
  * condition. Then one root lies between: balanced and lattice by their closed forms; for sine, sin(f -
  * theta_r - 2 theta) = cos 2phi sin(f + theta_r) falls through its right side once, as a possible rise
  * ends below it. Otherwise there is none. (printed: by scanning phi, theta_r and mu over their ranges.) */
@@ -184,7 +185,7 @@ rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_til
     } else if (excess(0.0, &s) <= 0.0) { /* on the margin, or beyond it by round-off */
         result->theta_t = 0.0;
     } else {
-        status = find_root(&s, end, &result->theta_t);
+        status = ang_root(excess, &s, 0.0, end, root_tolerance, 4.0 * GSL_DBL_EPSILON, &result->theta_t);
         if (form == ANG_LATTICE && result->theta_t > M_PI_2 - phi) result->status = ANG_TILT_OK_PULLING;
     }
     return status;

@@ -10,14 +10,12 @@
  * whose mean is n (psi(n/2) - psi((n - 1)/2)) and not 1. The sum over groups, each scaled to the mean 1
  * (Bartlett), is chi2, on n_groups - 1 degrees of freedom.
  *
- * Both equations at once are not fitted: with one phi they ask for the same friction of a pile only if it
- * stands no tilt at all, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
+ * Both equations at once are not fitted: with one phi they need the same friction of a pile only if it
+ * fails without tilt, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
  * u)/ (1 - t u), rays near 45 degrees and twice the friction. What can be tested is by how much the two phi
  * differ, on common resamples of the piles. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_roots.h>
 #include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -31,7 +29,7 @@ static const double margin = 2e-4;            /* rad, between phi and where it e
 static const double tolerance = 1e-9;         /* of phi, rad */
 static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
 static const double root_tolerance = 1e-12;   /* of the interval's ends, rad */
-enum { SCAN = 48, ITERATIONS = 200, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
+enum { SCAN = 48, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
 
 /* A group as the fit sees it; var and cov of one pile. */
 typedef struct {
@@ -199,24 +197,10 @@ static double above_level(double phi, void *data)
 static rp_status profile_end(const problem *q, double phi, double end, double most, bool *open, double *at)
 {
     level_of_chi2 l = {q, most};
-    gsl_function f = {above_level, &l};
     *at = end;
     *open = above_level(end, &l) < 0.0;
     if (*open) return RP_OK;
-    gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    if (!solver) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
-    int code = gsl_root_fsolver_set(solver, &f, fmin(phi, end), fmax(phi, end));
-    for (int i = 0; i < ITERATIONS && code == GSL_SUCCESS; i++) {
-        code = gsl_root_fsolver_iterate(solver);
-        if (code) break;
-        code = gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver),
-                                      root_tolerance, 0.0);
-        if (code == GSL_SUCCESS) break;
-        if (code == GSL_CONTINUE) code = i + 1 < ITERATIONS ? GSL_SUCCESS : GSL_EMAXITER;
-    }
-    *at = gsl_root_fsolver_root(solver);
-    gsl_root_fsolver_free(solver);
-    return code ? rp_fail(RP_BROKEN, "phi: GSL: %s", gsl_strerror(code)) : RP_OK;
+    return ang_root(above_level, &l, fmin(phi, end), fmax(phi, end), root_tolerance, 0.0, at);
 }
 
 static rp_status fit_equation(problem *q, nlopt_opt optimiser, ang_phi *fit)

@@ -15,7 +15,7 @@ static rp_status check_grains(size_t n, const double x[], const double y[], cons
 {
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(x[i]) || !isfinite(y[i]))
-            return rp_fail(RP_BAD_INPUT, "grain %zu: place (%g, %g): finite numbers expected", i + 1, x[i],
+            return rp_fail(RP_BAD_INPUT, "grain %zu: position (%g, %g): finite numbers expected", i + 1, x[i],
                            y[i]);
         if (r && !(r[i] > 0.0 && isfinite(r[i])))
             return rp_fail(RP_BAD_INPUT, "grain %zu: radius = %g: out of range, allowed: (0, inf)", i + 1,

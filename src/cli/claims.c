@@ -2,6 +2,7 @@
 #include "cli/claims.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,24 +15,28 @@ static const char *const test_words[] = {CLI_CLAIM_TESTS(X)};
 static const bool needs_table[] = {CLI_CLAIM_TESTS(X)};
 #undef X
 
-enum {
-    ID,
-    OF,
-    PAPER,
-    PLACE,
-    SECTION,
-    TEST,
-    PUBLISHED,
-    PUBLISHED_SE,
-    SAMPLES,
-    MARGIN,
-    ANSWER,
-    AGAINST,
-    FORENSICS,
-    STATEMENT,
-    NOTE,
-    N_COLUMNS
-};
+/* The columns of text, and where they go. */
+#define TEXT(column, field)                                                                                  \
+    {                                                                                                        \
+        column, offsetof(cli_claim, field)                                                                   \
+    }
+static const struct {
+    const char *column;
+    size_t offset;
+} texts[] = {TEXT("id", id),
+             TEXT("of", of),
+             TEXT("paper", paper),
+             TEXT("place", place),
+             TEXT("section", section),
+             TEXT("test", test_word),
+             TEXT("published", published_text),
+             TEXT("published_se", se_text),
+             TEXT("answer", answer),
+             TEXT("against", against),
+             TEXT("forensics", forensics),
+             TEXT("statement", statement),
+             TEXT("note", note)};
+enum { N_TEXTS = sizeof texts / sizeof *texts };
 
 /* "-" stands for nothing. */
 static const char *text_of(const rp_table *t, size_t row, int column)
@@ -40,18 +45,19 @@ static const char *text_of(const rp_table *t, size_t row, int column)
     return strcmp(text, "-") == 0 ? "" : text;
 }
 
-static rp_status number_of(const rp_table *t, size_t row, int column, double otherwise, double *number)
+static rp_status number_of(const rp_table *t, size_t row, const char *name, double otherwise, double *number)
 {
+    const int column = rp_table_column(t, name);
     *number = otherwise;
     return *text_of(t, row, column) ? rp_table_number(t, row, column, false, number) : RP_OK;
 }
 
-static rp_status read_numbers(const rp_table *t, size_t row, const int columns[], cli_claim *c)
+static rp_status read_numbers(const rp_table *t, size_t row, cli_claim *c)
 {
-    rp_status status = number_of(t, row, columns[PUBLISHED], NAN, &c->published.value);
-    if (!status) status = number_of(t, row, columns[PUBLISHED_SE], 0.0, &c->published.se);
-    if (!status) status = number_of(t, row, columns[SAMPLES], 0.0, &c->samples);
-    return status ? status : number_of(t, row, columns[MARGIN], INFINITY, &c->margin);
+    rp_status status = number_of(t, row, "published", NAN, &c->published.value);
+    if (!status) status = number_of(t, row, "published_se", 0.0, &c->published.se);
+    if (!status) status = number_of(t, row, "samples", 0.0, &c->samples);
+    return status ? status : number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
 /* A variant takes the published number of its claim, which stands before it. */
@@ -93,29 +99,19 @@ static rp_status check(const cli_claims *all, const cli_claim *c)
     return RP_OK;
 }
 
-static rp_status read_claim(cli_claims *all, size_t row, const int columns[])
+static rp_status read_claim(cli_claims *all, size_t row)
 {
     const rp_table *t = &all->table;
     cli_claim *c = &all->claims[all->n];
-    *c = (cli_claim){.id = text_of(t, row, columns[ID]),
-                     .of = text_of(t, row, columns[OF]),
-                     .paper = text_of(t, row, columns[PAPER]),
-                     .place = text_of(t, row, columns[PLACE]),
-                     .section = text_of(t, row, columns[SECTION]),
-                     .published_text = text_of(t, row, columns[PUBLISHED]),
-                     .se_text = text_of(t, row, columns[PUBLISHED_SE]),
-                     .answer = text_of(t, row, columns[ANSWER]),
-                     .against = text_of(t, row, columns[AGAINST]),
-                     .forensics = text_of(t, row, columns[FORENSICS]),
-                     .statement = text_of(t, row, columns[STATEMENT]),
-                     .note = text_of(t, row, columns[NOTE])};
-    const char *word = text_of(t, row, columns[TEST]);
+    for (size_t k = 0; k < N_TEXTS; k++)
+        *(const char **)((char *)c + texts[k].offset) = text_of(t, row, rp_table_column(t, texts[k].column));
+    const char *word = c->test_word;
     for (c->test = 0; c->test < CLI_N_CLAIM_TESTS; c->test++)
         if (strcmp(word, test_words[c->test]) == 0) break;
     rp_status status = c->test < CLI_N_CLAIM_TESTS
                            ? RP_OK
                            : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, word);
-    if (!status) status = read_numbers(t, row, columns, c);
+    if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
     if (status) return rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]);
@@ -125,19 +121,16 @@ static rp_status read_claim(cli_claims *all, size_t row, const int columns[])
 
 rp_status cli_claims_read(const char *path, cli_claims *claims)
 {
-    static const char *const names[N_COLUMNS] = {
-        "id",      "of",     "paper",  "place",   "section",   "test",      "published", "published_se",
-        "samples", "margin", "answer", "against", "forensics", "statement", "note"};
-    int columns[N_COLUMNS];
     *claims = (cli_claims){0};
     rp_status status = rp_table_read_texts(path, &claims->table);
-    for (int k = 0; k < N_COLUMNS && !status; k++)
-        if ((columns[k] = rp_table_column(&claims->table, names[k])) < 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", path, names[k]);
+    for (size_t k = 0; k < N_TEXTS + 2 && !status; k++) {
+        const char *name = k < N_TEXTS ? texts[k].column : k == N_TEXTS ? "samples" : "margin";
+        if (rp_table_column(&claims->table, name) < 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", path, name);
+    }
     claims->claims = calloc(claims->table.n_rows + 1, sizeof *claims->claims);
     if (!status && !claims->claims) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    for (size_t row = 0; row < claims->table.n_rows && !status; row++)
-        status = read_claim(claims, row, columns);
+    for (size_t row = 0; row < claims->table.n_rows && !status; row++) status = read_claim(claims, row);
     return status;
 }
 
@@ -161,11 +154,6 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
 const char *cli_claim_test_word(cli_claim_test test)
 {
     return test_words[test];
-}
-
-bool cli_claim_needs_table(cli_claim_test test)
-{
-    return needs_table[test];
 }
 
 void cli_claim_published(const cli_claim *claim, char text[128])

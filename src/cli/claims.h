@@ -31,17 +31,13 @@ typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 /* "agrees", "same", ... */
 const char *cli_claim_test_word(cli_claim_test test);
 
-/* Whether a table answers claims of this test. */
-bool cli_claim_needs_table(cli_claim_test test);
-
 /* A row of figures/claims.tsv; the texts point into its table. */
 typedef struct {
     const char *id, *of, *paper, *place, *section, *published_text, *se_text, *answer, *against, *statement,
-        *note;
+        *note, *test_word, *forensics;
     cli_claim_test test;
     stats_number published; /* NaN: none */
     double samples, margin; /* 0: not said; INFINITY: none */
-    const char *forensics;
 } cli_claim;
 
 typedef struct {

@@ -8,6 +8,7 @@
 #include "core/params.h"
 #include "core/status.h"
 #include "core/table.h"
+#include "sweeps/driver/sweep.h"
 
 /* One command: text of --help, options of the parser, and the function that acts on their values. Options of
  * one letter take one dash. A first word of the synopsis in capitals is an argument, with three dots after it
@@ -39,6 +40,9 @@ bool cli_given(const char *name);
 /* Read a table, and keep the rows that meet the option --where of the command's options `values`, if it has
  * one. Free with rp_table_free, also after an error. Errors: those of rp_table_read and rp_table_where. */
 rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
+
+/* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
+rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
@@ -114,6 +118,23 @@ size_t cli_rows_end(const cli_rows *rows, size_t first);
 /* The header line that says how many rows count. */
 void cli_rows_note(const rp_table *table, const cli_rows *rows);
 
+/* Values of the options --points and --at. */
+typedef struct {
+    long points;    /* -1: not given */
+    const char *at; /* "auto": not given */
+} cli_positions;
+
+/* clang-format off */
+#define CLI_POSITIONS(type, field)                                                                           \
+    {"points", "", RP_INT, offsetof(type, field.points), "auto", "[2, 10000000] | auto",                     \
+     "number of equidistant positions from 0 to B; auto: 201 unless --at is given"},                                      \
+    {"at", "", RP_TEXT, offsetof(type, field.at), "auto", "", "positions as fractions of B, as in 0.1,0.25"}
+/* clang-format on */
+
+/* The positions as a new array (free it) of fractions of the base.
+ * Errors: RP_USAGE (both given), RP_BAD_INPUT (not numbers in [0, 1]), RP_NO_MEMORY. */
+rp_status cli_positions_read(const cli_positions *asked, double **x, size_t *n);
+
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
 typedef struct {
     size_t n_groups;
@@ -129,6 +150,10 @@ void cli_groups_free(cli_groups *groups);
 
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void cli_column_unit(const rp_table *table, int column, char unit[32]);
+
+/* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
+ * before its own. Errors: RP_BAD_INPUT. */
+rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
 
 /* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);

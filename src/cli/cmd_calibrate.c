@@ -5,7 +5,6 @@
 
 #include "stats/calibrate.h"
 #include "cli/cli.h"
-#include "cli/progress.h"
 #include "core/random.h"
 
 typedef struct {
@@ -31,8 +30,7 @@ static const rp_param params[] = {
      "folder of that sweep; runs that it holds are not made again"},
     {"runs", "", RP_TEXT, offsetof(options, runs), "", "",
      "table of piles in place of a sweep, as repose sweep export writes"},
-    {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-     "worker processes; auto: one a processor"},
+    CLI_WORKERS(options),
     {"bootstrap", "", RP_INT, offsetof(options, bootstrap), "500", "[2, 100000]",
      "resamples of the piles, to check error and interval"},
     {"verify", "", RP_INT, offsetof(options, verify), "0", "[0, 100000]",
@@ -40,8 +38,7 @@ static const rp_param params[] = {
     {"planted", "", RP_TEXT, offsetof(options, planted), "sweeps/studies/calibrate_planted.cfg", "",
      "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "
      "half of the response's own"},
-    {"seed", "", RP_INT, offsetof(options, seed), "1993", "[0, 2147483647]",
-     "seed of the resamples and of hold-out"},
+    CLI_SEED(options, "1993", "seed of the resamples and of hold-out"),
     {0}};
 
 enum { N_ANGLES = 2 };
@@ -53,7 +50,7 @@ static const char *const angle_columns[N_ANGLES] = {"theta_r3_deg", "theta_t_dis
 typedef struct {
     rp_table table;
     char path[4096];
-    double *block;
+    cli_rows rows;
     size_t n_angles, angle[N_ANGLES]; /* angles that there are */
     stats_ensemble piles;             /* all of them, with result */
 } source;
@@ -61,7 +58,7 @@ typedef struct {
 static void source_free(source *s)
 {
     rp_table_free(&s->table);
-    free(s->block);
+    cli_rows_free(&s->rows);
 }
 
 /* Run what is missing of a sweep and leave its rows as a table in its folder. */
@@ -80,20 +77,15 @@ static rp_status run_sweep(const char *file, const char *folder, long workers, c
 /* The names under --fit, one or two, as column numbers. */
 static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int columns[STATS_MAX_PARAMS])
 {
-    char name[64];
-    *n = 0;
-    for (const char *p = fit; *p; p += strcspn(p, ","), p += *p == ',') {
-        if (*n == STATS_MAX_PARAMS)
-            return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": at most two parameters", fit);
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(p, ","), p);
-        columns[*n] = rp_table_column(t, name);
-        if (columns[*n] < 0)
-            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\": the piles must vary it", t->path, name);
-        if (*n > 0 && columns[0] == columns[1])
-            return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
-        ++*n;
+    rp_status status = cli_column_list(t, fit, STATS_MAX_PARAMS, n, columns);
+    if (status) {
+        char why[512];
+        snprintf(why, sizeof why, "%s", rp_message());
+        return rp_fail(status, "%s: the piles must vary it", why);
     }
-    return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "--fit = \"\": a parameter expected");
+    return *n < 2 || columns[0] != columns[1]
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
 }
 
 /* The response is a function of the parameters sought: nothing else may vary. */
@@ -110,39 +102,28 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
     return RP_OK;
 }
 
-/* Columns of the rows with result as arrays: parameters first, then the angles that there are. */
+/* Columns of the rows with result: parameters first, then the angles that there are. */
 static rp_status read_piles(source *s, const char *fit)
 {
     const rp_table *t = &s->table;
-    int columns[STATS_MAX_PARAMS + N_ANGLES], status_column = rp_table_column(t, "status");
-    size_t n_params, n_columns;
-    if (status_column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"status\"", t->path);
+    char names[256];
+    int columns[STATS_MAX_PARAMS];
+    size_t n_params, used = (size_t)snprintf(names, sizeof names, "%.128s", fit);
     rp_status status = find_fit(t, fit, &n_params, columns);
     if (!status) status = refuse_others(t, n_params, columns);
     if (status) return status;
-    n_columns = n_params;
     for (size_t a = 0; a < N_ANGLES; a++) {
-        columns[n_columns] = rp_table_column(t, angle_columns[a]);
-        if (columns[n_columns] < 0) continue;
+        if (rp_table_column(t, angle_columns[a]) < 0) continue;
         s->angle[s->n_angles++] = a;
-        n_columns++;
+        used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
     }
-    s->block = malloc((n_columns * t->n_rows + 1) * sizeof *s->block);
-    if (!s->block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    for (size_t i = 0; i < t->n_rows; i++) {
-        if (strncmp(t->cells[i * t->n_columns + (size_t)status_column], "ok", 2) != 0) continue;
-        for (size_t c = 0; c < n_columns; c++) {
-            status = rp_table_number(t, i, columns[c], c >= n_params, s->block + c * t->n_rows + s->piles.n);
-            if (status) return status;
-        }
-        s->piles.n++;
-    }
+    status = cli_rows_read(t, names, false, &s->rows);
+    s->piles.n = s->rows.n;
     s->piles.n_params = n_params;
     s->piles.n_angles = s->n_angles;
-    for (size_t p = 0; p < n_params; p++) s->piles.x[p] = s->block + p * t->n_rows;
-    for (size_t a = 0; a < s->n_angles; a++) s->piles.angle[a] = s->block + (n_params + a) * t->n_rows;
-    if (s->piles.n == 0) return rp_fail(RP_NO_RESULT, "%s: no pile with a result", t->path);
-    return RP_OK;
+    for (size_t p = 0; p < n_params; p++) s->piles.x[p] = s->rows.column[p];
+    for (size_t a = 0; a < s->n_angles; a++) s->piles.angle[a] = s->rows.column[n_params + a];
+    return status;
 }
 
 /* Is an angle in the table for any pile? A protocol that did not measure it leaves nan. */
@@ -238,6 +219,17 @@ static const char *fit_name(const char *fit, size_t p, char name[64])
 
 /* ---- a measurement ---- */
 
+/* Of all solutions together; NaN without one. */
+static double lower_limit(const stats_calibrated *f)
+{
+    return f->n_solutions ? f->solutions[0].lower : NAN;
+}
+
+static double upper_limit(const stats_calibrated *f)
+{
+    return f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+}
+
 static void print_found(const options *o, size_t n_params, const stats_calibrated found[])
 {
     char name[64];
@@ -260,8 +252,7 @@ static rp_status conclude(const options *o, size_t n_params, const stats_calibra
     for (size_t p = 0; p < n_params; p++) {
         const stats_calibrated *f = &found[p];
         if (f->status == STATS_CALIBRATED_OK) continue;
-        double lower = f->n_solutions ? f->solutions[0].lower : NAN;
-        double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
+        const double lower = lower_limit(f), upper = upper_limit(f);
         fit_name(o->fit, p, name);
         if (!isnan(lower) && !isnan(upper))
             snprintf(text, sizeof text, "; %g <= %s <= %g", lower, name, upper);
@@ -360,11 +351,6 @@ static rp_status make_trial(const source *response, const source *planted, const
     return status;
 }
 
-static double width(const stats_calibrated *f)
-{
-    return f->status == STATS_CALIBRATED_OK ? f->solutions[0].upper - f->solutions[0].lower : NAN;
-}
-
 /* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
 static bool note_coverage(const trial *t, const options *o)
 {
@@ -380,7 +366,7 @@ static bool note_coverage(const trial *t, const options *o)
             if (f->status != STATS_CALIBRATED_OK) continue;
             ok++;
             ok_covered += t->cases[k].covered[p];
-            sum += width(f);
+            sum += f->solutions[0].upper - f->solutions[0].lower;
         }
         snprintf(key, sizeof key, "covered_%s_%s", mask_word(t->mask), fit_name(o->fit, p, name));
         rp_table_note(stdout, key, "%zu of %zu", covered, t->n);
@@ -405,19 +391,12 @@ static void print_cases(const trial *t, const options *o)
         for (size_t p = 0; p < t->n_params; p++) {
             const stats_case *c = &t->cases[k];
             const stats_calibrated *f = &c->found[p];
-            double lower = f->n_solutions ? f->solutions[0].lower : NAN;
-            double upper = f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
-            const double *m = c->measured.angle, *e = c->measured.error;
-            bool r = t->mask & 1, both = t->mask == 3;
+            double angle[N_ANGLES] = {NAN, NAN}, error[N_ANGLES] = {NAN, NAN};
+            for (size_t a = 0, i = 0; a < N_ANGLES; a++)
+                if (t->mask & 1u << a) angle[a] = c->measured.angle[i], error[a] = c->measured.error[i++];
             printf("%s\t%s\t", mask_word(t->mask), fit_name(o->fit, p, name));
-            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], r ? m[0] : NAN, r ? e[0] : NAN,
-                         both ? m[1]
-                         : r  ? NAN
-                              : m[0],
-                         both ? e[1]
-                         : r  ? NAN
-                              : e[0],
-                         f->value, f->se, lower, upper, c->covered[p]);
+            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], angle[0], error[0], angle[1],
+                         error[1], f->value, f->se, lower_limit(f), upper_limit(f), c->covered[p]);
         }
 }
 

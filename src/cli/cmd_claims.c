@@ -15,13 +15,13 @@ typedef struct {
 
 static const rp_param options[] = {
     {"tables", "", RP_TEXT, offsetof(claims_options, tables), "results,build/tables", "",
-     "folders of the tables, joined by commas; the first that has a table counts"},
-    {"claims", "", RP_TEXT, offsetof(claims_options, claims), "figures/claims.tsv", "", "the claims"},
+     "folders of tables, joined by commas; a table is read from the first folder that holds it"},
+    {"claims", "", RP_TEXT, offsetof(claims_options, claims), "figures/claims.tsv", "", "file of the claims"},
     {"paper", "", RP_CHOICE, offsetof(claims_options, paper), "all", "all | lh | li | ours",
      "claims of one paper"},
     {"id", "", RP_TEXT, offsetof(claims_options, id), "all", "", "one claim, with its variants"},
     {"variants", "", RP_BOOL, offsetof(claims_options, variants), "false", "",
-     "also the claims of a paper under other choices; they do not count"},
+     "also the claims under other choices that a paper leaves open; the header does not count them"},
     {"published", "", RP_BOOL, offsetof(claims_options, published), "false", "",
      "only the published numbers, for figures; reads no tables"},
     {0}};
@@ -121,11 +121,13 @@ const cli_command cmd_claims = {
     "claims",
     "published claims and their verdicts",
     "[options]",
-    "Every claim of both papers with its verdict; first, as notes, how many have which verdict.\n"
-    "reproduced, not reproduced: as the claim's test says, see figures/claims.tsv; undecided: our error\n"
-    "or the paper's is too large, or the verdict depends on the reading of the paper's +-; can't be\n"
-    "tested: with the reason; by eye: a picture without a number; no data: the table that answers has\n"
-    "not been made.\n"
+    "Every claim of both papers with its verdict. The header counts the claims with each verdict.\n"
+    "  reproduced, not reproduced   result of the claim's test, which figures/claims.tsv names\n"
+    "  undecided         our error or the paper's is too large, or the two readings of the paper's +-\n"
+    "                    (standard error, standard deviation) give different verdicts\n"
+    "  can't be tested   for the reason given\n"
+    "  by eye            the claim is a picture without a number\n"
+    "  no data           the table with our value has not been made\n"
     "Claims of paper `ours` are this program's own, beyond the papers.",
     "repose claims --paper lh",
     options,

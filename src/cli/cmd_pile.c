@@ -144,7 +144,9 @@ static rp_status write_tables(const options *o, const sweep_solved *s, const swe
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->directory ? sweep_pile_write(s, o->directory, write_header) : RP_OK;
+    return *o->directory
+               ? sweep_pile_write(s, &(sweep_tables){.directory = o->directory, .header = write_header})
+               : RP_OK;
 }
 
 /* Options that would have no effect beside others. */
@@ -325,20 +327,20 @@ static const cli_command command = {
     "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n       [--disorder S [--seed N] "
     "[--piles N]] [--summary | --threshold] [-o DIR]",
     "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
-    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left; N is the normal force of\n"
-    "the ground on it, H the force of the pile on the ground there, positive to the right. Beside them\n"
-    "what diagonal contacts alone would carry, the exact limit of hard disks in which no contact within\n"
-    "a row closes, and the columns in chi g B of `repose continuum`. The header tells whether the state\n"
-    "is stable: negative_modes counts the directions in which it is not. The primary state need not be:\n"
-    "it is a result all the same, exit status 0, and a note on standard error tells.\n"
+    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of\n"
+    "the ground on the disk, H the horizontal force of the disk on the ground, positive to the right.\n"
+    "Further columns: N and H of diagonal contacts alone, the exact limit of hard disks in which no\n"
+    "contact within a row closes; N and H in chi g B, as in `repose continuum`. negative_modes in the\n"
+    "header counts the unstable directions. An unstable primary state is a result all the same: exit\n"
+    "status 0, with a note on standard error.\n"
     "\n"
-    "Without an equilibrium: exit status 1, a message that names disks and wells, in the tables of -o\n"
-    "the state in which the solve was given up, and one of these statuses.\n"
+    "Without an equilibrium: exit status 1, a message that names disks and wells, and one of these\n"
+    "statuses. The tables of -o then hold the last state of the solver.\n"
     "  spreads        wells broke, and neighbours slid apart\n"
-    "  collapses      they did so though no well broke: toppled, or disks or springs too soft\n"
+    "  collapses      neighbours slid apart although no well broke: toppled, or disks or springs too soft\n"
     "  creeps         with --set-again: wells are set anew without end\n"
     "  meets          disks overlap that were no neighbours\n"
-    "  not_converged  the solver gave up\n"
+    "  not_converged  the solver did not converge\n"
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     schema,

@@ -11,15 +11,12 @@
 
 typedef struct {
     const char *tables, *claims, *output;
-    bool needs;
 } report_options;
 
 static const rp_param options[] = {
     {"tables", "", RP_TEXT, offsetof(report_options, tables), "results,build/tables", "",
-     "folders of the tables, joined by commas; the first that has a table counts"},
-    {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "the claims"},
-    {"needs", "", RP_BOOL, offsetof(report_options, needs), "false", "",
-     "print the names of the tables that the text and the claims name"},
+     "folders of tables, joined by commas; a table is read from the first folder that holds it"},
+    {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "file of the claims"},
     {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
     {0}};
 
@@ -38,33 +35,28 @@ static const char no_data[] = "no data";
 
 /* ---- tables ---- */
 
-static rp_status fill_number(report *r, const char *reference)
+/* A cell's text under a format, or with "+-" its number with the error. */
+static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
+{
+    stats_number number;
+    const char *text = cli_cell_text(cell, cell->column);
+    if (format && strcmp(format, "+-") == 0) {
+        rp_status status = cli_cell_number(cell, &number);
+        if (!status) cli_print_number(r->out, number);
+        return status;
+    }
+    return text ? cli_print_text(r->out, text, format)
+                : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, cell->column);
+}
+
+static rp_status fill_cell(report *r, const char *reference, const char *format)
 {
     cli_cell cell;
-    stats_number number;
     rp_status status = cli_cell_find(r->options->tables, reference, &cell);
     if (!status && cell.missing)
         fputs(no_data, r->out);
-    else if (!status && (status = cli_cell_number(&cell, &number)) == RP_OK)
-        cli_print_number(r->out, number);
-    cli_cell_free(&cell);
-    return status;
-}
-
-/* The last word may be a format. */
-static rp_status fill_cell(report *r, char *reference)
-{
-    cli_cell cell;
-    char *format = strstr(reference, " %");
-    if (format) *format++ = '\0';
-    rp_status status = cli_cell_find(r->options->tables, reference, &cell);
-    if (!status && cell.missing) {
-        fputs(no_data, r->out);
-    } else if (!status) {
-        const char *text = cli_cell_text(&cell, cell.column);
-        status = text ? cli_print_text(r->out, text, format)
-                      : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell.path, cell.column);
-    }
+    else if (!status)
+        status = fill_text(r, &cell, format);
     cli_cell_free(&cell);
     return status;
 }
@@ -91,18 +83,10 @@ static rp_status fill_note(report *r, const cli_words *w)
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
 static rp_status fill_column(report *r, cli_cell *cell, char *word)
 {
-    stats_number number;
     char *format = strchr(word, ':');
     if (format) *format = '\0';
     cell->column = word;
-    rp_status status = RP_OK;
-    if (format && strcmp(format + 1, "+-") == 0) {
-        if ((status = cli_cell_number(cell, &number)) == RP_OK) cli_print_number(r->out, number);
-    } else {
-        const char *text = cli_cell_text(cell, word);
-        status = text ? cli_print_text(r->out, text, format ? format + 1 : NULL)
-                      : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, word);
-    }
+    rp_status status = fill_text(r, cell, format ? format + 1 : NULL);
     if (format) *format = ':';
     return status;
 }
@@ -232,26 +216,20 @@ static rp_status fill_include(report *r, const char *pattern)
     return status;
 }
 
-/* The tables that a place asks for; those of claims are printed once, see cmd_report. */
-static rp_status print_needs(report *r, const cli_words *w)
-{
-    static const char *const words[] = {"value", "cell", "note", "rows"};
-    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
-        if (w->n > 1 && strcmp(w->words[0], words[k]) == 0) fprintf(r->out, "%s\n", w->words[1]);
-    return w->n > 1 && strcmp(w->words[0], "include") == 0 ? fill_include(r, w->words[1]) : RP_OK;
-}
-
 static rp_status fill_place(report *r, char *text)
 {
     cli_words w;
     rp_status status = cli_split(text, &w);
     if (status) return status;
-    if (r->options->needs) return print_needs(r, &w);
     if (w.n < 2) return rp_fail(RP_BAD_INPUT, "{{%s}}: a word and what it is of expected", text);
     char *rest = text + strspn(text, " ") + strlen(w.words[0]);
     const char *word = w.words[0], *first = w.words[1];
-    if (strcmp(word, "value") == 0) return fill_number(r, rest);
-    if (strcmp(word, "cell") == 0) return fill_cell(r, rest);
+    if (strcmp(word, "value") == 0) return fill_cell(r, rest, "+-");
+    if (strcmp(word, "cell") == 0) {
+        char *format = strstr(rest, " %"); /* the last word may be one */
+        if (format) *format++ = '\0';
+        return fill_cell(r, rest, format);
+    }
     if (strcmp(word, "note") == 0) return fill_note(r, &w);
     if (strcmp(word, "rows") == 0) return fill_rows(r, &w);
     if (strcmp(word, "published") == 0) return fill_verdict(r, first, true);
@@ -263,23 +241,18 @@ static rp_status fill_place(report *r, char *text)
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
 
-static void put(report *r, const char *text, size_t length)
-{
-    if (!r->options->needs) fwrite(text, 1, length, r->out);
-}
-
 static rp_status fill_line(report *r, char *line)
 {
     for (char *open; (open = strstr(line, "{{"));) {
         char *close = strstr(open, "}}");
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
-        put(r, line, (size_t)(open - line));
+        fwrite(line, 1, (size_t)(open - line), r->out);
         *close = '\0';
         rp_status status = fill_place(r, open + 2);
         if (status) return status;
         line = close + 2;
     }
-    put(r, line, strlen(line));
+    fputs(line, r->out);
     return RP_OK;
 }
 
@@ -299,26 +272,13 @@ static rp_status fill_file(report *r, const char *path)
     return status;
 }
 
-/* The tables that answer claims, one name a line. */
-static void print_claim_tables(const report *r)
-{
-    for (size_t i = 0; i < r->claims.n; i++) {
-        const cli_claim *c = &r->claims.claims[i];
-        if (!cli_claim_needs_table(c->test)) continue;
-        fprintf(r->out, "%.*s\n", (int)strcspn(c->answer, " "), c->answer);
-        if (strpbrk(c->against, " ")) fprintf(r->out, "%.*s\n", (int)strcspn(c->against, " "), c->against);
-    }
-}
-
 static rp_status fill_report(const void *values)
 {
     const report_options *o = values;
     report r = {.options = o, .template = cli_argument(0)};
     rp_status status = cli_claims_read(o->claims, &r.claims);
-    if (!status && (status = rp_file_open(o->output, &r.out)) == RP_OK) {
-        if (o->needs) print_claim_tables(&r);
+    if (!status && (status = rp_file_open(o->output, &r.out)) == RP_OK)
         status = rp_file_close(o->output, r.out, fill_file(&r, r.template));
-    }
     free(r.judged);
     cli_claims_free(&r.claims);
     return status;
@@ -327,7 +287,7 @@ static rp_status fill_report(const void *values)
 const cli_command cmd_report = {
     "report",
     "fill a report's template from tables",
-    "TEMPLATE [--tables DIR,...] [--needs] [-o FILE]",
+    "TEMPLATE [--tables DIR,...] [-o FILE]",
     "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all\n"
     "key=value.\n"
     "  {{value T k=v COL}}          value +- standard error\n"

@@ -20,15 +20,15 @@ typedef struct {
 
 static const rp_param options[] = {
     {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
-     "KEY=VALUE or GROUP.KEY=VALUE in place of the file's; may be repeated"},
+     "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated"},
     {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
-     "write states (of a sweep's run: energies) at this interval; auto: the final state (energies: 100)"},
+     "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)"},
     {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
      "folder for tables, instead of standard output"},
     {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
-     "where the energy goes, further columns of the energies; as `ledger = true` in a scene"},
+     "add the terms of the energy ledger to the energies; as `ledger = true` in a scene"},
     {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
-     "of a sweep file: number of the run, from 0"},
+     "number of the sweep's run, from 0"},
     {0}};
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -223,14 +223,15 @@ const cli_command cmd_run = {
     "simulate any scene, described in a file",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | SWEEP.cfg [--row N] [--every N] "
     "[--ledger] -o DIR",
-    "Simulate the scene that a file describes, and print the state of each grain: step, t (s), id, x, y\n"
-    "(cm), angle (rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts.\n"
-    "With -o: states.tsv, contacts.tsv, walls.tsv and energy.tsv in that folder.\n"
-    "A file with the key `protocol` is a sweep: one of its runs is made again, and its results are\n"
-    "printed. The folder has its tables: grains and contacts, energies, and of a box scene.cfg, which\n"
-    "runs to the same bits;\n"
-    "of a static pile disks, contacts, wells and the forces on the base. `repose params scene` lists\n"
-    "the keys of a scene file.",
+    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
+    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
+    "lists the keys of a scene file.\n"
+    "\n"
+    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
+    "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"
+    "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
+    "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     options,
     .act = run_any};

@@ -23,7 +23,7 @@ static const rp_param maximum_params[] = {
      "number of values that the maximum is taken of"},
     {"bootstrap", "", RP_INT, offsetof(maximum_options, bootstrap), "2000", "[2, 10000000]",
      "resamples of the values"},
-    {"seed", "", RP_INT, offsetof(maximum_options, seed), "1993", "[0, 2147483647]", "seed of the resamples"},
+    CLI_SEED(maximum_options, "1993", "seed of the resamples"),
     CLI_WHERE(maximum_options),
     {0}};
 

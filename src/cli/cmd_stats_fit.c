@@ -1,4 +1,5 @@
 /* repose stats fit: straight lines through the points of a table. */
+#include <gsl/gsl_permute_double.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
@@ -23,8 +24,7 @@ static const rp_param fit_params[] = {
     {"x", "", RP_TEXT, offsetof(fit_options, x), NULL, "", "column of x"},
     {"y", "", RP_TEXT, offsetof(fit_options, y), NULL, "", "column of y"},
     {"se", "", RP_TEXT, offsetof(fit_options, se), "none", "", "column of the standard errors of y"},
-    {"from", "", RP_REAL, offsetof(fit_options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},
-    {"to", "", RP_REAL, offsetof(fit_options, to), "1e308", "(-inf, inf)", "largest x that is used"},
+    CLI_RANGE(fit_options, "x"),
     {"scale", "", RP_CHOICE, offsetof(fit_options, scale), "linear", "linear | log",
      "straight line in x and y, or in their natural logarithms: a power law"},
     {"successive", "", RP_BOOL, offsetof(fit_options, successive), "false", "",
@@ -66,18 +66,11 @@ static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const 
 static rp_status sort_points(size_t n, size_t used, double *block)
 {
     size_t *order = malloc((used + 1) * sizeof *order);
-    double *sorted = malloc((used + 1) * sizeof *sorted);
-    if (order && sorted) {
-        gsl_sort_index(order, block, 1, used);
-        for (size_t c = 3; c-- > 0;) { /* x last: the order is found from it */
-            for (size_t i = 0; i < used; i++) sorted[i] = block[c * n + order[i]];
-            memcpy(block + c * n, sorted, used * sizeof *sorted);
-        }
-    }
-    rp_status status = order && sorted ? RP_OK : rp_fail(RP_NO_MEMORY, "fit: out of memory");
+    if (!order) return rp_fail(RP_NO_MEMORY, "fit: out of memory");
+    gsl_sort_index(order, block, 1, used);
+    for (size_t c = 0; c < 3; c++) gsl_permute(order, block + c * n, 1, used);
     free(order);
-    free(sorted);
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
@@ -164,7 +157,7 @@ static rp_status fit_table(rp_table *table, const void *values)
 const cli_command cmd_stats_fit = {
     "stats fit",
     "straight line or power law through a table",
-    "TABLE --x COLUMN --y COLUMN [options]",
+    "TABLE -x COLUMN -y COLUMN [options]",
     "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
     "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
     "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
@@ -173,6 +166,6 @@ const cli_command cmd_stats_fit = {
     "line has p_value, or p_bend, of at least --level; nan if there is none.\n"
     "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
     "out.",
-    "repose stats fit build/tables/lh3.tsv --x mu --y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
+    "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
     .on_table = fit_table};

@@ -8,27 +8,6 @@
 
 #define N_OF(array) (sizeof(array) / sizeof *(array))
 
-enum { MOST_BY = 16, MOST_COLUMNS = MOST_BY + 16 };
-
-/* Print the header of a table whose first columns are those of `by`, before n_own of its own. */
-static rp_status print_columns(const rp_table *t, const char *by, size_t n_own, const char *const own[][2])
-{
-    const char *columns[MOST_COLUMNS][2];
-    char units[MOST_BY][32];
-    int column[MOST_BY];
-    size_t n_by = 0;
-    rp_status status = strcmp(by, "none") ? cli_column_list(t, by, MOST_BY, &n_by, column) : RP_OK;
-    if (status) return status;
-    for (size_t i = 0; i < n_by; i++) {
-        cli_column_unit(t, column[i], units[i]);
-        columns[i][0] = t->names[column[i]] ? t->names[column[i]] : "1";
-        columns[i][1] = units[i];
-    }
-    memcpy(columns + n_by, own, n_own * sizeof *columns);
-    rp_table_columns(stdout, n_by + n_own, (const char *const(*)[2])columns);
-    return RP_OK;
-}
-
 /* ---- threshold ---- */
 
 typedef struct {
@@ -37,9 +16,8 @@ typedef struct {
 } threshold_options;
 
 static const rp_param threshold_params[] = {
-    {"x", "", RP_TEXT, offsetof(threshold_options, x), NULL, "", "column of x"},
-    {"by", "", RP_TEXT, offsetof(threshold_options, by), "none", "",
-     "columns (a or a,b,...) whose different cells make the groups"},
+    CLI_TEXT(threshold_options, x, NULL, "column of x"),
+    CLI_BY(threshold_options, "none", "groups"),
     {"most", "", RP_TEXT, offsetof(threshold_options, most), "none", "",
      "column whose largest number among rows with result is printed too"},
     CLI_WHERE(threshold_options),
@@ -48,19 +26,17 @@ static const rp_param threshold_params[] = {
 static rp_status print_thresholds(const rp_table *t, const threshold_options *o, const cli_groups *g,
                                   const double *block, const int columns[2], int status_column)
 {
-    char unstable[80], stable[80], unit[32];
+    char own[256], unit[32];
     const size_t n = t->n_rows;
     const bool most = columns[1] >= 0, grouped = strcmp(o->by, "none") != 0;
     double *x = malloc((n + 1) * sizeof *x);
     bool *holds = malloc((n + 1) * sizeof *holds);
     rp_status status = x && holds ? RP_OK : rp_fail(RP_NO_MEMORY, "threshold: out of memory");
-    snprintf(unstable, sizeof unstable, "unstable_%s", o->x);
-    snprintf(stable, sizeof stable, "stable_%s", o->x);
     cli_column_unit(t, columns[0], unit);
-    const char *const own[][2] = {{"n", ""}, {unstable, unit}, {stable, unit}, {"mixed", ""}, {o->most, ""}};
-    const size_t n_own = N_OF(own) - !most;
+    snprintf(own, sizeof own, "n, unstable_%s [%s], stable_%s [%s], mixed%s%s", o->x, unit, o->x, unit,
+             most ? ", " : "", most ? o->most : "");
     cli_table(stdout, threshold_params, o);
-    if (!status) status = print_columns(t, o->by, n_own, own);
+    if (!status) status = cli_header_by(t, o->by, own);
     for (size_t k = 0; k < g->n_groups && !status; k++) {
         stats_threshold threshold;
         double largest = 0.0;
@@ -73,7 +49,7 @@ static rp_status print_thresholds(const rp_table *t, const threshold_options *o,
         }
         stats_threshold_find(used, x, holds, &threshold);
         if (grouped) printf("%s\t", g->words[k]);
-        rp_table_row(stdout, n_own,
+        rp_table_row(stdout, most ? 5 : 4,
                      (double[]){(double)used, threshold.fails_to, threshold.holds_from,
                                 (double)threshold.mixed, largest});
     }
@@ -103,12 +79,12 @@ static rp_status threshold_of_table(rp_table *t, const void *values)
 const cli_command cmd_stats_threshold = {
     "stats threshold",
     "where runs cease to fail as a parameter grows",
-    "TABLE --x COLUMN [options]",
+    "TABLE -x COLUMN [options]",
     "Where runs cease to fail as x grows, one row a group: unstable_x, the largest x of a row whose status\n"
     "is not ok; stable_x, the smallest x of one whose status is ok (x is the column's name); nan where\n"
     "there is no such row. mixed: rows with status ok below unstable_x. TABLE (- for standard input): one\n"
     "row a run.",
-    "repose stats threshold build/tables/li_smooth_runs.tsv --x mu --by alpha_deg,well",
+    "repose stats threshold build/tables/li_smooth_runs.tsv -x mu --by alpha_deg,well",
     threshold_params,
     .on_table = threshold_of_table};
 
@@ -119,9 +95,8 @@ typedef struct {
     rp_texts where;
 } cost_options;
 
-static const rp_param cost_params[] = {{"y", "", RP_TEXT, offsetof(cost_options, y), NULL, "", "column of y"},
-                                       {"by", "", RP_TEXT, offsetof(cost_options, by), NULL, "",
-                                        "columns (a or a,b,...) whose different cells make the settings"},
+static const rp_param cost_params[] = {CLI_TEXT(cost_options, y, NULL, "column of y"),
+                                       CLI_BY(cost_options, NULL, "settings"),
                                        {"size", "", RP_TEXT, offsetof(cost_options, size), "none", "",
                                         "columns that decide how long a step takes: the width of the box"},
                                        CLI_WHERE(cost_options),
@@ -130,12 +105,12 @@ static const rp_param cost_params[] = {{"y", "", RP_TEXT, offsetof(cost_options,
 static rp_status print_costs(const rp_table *t, const cost_options *o, const cli_groups *g,
                              const stats_cost costs[], int y_column)
 {
-    char unit[32];
+    char own[256], unit[32];
     cli_column_unit(t, y_column, unit);
-    const char *const own[][2] = {{"n", ""},         {"mean", unit},   {"sd", unit},  {"bias", unit},
-                                  {"bias_se", unit}, {"seconds", "s"}, {"cost", "s"}, {"front", ""}};
+    snprintf(own, sizeof own, "n, mean [%s], sd [%s], bias [%s], bias_se [%s], seconds [s], cost [s], front",
+             unit, unit, unit, unit);
     cli_table(stdout, cost_params, o);
-    rp_status status = print_columns(t, o->by, N_OF(own), own);
+    rp_status status = cli_header_by(t, o->by, own);
     for (size_t s = 0; s < g->n_groups && !status; s++) {
         const stats_cost *c = &costs[s];
         printf("%s\t", g->words[s]);
@@ -177,12 +152,12 @@ static rp_status cost_of_table(rp_table *t, const void *values)
 const cli_command cmd_stats_cost = {
     "stats cost",
     "time that a standard error of 1 takes, by setting",
-    "TABLE --y COLUMN --by COLUMNS [options]",
+    "TABLE -y COLUMN --by COLUMNS [options]",
     "Time that a standard error of 1 in y takes, one row a setting. sd: of y over its runs; bias: mean\n"
     "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the\n"
     "least time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where\n"
     "no other setting has both less cost and less bias. TABLE (- for standard input): one row a run,\n"
     "columns replica, seconds, steps, status; rows whose status is not ok are left out.",
-    "repose stats cost build/tables/val_cost_runs.tsv --y theta_r3_deg --by W,dt,rest_energy --size W",
+    "repose stats cost build/tables/val_cost_runs.tsv -y theta_r3_deg --by W,dt,rest_energy --size W",
     cost_params,
     .on_table = cost_of_table};

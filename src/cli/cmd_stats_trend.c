@@ -20,19 +20,15 @@ typedef struct {
 
 /* clang-format off */
 #define COLUMN_PARAMS(POWER)                                                                                 \
-    {"x", "", RP_TEXT, offsetof(options, x), NULL, "", "column of x"},                                       \
-    {"y", "", RP_TEXT, offsetof(options, y), NULL, "", "column of y"},                                       \
-    {"by", "", RP_TEXT, offsetof(options, by), "none", "",                                                   \
-     "columns (a or a,b,...) whose different cells make the groups"},                                        \
-    {"from", "", RP_REAL, offsetof(options, from), "-1e308", "(-inf, inf)", "smallest x that is used"},      \
-    {"to", "", RP_REAL, offsetof(options, to), "1e308", "(-inf, inf)", "largest x that is used"},            \
+    CLI_TEXT(options, x, NULL, "column of x"), CLI_TEXT(options, y, NULL, "column of y"),                    \
+    CLI_BY(options, "none", "groups"), CLI_RANGE(options, "x"),                                              \
     {"power", "", RP_REAL, offsetof(options, power), POWER, "[-10, 10]",                                     \
      "weights x^power: 2 where scatter falls as 1/x"},                                                       \
     CLI_WHERE(options)
 
 #define TABLE_HELP                                                                                           \
-    "TABLE (- for standard input): one row a run, as repose sweep export writes; rows whose status (if\n"    \
-    "there is such a column) does not start with ok, or with nan in a column, are left out and counted.\n"
+    "TABLE (- for standard input): one row per run, as repose sweep export writes. Rows are left out\n"      \
+    "and counted (n_left) if a column holds nan, or a status that does not start with ok."
 /* clang-format on */
 
 static const rp_param trend_params[] = {
@@ -41,25 +37,20 @@ static const rp_param trend_params[] = {
      "straight line in x, or in log10 x"},
     {"margin", "y", RP_REAL, offsetof(options, margin), "1", "(0, inf)",
      "largest change that counts as none"},
-    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
+    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "significance level of the tests"},
     {"pair", "", RP_BOOL, offsetof(options, pair), "false", "",
      "compare rows of the same pile (column pile)"},
     {0}};
 
 static const rp_param size_params[] = {COLUMN_PARAMS("2"), {0}};
 
-/* What is printed of a trend. */
-static const char *const trend_columns[][2] = {
-    {"n", ""},       {"n_left", ""},       {"n_x", ""},          {"x_from", "x"},
-    {"x_to", "x"},   {"slope", "y/x"},     {"slope_se", "y/x"},  {"dof", ""},
-    {"change", "y"}, {"change_se", "y"},   {"change_lo", "y"},   {"change_hi", "y"},
-    {"p_value", ""}, {"p_holm", ""},       {"bend", "y/x^2"},    {"bend_se", "y/x^2"},
-    {"p_bend", ""},  {"change_lo90", "y"}, {"change_hi90", "y"}, {"p_margin", ""},
-    {"pair", "y"},   {"pair_se", "y"},     {"p_pairs", ""}};
-static const char *const size_columns[][2] = {
-    {"n", ""},         {"n_x", ""},       {"x_from", "x"},   {"x_to", "x"},  {"limit", "y"},
-    {"limit_se", "y"}, {"limit_lo", "y"}, {"limit_hi", "y"}, {"c", "x y"},   {"c_se", "x y"},
-    {"c_lo", "x y"},   {"c_hi", "x y"},   {"p_value", ""},   {"p_holm", ""}, {"p_bend", ""}};
+#define TREND_COLUMNS                                                                                        \
+    "n, n_left, n_x, x_from [x], x_to [x], slope [y/x], slope_se [y/x], dof, change [y], change_se [y], "    \
+    "change_lo [y], change_hi [y], p_value, p_holm, bend [y/x^2], bend_se [y/x^2], p_bend, "                 \
+    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, verdict"
+#define SIZE_COLUMNS                                                                                         \
+    "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
+    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, status"
 
 static bool grouped(const options *o)
 {
@@ -179,17 +170,14 @@ static void print_size(const stats_trend *t, double p_holm)
 
 static void print_header(const rows *r, const options *o, bool size)
 {
-    const char *columns[N_OF(trend_columns) + 2][2] = {{o->by, ""}};
-    size_t n = grouped(o) ? 1 : 0, own = size ? N_OF(size_columns) : N_OF(trend_columns);
-    memcpy(columns + n, size ? size_columns : trend_columns, own * sizeof *columns);
-    n += own;
-    columns[n][0] = size ? "status" : "verdict";
-    columns[n][1] = "";
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s%s", grouped(o) ? o->by : "", grouped(o) ? ", " : "",
+             size ? SIZE_COLUMNS : TREND_COLUMNS);
     cli_table(stdout, size ? size_params : trend_params, o);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->n, r->n_failed, r->n_nan, r->n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_header(stdout, text);
 }
 
 static rp_status fit_groups(const rows *r, const options *o, bool size)
@@ -288,30 +276,32 @@ static rp_status size_of_table(rp_table *table, const void *values)
 const cli_command cmd_stats_trend = {
     "stats trend",
     "does a column of a table of runs depend on another?",
-    "TABLE --x COLUMN --y COLUMN [options]",
-    "Does y depend on x? One row a group: least squares, errors from the scatter at each x (with\n"
-    "--pair: of the slopes of single piles that have a row at every x). Words for x count 0, 1, ... as\n"
-    "they appear.\n"
-    "change: of the line over the whole range of x, lo and hi its 95 % interval, lo90 and hi90 that of\n"
-    "90 %;\n"
-    "p_value: two-sided, Student; p_holm: corrected for the number of groups; bend: coefficient of x^2;\n"
-    "p_margin: TOST, chance of so small a change if the true one were the margin; pair: largest\n"
-    "difference of the means at two x; p_pairs: the largest TOST p over all pairs of x, which asks for\n"
-    "far more.\n"
-    "verdict: falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
-    "falls_within_margin or rises_within_margin if both; undecided if neither; no_result.\n" TABLE_HELP,
-    "repose stats trend build/tables/lh2a_runs.tsv --x H --y theta_r3_deg --by mu",
+    "TABLE -x COLUMN -y COLUMN [options]",
+    "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x; with\n"
+    "--pair, from the slopes of single piles that have a row at every x. Words in column x count as\n"
+    "0, 1, ... in the order in which they appear.\n"
+    "  change    of the fitted line over the whole range of x; change_lo, change_hi: 95 % interval;\n"
+    "            change_lo90, change_hi90: 90 % interval\n"
+    "  p_value   of the slope, two-sided, Student's t; p_holm: corrected for the number of groups\n"
+    "  bend      coefficient of x^2 in a quadratic fit\n"
+    "  p_margin  equivalence test (TOST): chance of a change this small if the true one were the margin\n"
+    "  pair      largest difference of the means at two x; p_pairs: largest TOST p over all pairs of x,\n"
+    "            a much stricter test\n"
+    "  verdict   falls or rises if p_holm < level; no_dependence_within_margin if p_margin < level;\n"
+    "            falls_within_margin or rises_within_margin if both; undecided if neither; "
+    "no_result\n" TABLE_HELP,
+    "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
     .on_table = trend_of_table};
 
 const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
-    "TABLE --x COLUMN --y COLUMN [options]",
+    "TABLE -x COLUMN -y COLUMN [options]",
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the "
     "means.\n" TABLE_HELP,
-    "repose stats size build/tables/lh2b_runs.tsv --x W --y theta_r3_deg --by mu",
+    "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
     .on_table = size_of_table};

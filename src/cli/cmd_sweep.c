@@ -1,5 +1,4 @@
 /* repose sweep plan|run|status|export|digest|make */
-#include "cli/progress.h"
 
 #include <errno.h>
 #include <glob.h>
@@ -29,7 +28,7 @@ typedef struct {
 static const rp_param plan_options[] = {
     {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
     {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: as in the file"},
+     "runs per grid point; auto: the number in the file"},
     {0}};
 
 static rp_status act_plan(const void *values)
@@ -60,9 +59,7 @@ static const cli_command plan = {
     plan_options,
     .act = act_plan};
 
-static const rp_param run_options[] = {{"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-                                        "worker processes; auto: one per processor"},
-                                       {0}};
+static const rp_param run_options[] = {CLI_WORKERS(options), {0}};
 
 static rp_status act_run(const void *values)
 {
@@ -75,7 +72,7 @@ static rp_status act_run(const void *values)
 
 static const cli_command run = {
     "sweep run",
-    "make the missing runs",
+    "run what is planned and not yet stored",
     "DIR [-j N]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
     "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
@@ -211,11 +208,11 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
 static const rp_param make_options[] = {
     {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
     {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
-    {"j", "", RP_INT, offsetof(options, j), "auto", "[1, 4096] | auto",
-     "worker processes; auto: one per processor"},
+    CLI_WORKERS(options),
     {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: as in the file"},
-    {"study", "", RP_BOOL, offsetof(options, study), "false", "", "as many runs as `study` in the file"},
+     "runs per grid point; auto: the number in the file"},
+    {"study", "", RP_BOOL, offsetof(options, study), "false", "",
+     "runs per grid point: the number `study` of the file"},
     {0}};
 
 static rp_status act_make(const void *values)
@@ -232,7 +229,7 @@ static rp_status act_make(const void *values)
 
 static const cli_command make = {
     "sweep make",
-    "plan, run and write all tables",
+    "plan, run, and write all tables of the sweep file",
     "FILE -o DIR [--tables DIR] [-j N] [--replicas N | --study]",
     "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
     "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "analytic/analytic.h"
-#include "cli/positions.h"
+#include "cli/cli.h"
 
 typedef struct {
     double outer_deg, inner_deg, x_1;

@@ -128,6 +128,22 @@ void cli_column_unit(const rp_table *table, int column, char unit[32])
     snprintf(unit, 32, "%.*s", length ? length : 1, length ? units : "1");
 }
 
+rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
+{
+    char text[4096], unit[32];
+    int columns[MOST_BY];
+    size_t n = 0, used = 0;
+    rp_status status = strcmp(by, "none") ? cli_column_list(table, by, MOST_BY, &n, columns) : RP_OK;
+    for (size_t i = 0; i < n && !status; i++) {
+        const char *name = table->names[columns[i]];
+        cli_column_unit(table, columns[i], unit);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ", name ? name : "1", unit);
+    }
+    snprintf(text + used, sizeof text - used, "%s", own);
+    if (!status) rp_table_header(stdout, text);
+    return status;
+}
+
 rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
 {
     const bool grouped = strcmp(by, "none") != 0;

@@ -1,8 +1,8 @@
-/* Progress of a sweep on a terminal; see progress.h. */
-#include "cli/progress.h"
-
+/* Progress of a sweep on a terminal; see cli.h. */
 #include <math.h>
 #include <unistd.h>
+
+#include "cli/cli.h"
 
 /* "1:02:03" or "2:03"; "-" for NaN. */
 static const char *clock_text(double seconds, char *buffer, size_t size)

@@ -28,6 +28,12 @@ rp_status rp_prefix(rp_status status, const char *format, ...)
     return status;
 }
 
+rp_status rp_check_range(const char *name, double value, double lo, double hi, const char *allowed)
+{
+    if (value >= lo && value <= hi) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s", name, value, allowed);
+}
+
 const char *rp_message(void)
 {
     return message;

@@ -28,6 +28,10 @@ rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((form
 /* Prepend a prefix such as "file:line: " to the last recorded message; returns `status`. */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* RP_OK where lo <= value <= hi, else RP_BAD_INPUT with the range that is `allowed`. DBL_MIN and DBL_MAX
+ * stand for bounds that are open at 0 and infinity. */
+rp_status rp_check_range(const char *name, double value, double lo, double hi, const char *allowed);
+
 /* Message of the last failure in this thread; empty if there was none. */
 const char *rp_message(void);
 

@@ -45,15 +45,14 @@ void rp_table_header(FILE *out, const char *columns)
 {
     for (int names = 0; names < 2; names++) {
         fputs(names ? "# " : "# units: ", out);
-        for (const char *c = columns; *c; c += strspn(c, ", ")) {
-            const char *end = c + strcspn(c, ","), *unit = c + strcspn(c, ",[");
-            const int name = (int)(unit - c) - (*unit == '['); /* a blank before the bracket */
+        for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
+            end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
+            const char *unit = memchr(c, '[', (size_t)(end - c));
             if (c != columns) fputc('\t', out);
             if (names)
-                fprintf(out, "%.*s", name, c);
+                fprintf(out, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
             else
-                fprintf(out, "%.*s", *unit == '[' ? (int)(end - unit) - 2 : 1, *unit == '[' ? unit + 1 : "1");
-            c = end;
+                fprintf(out, "%.*s", unit ? (int)(end - unit) - 2 : 1, unit ? unit + 1 : "1");
         }
         fputc('\n', out);
     }
@@ -146,26 +145,15 @@ static rp_status read_all(const char *path, char **text)
 {
     FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
     if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    size_t size = 0, room = 1 << 16, n;
-    char *bytes = malloc(room);
+    size_t room = 0;
     errno = 0;
-    while (bytes && (n = fread(bytes + size, 1, room - size - 1, in)) > 0) {
-        size += n;
-        if (room - size > 1) continue;
-        char *more = realloc(bytes, room *= 2);
-        if (!more) free(bytes);
-        bytes = more;
-    }
-    int bad = ferror(in), why = errno;
+    ssize_t size = getdelim(text, &room, '\0', in);
+    const int why = errno;
+    const bool bad = ferror(in) != 0;
     if (in != stdin) fclose(in);
-    if (bad) {
-        free(bytes);
-        return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(why));
-    }
-    if (!bytes) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    bytes[size] = '\0';
-    *text = bytes;
-    return RP_OK;
+    if (size < 0 && *text) **text = '\0'; /* empty */
+    if (bad) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(why));
+    return *text ? RP_OK : rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
 }
 
 static size_t count_cells(const char *line, const char *blanks)

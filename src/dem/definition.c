@@ -3,7 +3,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 
 #include "dem/integrator.h"
 #include "dem/law.h"
@@ -62,9 +61,7 @@ const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
 
 static rp_status check_number(const char *name, double value, double lo, const char *allowed)
 {
-    return value >= lo && isfinite(value)
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s = %g: out of range, allowed: %s", name, value, allowed);
+    return rp_check_range(name, value, lo, DBL_MAX, allowed);
 }
 
 bool dem_has_rolling(const dem_definition *def)
@@ -74,46 +71,45 @@ bool dem_has_rolling(const dem_definition *def)
     return rolling;
 }
 
-static rp_status check_material(const dem_definition *def, const dem_material *c, const char *of)
+static rp_status check_material(const dem_definition *def, const dem_material *c)
 {
     rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
     if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
     if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
     if (!status && dem_has_friction(def->tangential))
         status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
-    if (!status && !(c->mu >= 0.0))
-        status = rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf) | infinite", c->mu);
-    if (!status && !(c->mu_roll >= 0.0 && isfinite(c->mu_roll)))
-        status = rp_fail(RP_BAD_INPUT, "mu_roll = %g: out of range, allowed: [0, inf)", c->mu_roll);
+    if (!status) status = rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite");
+    if (!status) status = check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)");
     if (!status) status = dem_material_check(def, c);
     if (!status && dem_has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
     if (!status && dem_has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
-    return status ? rp_prefix(status, "%s: ", of) : RP_OK;
+    return status;
+}
+
+rp_status dem_wall_check(const dem_wall *w)
+{
+    if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !isfinite(w->point[0] + w->point[1]))
+        return rp_fail(RP_BAD_INPUT, "direction = [%g, %g]: a unit vector expected", w->direction[0],
+                       w->direction[1]);
+    if (!(w->extent[0] < w->extent[1]))
+        return rp_fail(RP_BAD_INPUT, "extent = [%g, %g]: the first must be the smaller", w->extent[0],
+                       w->extent[1]);
+    if (!(w->open_speed >= 0.0) || (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
+        return rp_fail(RP_BAD_INPUT,
+                       "open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end",
+                       w->open_speed);
+    return RP_OK;
 }
 
 static rp_status check_walls(const dem_definition *def)
 {
-    for (size_t k = 0; k < def->n_walls; k++) {
-        const dem_wall *w = &def->walls[k];
-        char of[32];
-        snprintf(of, sizeof of, "wall %zu", k + 1);
-        rp_status status = check_material(def, &w->material, of);
-        if (status) return status;
-        if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) ||
-            !isfinite(w->point[0] + w->point[1]))
-            return rp_fail(RP_BAD_INPUT, "%s: direction = [%g, %g]: a unit vector expected", of,
-                           w->direction[0], w->direction[1]);
-        if (!(w->extent[0] < w->extent[1]))
-            return rp_fail(RP_BAD_INPUT, "%s: extent = [%g, %g]: the first must be the smaller", of,
-                           w->extent[0], w->extent[1]);
-        if (!(w->open_speed >= 0.0) ||
-            (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
-            return rp_fail(
-                RP_BAD_INPUT,
-                "%s: open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end", of,
-                w->open_speed);
+    rp_status status = RP_OK;
+    for (size_t k = 0; k < def->n_walls && !status; k++) {
+        status = check_material(def, &def->walls[k].material);
+        if (!status) status = dem_wall_check(&def->walls[k]);
+        if (status) rp_prefix(status, "wall %zu: ", k + 1);
     }
-    return RP_OK;
+    return status;
 }
 
 static rp_status check_ground(const dem_definition *def)
@@ -136,11 +132,9 @@ static rp_status check_hard(const dem_definition *def)
 {
     const dem_hard *hard = &def->hard;
     if (!hard->on) return RP_OK;
-    if (!(hard->restitution >= 0.0 && hard->restitution <= 1.0))
-        return rp_fail(RP_BAD_INPUT, "hard: restitution = %g: out of range, allowed: [0, 1]",
-                       hard->restitution);
-    if (!(hard->mu >= 0.0))
-        return rp_fail(RP_BAD_INPUT, "hard: mu = %g: out of range, allowed: [0, inf) | infinite", hard->mu);
+    rp_status status = rp_check_range("hard: restitution", hard->restitution, 0.0, 1.0, "[0, 1]");
+    if (!status) status = rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite");
+    if (status) return status;
     /* a pair that has just collided must not be held back */
     if (def->tension)
         return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
@@ -154,10 +148,9 @@ rp_status dem_refuse_turn(void)
 
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 {
-    if (!(p->r > 0.0) || !isfinite(p->r))
-        return rp_fail(RP_BAD_INPUT, "r = %g: out of range, allowed: (0, inf)", p->r);
-    if (!(p->m > 0.0) || !isfinite(p->m))
-        return rp_fail(RP_BAD_INPUT, "m = %g: out of range, allowed: (0, inf)", p->m);
+    rp_status status = check_number("r", p->r, DBL_MIN, "(0, inf)");
+    if (!status) status = check_number("m", p->m, DBL_MIN, "(0, inf)");
+    if (status) return status;
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
@@ -198,7 +191,8 @@ rp_status dem_scheme_check(const dem_definition *def)
 rp_status dem_definition_check(const dem_definition *def)
 {
     rp_status status = check_grain_values(def);
-    if (!status) status = check_material(def, &def->material, "particles");
+    if (!status && (status = check_material(def, &def->material)) != RP_OK)
+        return rp_prefix(status, "particles: ");
     if (!status) status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
@@ -207,16 +201,15 @@ rp_status dem_definition_check(const dem_definition *def)
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
                        def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
-    if (!(def->dt > 0.0) || !isfinite(def->dt))
-        return rp_fail(RP_BAD_INPUT, "dt = %g: out of range, allowed: (0, inf)", def->dt);
+    status = check_number("dt", def->dt, DBL_MIN, "(0, inf)");
+    if (!status) status = check_number("skin", def->skin, 0.0, "[0, inf)");
+    if (status) return status;
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
         !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
     if (!(fabs(def->box_turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
                        def->box_turn_per_step);
-    if (!(def->skin >= 0.0) || !isfinite(def->skin))
-        return rp_fail(RP_BAD_INPUT, "skin = %g: out of range, allowed: [0, inf)", def->skin);
     const char *what;
     double limit = dem_time_step_limit(def, &what);
     if (def->dt > limit)

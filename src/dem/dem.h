@@ -70,19 +70,17 @@ typedef struct {
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of what approaches fast; hard.h. Grains, or a grain and a wall, that would come to touch
- * in the coming step collide where they do, unless they close no faster than dt times the acceleration that
- * presses them together: eq (22), where the step would undo a rebound. They then overlap: a soft contact,
- * which lasts until they part. */
+/* Hard collisions of fast bodies; hard.h. Grains, or a grain and a wall, that would touch in the coming step
+ * collide at touch. If they close no faster than dt times the acceleration that presses them together, eq
+ * (22), the step would undo a rebound: they form a soft contact, which lasts until they part. */
 typedef struct {
     bool on;
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
 } dem_hard;
 
-/* How the implicit integrator solves a step for the displacements of the grains: by Newton's method with a
- * sparse factorisation, or by the sweeps of Liffman, Chan & Hughes 1992, grain by grain, of each grain's own
- * Newton step only the part `relaxation` (theirs is 0.5 to 0.9). Done when no grain's own step would be more
- * than `tolerance` of its radius. */
+/* Solver of an implicit step: Newton's method with a sparse factorisation, or the sweeps of Liffman, Chan &
+ * Hughes 1992, grain by grain, with the part `relaxation` of each grain's own Newton step (theirs is 0.5 to
+ * 0.9). It ends when no grain's own step exceeds `tolerance` of its radius. */
 typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
 typedef struct {
     dem_solver solver;
@@ -164,18 +162,12 @@ typedef enum {
 } dem_fault;
 const char *dem_fault_text(dem_fault fault);
 
-/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of where a
- * packing's fastest mode becomes unstable, and 0.95 of it, 3.8, with Verlet and the linear law. omega^2 =
- * k_eff/m_eff of the quickest contact, k_eff = 1.5 k_n sqrt(overlap) for Hertz at the overlap that an impact
- * from the start's height and speed makes, and the largest of k_eff + k_s/3 (or the other way round), 3/4
- * (k_eff + k_s) and, where grains rotate, (2 k_s + k_roll) m r^2/I; gamma alike. A grain that is much larger
- * than others, but not heavier, has more neighbours than six, and omega^2 and gamma grow with them. A single
- * pair becomes unstable at about twice the limit. With Gear also at most 1/hypot(18.4 gamma, 2 omega), omega
- * here of a contact at rest under a column of the start's height: where boxes begin to rattle for ever.
- * `what` (may be NULL) names the contact that sets it. INFINITY without contacts to come, and for the
- * implicit integrator. dem_create also looks at overlaps of the start, with Gear for 0.85/hypot(18.4 gamma, 3
- * omega). Measured in validation/stability.c.
- */
+/* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
+ * stability limit of a packing's fastest mode; with Verlet and the linear law 0.95 of it. omega^2 and gamma
+ * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. A
+ * single pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
+ * integrator has none, INFINITY. `what` (may be NULL) names the contact that sets the limit. dem_create also
+ * checks the overlaps of the start. Measured in validation/stability.c. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
 /* Check the definition and make a simulation at step 0; free with dem_free.
@@ -202,9 +194,8 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
 rp_status dem_run(dem_sim *sim, long steps);
 dem_fault dem_sim_fault(const dem_sim *sim);
 
-/* The same to the bit, and adds to `times` where the time went, in seconds: the neighbour list, the pair
- * loop, the walls' forces, and all the rest, which is the integration with its test of the list where a scene
- * has no more. Reads the clock four times a step, which is some 0.1 us. Errors: as dem_run. */
+/* As dem_run, with the same bits; adds the seconds of the neighbour list, the pair loop, the walls' forces
+ * and everything else (integration) to `times`. The clock is read four times a step, some 0.1 us. */
 typedef struct {
     double integration, lists, contacts, walls;
 } dem_phases;
@@ -217,8 +208,8 @@ void dem_gravity_turn(dem_sim *sim, double radians_per_step);
 void dem_gravity_set(dem_sim *sim, const double g[2]);
 
 /* From the next step on, turn the walls rigidly about the origin by this angle a step, |angle| < 1; positive
- * lowers the side at +x, 0 stops them where they are. They take the grains along by contact alone. A wall's
- * velocity at a contact is what its point moves in the step, over dt. With fixed grains dem_run refuses. */
+ * lowers the side at +x, 0 stops them. A wall's velocity at a contact is the displacement of its point in the
+ * step over dt. With fixed grains dem_run refuses. */
 void dem_box_turn(dem_sim *sim, double radians_per_step);
 
 /* Turn a point of the laboratory, the frame of all that is read of a simulation, into the box's frame, in
@@ -280,16 +271,14 @@ typedef struct {
 } dem_energy;
 void dem_energies(const dem_sim *sim, dem_energy *energy);
 
-/* Where the energy went since the start, in channels, each with its sign in
+/* Energy since the start by channels, each with its sign in
  *
  *   energy now = start + (put_in - taken_out + ... + integration) + residual:
  *
- * energy of the grains put in and taken out, contacts of these included; work of gravity's change, and of
- * walls that move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells whose
- * depth follows N, hard collisions; and what the scheme itself adds, known from the work of the forces over
- * each step against the changes of kinetic energy and of the potentials: with the implicit integrator no more
- * than its solver leaves. Energy that a loss with memory gives back, a well or a spring of the untruncated
- * law, counts as negative. */
+ * energy of the grains put in and taken out, with their contacts; work of gravity's change, and of walls that
+ * move or vanish; losses to damping, sliding, rolling resistance (dashpot and slider), wells, whose depth
+ * follows N, and hard collisions; error of the integrator. Energy that a well or an untruncated spring gives
+ * back counts as a negative loss. */
 #define DEM_LEDGER_LIST(X)                                                                                   \
     X(put_in, +)                                                                                             \
     X(taken_out, -)                                                                                          \
@@ -324,8 +313,8 @@ typedef struct {
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
 
-/* Two questions that may be asked every step; neither allocates. Contacts of a grain now, walls included (0
- * if it has left), and the largest speed of a grain with lo < x < hi. */
+/* Contacts of a grain now, walls included (0 if it has left); the largest speed of a grain with lo < x < hi.
+ * Neither allocates. */
 int dem_contact_count(const dem_sim *sim, uint32_t id);
 double dem_largest_speed(const dem_sim *sim, double lo, double hi);
 
@@ -348,10 +337,10 @@ rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 double dem_mass(dem_shape shape, double density, double r);
 double dem_inertia(dem_shape shape, double m, double r);
 
-/* One head-on impact at speed v > 0 of the normal law, from first touch until the overlap is 0 again, by an
- * adaptive Runge-Kutta method: an answer that does not come from the simulator. Where damping is beyond 1e4
- * of the spring's rate, the limit of no spring, good to 1e-6. A pair that never parts has restitution 0 and
- * time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+/* One head-on impact at speed v > 0, from first touch until the overlap is 0 again, by an adaptive
+ * Runge-Kutta method, without the simulator. Damping beyond 1e4 of the spring's rate: the limit of no spring,
+ * to 1e-6. A pair that never parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY.
+ */
 typedef struct {
     double restitution, overlap, time;
 } dem_collision_result;

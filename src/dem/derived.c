@@ -33,10 +33,9 @@ static int impact_rates(double t, const double y[], double dydt[], void *params)
     return GSL_SUCCESS;
 }
 
-/* Where damping is so strong that it stops the impact before the spring acts, the overlap is there the
- * speed over the mean rate up to it, and the spring then drives the grains apart at the speed at which
- * damping balances it. Without tension that lasts; what it leaves out is a part of 4 ln(damping) damping^-2
- * or less. */
+/* Strong damping stops the impact before the spring acts: the overlap is the speed over the mean rate up to
+ * it. The spring then drives the grains apart at the speed at which damping balances it, and without tension
+ * they part. The relative error is at most 4 ln(damping) damping^-2. */
 static void creep(const impact_problem *p, double *overlap, double *speed)
 {
     enum { ROUNDS = 40 }; /* each leaves a quarter of the error, or none where the rate is constant */

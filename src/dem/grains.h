@@ -90,10 +90,4 @@ void dem_grains_clear(dem_grains *grains, size_t i);
 /* Let the last grain fill the gap that another leaves. */
 void dem_grains_fill_gap(dem_grains *grains, size_t gap);
 
-/* Force on a grain, wherever that is kept. */
-static inline dem_vec *dem_grains_force(const dem_grains *grains, size_t i)
-{
-    return grains->force_torque ? &grains->force_torque[i].force : &grains->force[i];
-}
-
 #endif

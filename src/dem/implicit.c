@@ -17,6 +17,7 @@
  *
  * A step that takes a grain beyond the neighbour list is repeated with a new list. It is refused if a grain
  * moves by more than half the skin. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -71,16 +72,14 @@ static rp_status check(const dem_definition *def)
             return rp_fail(RP_BAD_INPUT,
                            "wall %zu: extent = [%g, %g]: the integrator implicit needs whole lines", w + 1,
                            def->walls[w].extent[0], def->walls[w].extent[1]);
-    if (s->solver == DEM_SOLVER_SOR && !(s->relaxation > 0.0 && s->relaxation < 2.0))
-        return rp_fail(RP_BAD_INPUT, "implicit: relaxation = %g: out of range, allowed: (0, 2)",
-                       s->relaxation);
-    if (!(s->tolerance >= 1e-15 && s->tolerance <= 1e-3))
-        return rp_fail(RP_BAD_INPUT, "implicit: tolerance = %g: out of range, allowed: [1e-15, 1e-3]",
-                       s->tolerance);
-    if (s->max_iterations < 1)
-        return rp_fail(RP_BAD_INPUT, "implicit: max_iterations = %ld: out of range, allowed: [1, inf)",
-                       s->max_iterations);
-    return RP_OK;
+    rp_status status = RP_OK;
+    if (s->solver == DEM_SOLVER_SOR)
+        status =
+            rp_check_range("implicit: relaxation", s->relaxation, DBL_MIN, nextafter(2.0, 0.0), "(0, 2)");
+    if (!status) status = rp_check_range("implicit: tolerance", s->tolerance, 1e-15, 1e-3, "[1e-15, 1e-3]");
+    return status ? status
+                  : rp_check_range("implicit: max_iterations", (double)s->max_iterations, 1.0, INFINITY,
+                                   "[1, inf)");
 }
 
 static rp_status no_memory(const dem_sim *sim)

@@ -90,8 +90,6 @@ static double well_step_limit(const dem_definition *def, double m, double r, dou
     return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
 }
 
-/* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
- * the lowest grain or wall. */
 double dem_impact_speed(const dem_definition *def)
 {
     double speed = 0.0, low = INFINITY, high = -INFINITY;
@@ -184,7 +182,6 @@ static contact_pair pair_of_grains(const dem_sim *sim, size_t i, size_t j)
                    coordination_of(sim->grains.radius[b], sim->r_min));
 }
 
-/* Contacts that the start has already may be stiffer than any impact to come. */
 rp_status dem_check_start_overlaps(const dem_sim *sim)
 {
     double limit = INFINITY;

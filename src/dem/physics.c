@@ -1,4 +1,6 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
+#include <math.h>
+
 #include "dem/definition.h"
 
 #include <string.h>
@@ -73,9 +75,7 @@ static rp_status check_restitution(const dem_material *m)
     if (m->restitution > 0.0 && m->gamma_n >= 0.0)
         return rp_fail(RP_BAD_INPUT, "restitution = %g, gamma_n = %g: give one, the other follows",
                        m->restitution, m->gamma_n);
-    if (!(m->restitution <= 1.0))
-        return rp_fail(RP_BAD_INPUT, "restitution = %g: out of range, allowed: (0, 1]", m->restitution);
-    return RP_OK;
+    return rp_check_range("restitution", m->restitution, -INFINITY, 1.0, "(0, 1]");
 }
 
 /* gamma_n of a contact of mass m_eff whose impacts at speed v have the restitution. */

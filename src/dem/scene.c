@@ -8,6 +8,7 @@
 
 #include "core/config.h"
 #include "core/table.h"
+#include "dem/definition.h"
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
 typedef struct {
@@ -159,14 +160,9 @@ static rp_status read_wall(const config_setting_t *setting, const dem_definition
     if (!status) status = rp_config_pair(direction, wall->direction);
     if (!status && extent) status = rp_config_pair(extent, wall->extent);
     if (status) return status;
-    if (!(fabs(hypot(wall->direction[0], wall->direction[1]) - 1.0) < 1e-9))
-        return rp_config_fail(direction, "direction = [%g, %g]: a unit vector expected", wall->direction[0],
-                              wall->direction[1]);
-    if (!(wall->extent[0] < wall->extent[1]))
-        return rp_config_fail(extent, "extent = [%g, %g]: the first must be the smaller", wall->extent[0],
-                              wall->extent[1]);
     wall->material = dem_wall_material(&wall->material, &def->material);
-    status = dem_material_check(def, &wall->material);
+    status = dem_wall_check(wall);
+    if (!status) status = dem_material_check(def, &wall->material);
     return status ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
 }
 

@@ -61,9 +61,10 @@ struct dem_sim {
     double clock;
 };
 
+/* Force on a grain, in either of its arrays. */
 static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
 {
-    return dem_grains_force(&sim->grains, i);
+    return sim->grains.force_torque ? &sim->grains.force_torque[i].force : &sim->grains.force[i];
 }
 
 static inline dem_vec dem_acceleration(const dem_sim *sim, size_t i)

@@ -6,6 +6,11 @@
 #include <stdio.h>
 #ifdef __SSE2__
 #include <xmmintrin.h>
+#define get_mode _mm_getcsr
+#define set_mode _mm_setcsr
+#else
+#define get_mode()     0
+#define set_mode(mode) (void)(mode)
 #endif
 
 #include "core/clock.h"
@@ -100,35 +105,16 @@ static rp_status advance(dem_sim *sim, long steps)
     return status;
 }
 
-/* From now on numbers below the smallest normal one, 2.2e-308, count as 0; gives the mode before. Speeds and
- * springs of a disk that lies alone shrink for ever, and each operation on such a number takes the processor
- * some 150 cycles. */
-static unsigned count_as_zero(void)
-{
-#ifdef __SSE2__
-    enum { RESULTS = 0x8000, OPERANDS = 0x40 };
-    const unsigned mode = _mm_getcsr();
-    _mm_setcsr(mode | RESULTS | OPERANDS);
-    return mode;
-#else
-    return 0;
-#endif
-}
-
-static void restore_mode(unsigned mode)
-{
-#ifdef __SSE2__
-    _mm_setcsr(mode);
-#else
-    (void)mode;
-#endif
-}
-
+/* Within a run, numbers below the smallest normal one, 2.2e-308, count as 0. Speeds and springs of a disk
+ * that lies alone shrink for ever, and each operation on such a number takes the processor some 150 cycles.
+ */
 rp_status dem_run(dem_sim *sim, long steps)
 {
-    const unsigned mode = count_as_zero();
+    enum { RESULTS = 0x8000, OPERANDS = 0x40 };
+    const unsigned mode = get_mode();
+    set_mode(mode | RESULTS | OPERANDS);
     rp_status status = advance(sim, steps);
-    restore_mode(mode);
+    set_mode(mode);
     return status;
 }
 

@@ -132,12 +132,6 @@ static rp_status no_result(statics_pile *pile, statics_fault fault, const char *
 
 /* ---- Making a pile ---- */
 
-static rp_status check_number(const char *name, double value, double lo, double hi, const char *allowed)
-{
-    if (value >= lo && value <= hi) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "%s = %.17g: out of range, allowed: %s", name, value, allowed);
-}
-
 static rp_status check_disks(const statics_definition *def)
 {
     if (def->n < 1 || def->n > STATICS_MAX)
@@ -157,15 +151,15 @@ static rp_status check_disks(const statics_definition *def)
 
 static rp_status check_definition(const statics_definition *def)
 {
-    rp_status status = check_number("eps", def->eps, 0, 0.1, "[0, 0.1]");
+    rp_status status = rp_check_range("eps", def->eps, 0, 0.1, "[0, 0.1]");
     if (!status && def->well == STATICS_WELL_SPRING)
-        status = check_number("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]");
+        status = rp_check_range("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]");
     if (!status && def->well == STATICS_WELL_FRICTION) {
-        status = check_number("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]");
-        if (!status) status = check_number("a", def->a, DBL_MIN, 1e9, "(0, 1e9]");
+        status = rp_check_range("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]");
+        if (!status) status = rp_check_range("a", def->a, DBL_MIN, 1e9, "(0, 1e9]");
     }
-    if (!status) status = check_number("set_load", def->set_load, 0, 1, "[0, 1]");
-    if (!status) status = check_number("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]");
+    if (!status) status = rp_check_range("set_load", def->set_load, 0, 1, "[0, 1]");
+    if (!status) status = rp_check_range("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]");
     return status ? status : check_disks(def);
 }
 

@@ -17,24 +17,20 @@ typedef struct {
     const stats_measured *m;
 } problem;
 
+static const char *const texts[][2] = {
+#define X(name, word, meaning) {word, meaning},
+    STATS_CALIBRATED_LIST(X)
+#undef X
+};
+
 const char *stats_calibrated_word(stats_calibrated_status status)
 {
-    static const char *const words[] = {
-#define X(name, word, meaning) word,
-        STATS_CALIBRATED_LIST(X)
-#undef X
-    };
-    return words[status];
+    return texts[status][0];
 }
 
 const char *stats_calibrated_meaning(stats_calibrated_status status)
 {
-    static const char *const meanings[] = {
-#define X(name, word, meaning) meaning,
-        STATS_CALIBRATED_LIST(X)
-#undef X
-    };
-    return meanings[status];
+    return texts[status][1];
 }
 
 /* Measured less response, and the covariance of that: measured or simulated, the two angles are of the same

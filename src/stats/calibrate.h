@@ -44,7 +44,7 @@ typedef struct {
      * about the form, the excess of that factor over 1 in units of the points' own variance
      * n_points/sum(weights) */
     double inflation, discrepancy;
-    bool monotone; /* in the first parameter; true with two parameters, where it is not asked for */
+    bool monotone; /* in the first parameter; true with two parameters, not tested there */
 } stats_response_fit;
 
 /* The responses of all angles, and the points (sets of piles with equal parameters) behind them. */
@@ -100,7 +100,7 @@ const char *stats_shape_word(stats_shape shape);
 
 /* Fit the responses: least squares with the weights n/SD^2 of the points, SD from stats_calibration_sd. The
  * form with the least AIC, chi2 + 2k with k coefficients, is taken (the points' errors are known, of their
- * piles, so that few points ask for no more): powers up to the fourth, exponential, tanh (the second
+ * piles, so few points need no correction): powers up to the fourth, exponential, tanh (the second
  * parameter: powers up to the second). With one parameter a form that rises or falls throughout goes before
  * any other whose AIC is not better by more than 6. Free with stats_calibration_free, also after an error.
  * Errors: RP_BAD_INPUT (fewer than 4 points with piles, a point with one pile or without spread, parameters

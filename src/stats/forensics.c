@@ -1,4 +1,4 @@
-/* Published numbers against combinations of choices that the publication leaves open; see angle.h.
+/* Published numbers against combinations of choices that the publication leaves open; see forensics.h.
  *
  * The published errors are known up to a common scale, over which the likelihood is averaged: what "+-"
  * means in Lee & Herrmann 1993 (standard error, deviation or mean square) is itself unsaid. */

@@ -114,7 +114,7 @@ rp_status stats_trend_fit(size_t n, const double x[], const double y[], const do
 
 /* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
  * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
- * if none. p_pairs, which asks for far more, has no part in it. */
+ * if none. p_pairs, a far stricter test, is not used. */
 const char *stats_trend_word(const stats_trend *trend, double p_value, double level);
 
 /* Holm's correction for n tests; NaN is no test. */

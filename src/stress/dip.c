@@ -44,7 +44,7 @@ rp_status stress_base_profile(size_t n, const double x[], const double r[], cons
     base->centroid = moment / total;
     rp_status status = base_width(n, x, N, total, base);
     if (status) return status;
-    if (!(base->width > 0.0)) return rp_fail(RP_NO_RESULT, "base: all the load is on one place");
+    if (!(base->width > 0.0)) return rp_fail(RP_NO_RESULT, "base: all the load is at one position");
     const double bin = base->width / STRESS_DIP_BINS, left = base->centroid - 0.5 * base->width;
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < STRESS_DIP_BINS; k++) {

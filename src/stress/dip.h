@@ -21,7 +21,7 @@ typedef struct {
     double N[STRESS_DIP_BINS]; /* pressure in each bin over the mean over the bins */
 } stress_base;
 
-/* The profile under one pile, from n contacts with its base: places, half-widths that a contact's force is
+/* The profile under one pile, from n contacts with its base: positions, half-widths that a contact's force is
  * spread over evenly (a disk's radius), forces. Errors: RP_NO_RESULT (no load), RP_NO_MEMORY. */
 rp_status stress_base_profile(size_t n, const double x[], const double r[], const double N[],
                               stress_base *base);
@@ -44,7 +44,7 @@ typedef struct {
 /* From n profiles one after the other, STRESS_DIP_BINS each, and what each pile would have without a dip
  * (NULL: a flat profile). D is linear in the profile: the excess is D of the difference about the same mean.
  * The null distribution is that of the same piles, drawn with replacement, each mirrored or not at random,
- * with their mean D taken off; mirrored, for the mean profile that they stand for has two equal sides.
+ * with their mean D taken off. Mirroring gives the mean profile two equal sides.
  * `resamples` values of `means` are work space. Errors: RP_BAD_INPUT (margin, resamples, a number),
  * RP_NO_RESULT (fewer than three piles), RP_NO_MEMORY. */
 rp_status stress_dip_ensemble(size_t n, const double profiles[], const double without[], double margin,

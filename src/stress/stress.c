@@ -3,8 +3,8 @@
  * Cells. Force f on grain a along the branch l from b to a: s_ab = (1/area) sum f_a l_b w, w the part of the
  * branch in the cell. A contact then carries its force along its branch, so that the force through a line is
  * the sum over the branches that cross it, and in each cell, summed over branches,
- *     area s_ab = sum over crossings with the border, of force times place,
- *               - sum over ends inside, of force times place,
+ *     area s_ab = sum over crossings with the border, of force times position,
+ *               - sum over ends inside, of force times position,
  * where the ends are the grains, on which the contacts put the reversed weight, and the points of walls: the
  * moment of div s = rho g + forces of walls. Nothing is smoothed away, and no derivative is taken.
  *
@@ -22,8 +22,8 @@
  * Assumed: linearity up to failure (contacts that slide already, and those that start to, carry no more);
  * failure of the sum and not of its weakest part; and inside, that planes of grains have the friction of
  * their contacts, atan mu, though they interlock: along a plane under a long straight flank every stress in
- * balance with the weight mobilises the slope of the flank, tilt included, and that exceeds atan mu in piles
- * that stand. The friction of the packing can be measured, but not inferred from mu. */
+ * balance with the weight mobilises the slope of the flank, tilt included, and that exceeds atan mu in stable
+ * piles. The friction of the packing can be measured, but not inferred from mu. */
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>

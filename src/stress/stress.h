@@ -94,8 +94,8 @@ typedef struct {
     stress_tensor s[2];
 } stress_response;
 
-/* Tilt at which the floor has to give the friction mu, h = mu n; negative if it already does more. NaN if it
- * never comes to that below pi/2. */
+/* Tilt at which the friction h/n of the floor reaches mu; negative if it exceeds mu without tilt. NaN if it
+ * stays below mu up to pi/2. */
 double stress_floor_tilt(const stress_response *response, double mu);
 
 /* Mobilised angle at a tilt. */
@@ -110,7 +110,7 @@ typedef struct {
 #define STRESS_CRITICAL_LIST(X)                                                                              \
     X(floor_friction_0, false) /* on the floor, without tilt */                                              \
     X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
-    X(floor_tilt, true)        /* the floor's friction comes to mu */                                        \
+    X(floor_tilt, true)        /* the floor's friction reaches mu */                                         \
     X(theta_t, true)           /* measured */                                                                \
     X(floor_less, true)        /* floor_tilt less measured */                                                \
     X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \

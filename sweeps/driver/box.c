@@ -136,6 +136,13 @@ void sweep_box_conclude(sweep_box_run *run, const char *status, const char *mess
     if (message != r->message) snprintf(r->message, sizeof r->message, "%s", message);
 }
 
+rp_status sweep_box_start(sweep_box_run *run)
+{
+    rp_status status = dem_scene_start(&run->scene, &run->sim);
+    if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_room", rp_message());
+    return status;
+}
+
 rp_status sweep_box_advance(sweep_box_run *run, long steps)
 {
     const long every = run->tables ? run->tables->every : 0;
@@ -191,9 +198,13 @@ static rp_status watch_slope(sweep_box_run *run)
     return sweep_box_slopes(run, slopes);
 }
 
-rp_status sweep_box_settle_pile(sweep_box_run *run)
+rp_status sweep_box_open(sweep_box_run *run, long steps)
 {
-    return settle(run, "after the opening", watch_slope);
+    const long least = 5000;
+    dem_wall_open(run->sim, DEM_BOX_RIGHT, run->box->open);
+    run->scene.def.walls[DEM_BOX_RIGHT].open_at_step = dem_step(run->sim) + 1;
+    rp_status status = sweep_box_advance(run, steps < 1 ? least : steps);
+    return status || steps > 0 ? status : settle(run, "after the opening", watch_slope);
 }
 
 rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
@@ -237,12 +248,12 @@ rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
     return status;
 }
 
-rp_status sweep_table_open(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
 {
-    snprintf(path, size, "%s/%s", t->directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (!status) t->header(*out);
-    return status;
+    if (run->scene.def.walls[DEM_BOX_FLOOR].material.mu != 0.0 || run->box->floor_grains)
+        return sweep_box_slopes(run, slopes);
+    sweep_box_conclude(run, "no_pile", "a floor without friction, and no wall on the right");
+    return RP_NO_RESULT;
 }
 
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
@@ -296,7 +307,7 @@ void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream
     run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
 }
 
-rp_status sweep_places_note(sweep_box_run *run, sweep_places *at)
+rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at)
 {
     const size_t n_all = (size_t)run->scene.fill.N + sweep_box_floor(run->box, NULL);
     at->n = 0;
@@ -315,14 +326,14 @@ rp_status sweep_places_note(sweep_box_run *run, sweep_places *at)
     return status;
 }
 
-void sweep_places_free(sweep_places *at)
+void sweep_positions_free(sweep_positions *at)
 {
     free(at->x);
     free(at->y);
 }
 
-rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
-                             size_t *moved)
+rp_status sweep_positions_moved(sweep_box_run *run, const sweep_positions *at, double reach, int contacts,
+                                size_t *moved)
 {
     rp_status status = dem_states(run->sim, run->states);
     size_t seen = 0;
@@ -338,4 +349,40 @@ rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double 
     }
     *moved += at->n - seen;
     return status;
+}
+
+rp_status sweep_positions_onset(sweep_box_run *run, const sweep_positions *at, bool *moves)
+{
+    size_t moved;
+    rp_status status = sweep_positions_moved(run, at, 0.1 * run->d, 0, &moved);
+    *moves = !status && (double)moved >= 0.05 * (double)at->n;
+    return status;
+}
+
+rp_status sweep_box_tilt(sweep_box_run *run, const sweep_positions *at, bool box, double rate_deg,
+                         double *displacement_deg, double *energy_deg)
+{
+    const double sway_deg = 0.5, most_deg = 60.0;
+    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / rate_deg));
+    double sway = 0.0;
+    bool moves = false, is_fast = !energy_deg;
+    (box ? dem_box_turn : dem_gravity_turn)(run->sim, rate_deg * (M_PI / 180.0));
+    for (double turned = 0.0; !(moves && is_fast) && turned < most_deg;) {
+        bool onset;
+        dem_rest rest;
+        rp_status status = sweep_box_advance(run, every);
+        turned += (double)every * rate_deg;
+        if (!status) status = sweep_positions_onset(run, at, &onset);
+        if (!status) status = dem_rest_state(run->sim, 0.0, run->box->W, &rest);
+        if (status) return status;
+        if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
+        if (!moves && onset) *displacement_deg = turned;
+        moves = moves || onset;
+        if (is_fast || turned <= sway_deg || !(rest.kinetic_energy > 10.0 * sway) ||
+            !(rest.kinetic_energy > 1e-5 * run->mg * run->d))
+            continue;
+        *energy_deg = turned;
+        is_fast = true;
+    }
+    return RP_OK;
 }

@@ -122,6 +122,9 @@ rp_status sweep_box_end(sweep_box_run *run, rp_status status);
 /* Give the result its status word and message. */
 void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message);
 
+/* Start the simulation of run->scene. Errors: RP_NO_RESULT with the word no_room. */
+rp_status sweep_box_start(sweep_box_run *run);
+
 /* Advance. Errors: RP_NO_RESULT, with its word, for a fault of the simulation. */
 rp_status sweep_box_advance(sweep_box_run *run, long steps);
 
@@ -132,8 +135,9 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
  * RP_NO_RESULT with the word not_at_rest. */
 rp_status sweep_box_settle(sweep_box_run *run, const char *phase);
 
-/* The same after the opening; the run ends with the word no_pile once too few cells are left for a slope. */
-rp_status sweep_box_settle_pile(sweep_box_run *run);
+/* Open the right wall and advance by `steps`, or if steps < 1 by 5000 and then until the pile is at rest. The
+ * run ends with the word no_pile once too few cells are left for a slope. */
+rp_status sweep_box_open(sweep_box_run *run, long steps);
 
 /* How the box's parameters say that a surface is measured. */
 ang_options sweep_box_options(const sweep_box *box);
@@ -142,12 +146,11 @@ ang_options sweep_box_options(const sweep_box *box);
  * Errors: RP_NO_RESULT with the word no_pile. */
 rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_surface *surface);
 
-/* The slopes of the present state, by the box's options. Errors: as sweep_box_surface. */
+/* The slopes of the present state, by the box's options. Errors: as sweep_box_surface. Grains that lie flat
+ * on a smooth floor are no pile of angle 0, since any slope would have flowed out: sweep_box_pile_slopes then
+ * fails with the word no_pile. */
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
-
-/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
- * Errors: RP_IO. */
-rp_status sweep_table_open(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
@@ -160,20 +163,30 @@ long sweep_box_grains(const sweep_box *box);
 rp_status sweep_box_check_fill(const sweep_box *box);
 void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream);
 
-/* Where the grains of the pile, 0 < x < W, were. Free with sweep_places_free, also after an error. */
+/* Positions of the grains of the pile, 0 < x < W. Free with sweep_positions_free, also after an error. */
 typedef struct {
     size_t n;      /* grains in the pile */
     double *x, *y; /* in the box's frame, by id, from 1; NaN for grains outside the pile */
-} sweep_places;
+} sweep_positions;
 
 /* Errors: RP_NO_MEMORY. */
-rp_status sweep_places_note(sweep_box_run *run, sweep_places *at);
-void sweep_places_free(sweep_places *at);
+rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at);
+void sweep_positions_free(sweep_positions *at);
 
 /* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
- * places; grains that have left the scene count. Errors: RP_NO_MEMORY. */
-rp_status sweep_places_moved(sweep_box_run *run, const sweep_places *at, double reach, int contacts,
-                             size_t *moved);
+ * positions; grains that have left the scene count. Errors: RP_NO_MEMORY. */
+rp_status sweep_positions_moved(sweep_box_run *run, const sweep_positions *at, double reach, int contacts,
+                                size_t *moved);
+
+/* Onset by displacement: 5 % of the pile's grains are further than 0.1 d from their positions. */
+rp_status sweep_positions_onset(sweep_box_run *run, const sweep_positions *at, bool *moves);
+
+/* Turn gravity, or with `box` the walls, by `rate_deg` a step until the pile moves, at most by 60 degrees.
+ * Sets the turned angle, in degrees, at the onset by displacement and, unless NULL, by kinetic energy: above
+ * 1e-5 m g d and ten times the elastic sway that the start excites, the largest within half a degree. What
+ * does not occur keeps its value. */
+rp_status sweep_box_tilt(sweep_box_run *run, const sweep_positions *at, bool box, double rate_deg,
+                         double *displacement_deg, double *energy_deg);
 
 double sweep_degrees(double radians);
 

@@ -167,6 +167,6 @@ double sweep_outline_centre(size_t k, const double N[])
 double sweep_outline_friction(size_t k, const double N[], const double H[])
 {
     double most = 0;
-    for (size_t i = 0; i < k; i++) most = fmax(most, fabs(H[i]) / N[i]); /* 0/0 asks for none */
+    for (size_t i = 0; i < k; i++) most = fmax(most, fabs(H[i]) / N[i]); /* 0/0 needs none */
     return most;
 }

@@ -27,9 +27,9 @@ rp_status sweep_outline_polygon(sweep_outline *outline, long k, double gap, cons
 
 void sweep_outline_free(sweep_outline *outline);
 
-/* Unequal disks on the same places: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed, run,
- * RP_PURPOSE_RADII); weights as r^2. Disks of the base stay as they are: wells would hold the squeeze between
- * unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
+/* Unequal disks at the same positions: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed,
+ * run, RP_PURPOSE_RADII); weights as r^2. Disks of the base stay as they are: wells would hold the squeeze
+ * between unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
 rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
 
 /* How far N and H on the base are from diagonals alone. */
@@ -51,8 +51,8 @@ rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
 /* N of the middle of the base, of the two there if k is even, over the largest. */
 double sweep_outline_centre(size_t k, const double N[]);
 
-/* Friction that the base must have at least: largest |H|/N of its disks. INFINITY where one is pushed that
- * nothing presses down. */
+/* Friction that the base must have at least: largest |H|/N of its disks. INFINITY for a disk that
+ * carries H but no N. */
 double sweep_outline_friction(size_t k, const double N[], const double H[]);
 
 #endif

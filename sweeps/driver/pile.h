@@ -45,6 +45,6 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
  * folder: base.tsv (of an equilibrium), wells.tsv, contacts.tsv, disks.tsv. Errors: RP_IO, RP_NO_MEMORY. */
 void sweep_pile_notes(const sweep_solved *s, FILE *out);
 void sweep_pile_write_base(const sweep_solved *s, FILE *out);
-rp_status sweep_pile_write(const sweep_solved *s, const char *directory, void (*header)(FILE *));
+rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables);
 
 #endif

@@ -11,9 +11,9 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     rp_table_note(out, "n_disks", "%zu", s->h->n);
     rp_table_note(out, "B", "%.17g sigma", s->h->B);
     rp_table_note(out, "status", "%s", statics_fault_text(r->fault));
-    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch on the way", r->load, r->jumps);
+    rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch before", r->load, r->jumps);
     if (r->fault)
-        rp_table_note(out, "state", "no equilibrium: where the solve was given up, at eps = %g", r->eps);
+        rp_table_note(out, "state", "no equilibrium: the last state of the solve, at eps = %g", r->eps);
     rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
     if (!isnan(r->released))
         rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
@@ -57,18 +57,15 @@ void sweep_pile_write_base(const sweep_solved *s, FILE *out)
     }
 }
 
-static rp_status open_table(const sweep_solved *s, const char *directory, const char *name,
-                            void (*header)(FILE *), char path[4096], FILE **out)
+static rp_status open_table(const sweep_solved *s, const sweep_tables *tables, const char *name,
+                            char path[4096], FILE **out)
 {
-    snprintf(path, 4096, "%s/%s", directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (status) return status;
-    header(*out);
-    sweep_pile_notes(s, *out);
-    return RP_OK;
+    rp_status status = sweep_table_open(tables, name, path, 4096, out);
+    if (!status) sweep_pile_notes(s, *out);
+    return status;
 }
 
-static rp_status write_contacts(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+static rp_status write_contacts(const sweep_solved *s, const sweep_tables *tables)
 {
     static const char *const columns[][2] = {
         {"a", ""},        {"b", ""},        {"x", "sigma"},     {"y", "sigma"},    {"x_b", "sigma"},
@@ -79,7 +76,7 @@ static rp_status write_contacts(const sweep_solved *s, const char *directory, vo
     size_t n;
     rp_status status = statics_contacts(s->pile, &list, &n);
     if (status) return status;
-    status = open_table(s, directory, "contacts.tsv", header, path, &out);
+    status = open_table(s, tables, "contacts.tsv", path, &out);
     if (!status) {
         rp_table_columns(out, 10, columns);
         for (const statics_contact *c = list; c < list + n; c++)
@@ -92,7 +89,7 @@ static rp_status write_contacts(const sweep_solved *s, const char *directory, vo
     return status;
 }
 
-static rp_status write_disks(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+static rp_status write_disks(const sweep_solved *s, const sweep_tables *tables)
 {
     static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
                                              {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
@@ -102,7 +99,7 @@ static rp_status write_disks(const sweep_solved *s, const char *directory, void 
     if (!u) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     const double eps = s->r.eps;
     statics_displacements(s->pile, u);
-    rp_status status = open_table(s, directory, "disks.tsv", header, path, &out);
+    rp_status status = open_table(s, tables, "disks.tsv", path, &out);
     if (!status) {
         rp_table_columns(out, 6, columns);
         for (size_t i = 0; i < s->h->n; i++)
@@ -116,7 +113,7 @@ static rp_status write_disks(const sweep_solved *s, const char *directory, void 
     return status;
 }
 
-static rp_status write_wells(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+static rp_status write_wells(const sweep_solved *s, const sweep_tables *tables)
 {
     static const char *const columns[][2] = {{"disk", ""},           {"x", "sigma"}, {"x_0", "sigma"},
                                              {"x-x_0", "eps sigma"}, {"N", "m g"},   {"H", "m g"},
@@ -128,9 +125,9 @@ static rp_status write_wells(const sweep_solved *s, const char *directory, void 
     statics_well *wells = malloc((s->r.wells + 1) * sizeof *wells);
     if (!wells) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     statics_wells(s->pile, wells);
-    rp_status status = open_table(s, directory, "wells.tsv", header, path, &out);
+    rp_status status = open_table(s, tables, "wells.tsv", path, &out);
     if (!status) {
-        rp_table_note(out, "x_0", "where a well rests; of a broken one where it gave way");
+        rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
         rp_table_columns(out, 7, columns);
         for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
             const double x = s->h->disks[w->disk].x;
@@ -145,16 +142,16 @@ static rp_status write_wells(const sweep_solved *s, const char *directory, void 
     return status;
 }
 
-rp_status sweep_pile_write(const sweep_solved *s, const char *directory, void (*header)(FILE *))
+rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables)
 {
     char path[4096];
     FILE *out;
-    rp_status status = rp_make_directory(directory);
-    if (!status) status = write_wells(s, directory, header);
-    if (!status) status = write_contacts(s, directory, header);
-    if (!status) status = write_disks(s, directory, header);
+    rp_status status = rp_make_directory(tables->directory);
+    if (!status) status = write_wells(s, tables);
+    if (!status) status = write_contacts(s, tables);
+    if (!status) status = write_disks(s, tables);
     if (status || s->r.fault) return status;
-    status = open_table(s, directory, "base.tsv", header, path, &out);
+    status = open_table(s, tables, "base.tsv", path, &out);
     if (status) return status;
     sweep_pile_write_base(s, out);
     return rp_file_close(path, out, RP_OK);

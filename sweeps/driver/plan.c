@@ -144,12 +144,12 @@ static rp_status read_axes(sweep_plan *plan, const axis_list lists[], size_t n_l
         if (status) return status;
         for (size_t other = 0; other < a; other++)
             if (plan->axes[other] == plan->axes[a])
-                return rp_config_fail(list, "%s: stands twice in the grid; keep one", name);
+                return rp_config_fail(list, "%s: appears twice in the grid; keep one", name);
         rp_type type = plan->axes[a]->type;
         if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
             return rp_config_fail(list, "%s: cannot vary over a grid; set it under fixed", name);
         if (fixed && config_setting_get_member(fixed, name))
-            return rp_config_fail(list, "%s: stands under fixed and under grid; keep one", name);
+            return rp_config_fail(list, "%s: appears under fixed and under grid; keep one", name);
         if ((!config_setting_is_array(list) && !config_setting_is_list(list)) || length(list) == 0)
             return rp_config_fail(list, "%s: a list [ ... ] of one value or more expected", name);
         size_t n = (size_t)length(list);
@@ -219,7 +219,7 @@ static rp_status refuse_twins(const char *file, const sweep_plan *plan)
         if (strcmp(first[i - 1], first[i]) == 0)
             status =
                 rp_fail(RP_BAD_INPUT,
-                        "%s: grid point %s: stands twice in the grid, which needs piles = \"own\"", file,
+                        "%s: grid point %s: appears twice in the grid, which needs piles = \"own\"", file,
                         sweep_plan_describe(
                             plan, (size_t)(first[i] - plan->keys[0]) / (plan->replicas * sizeof *plan->keys),
                             where, sizeof where));

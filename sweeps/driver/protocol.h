@@ -84,6 +84,10 @@ typedef struct {
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
+/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
+ * Errors: RP_IO. */
+rp_status sweep_table_open(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+
 /* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],

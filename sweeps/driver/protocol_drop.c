@@ -2,9 +2,9 @@
  * (Liffman, Chan & Hughes 1992, fig 20), each once the last has come to rest.
  *
  * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
- * resistance to rolling, without which disks roll away; the places, uniform over the source's width; when a
- * disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a pile
- * creeps for as long as one waits, so that K_slip and the waiting time decide how steep it stands. The
+ * resistance to rolling, without which disks roll away; the positions, uniform over the source's width; when
+ * a disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a
+ * pile creeps for as long as one waits, so that K_slip and the waiting time decide how steep it is. The
  * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
  * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough to shorten the time step by no more than 3 %; eps
  * = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder contacts, K_slip
@@ -20,10 +20,12 @@
  * outputs are kept.
  *
  * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
- * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles stand 2 or 3
+ * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles are 2 or 3
  * degrees steeper. */
+#include <gsl/gsl_fit.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "stress/dip.h"
 #include "core/random.h"
@@ -98,11 +100,10 @@ typedef struct {
     sweep_result *result;
     dem_definition scene;
     dem_sim *sim;
-    size_t n; /* disks in it */
-    dem_state *states;
-    gsl_rng *radii, *places;
-    double *x, *y; /* before a drop, or before the relaxation */
-    long *moved;   /* by each drop */
+    size_t n;                   /* disks in it */
+    dem_state *states, *before; /* before: a drop, or the relaxation */
+    gsl_rng *radii, *positions;
+    long *moved; /* by each drop */
     bool relaxed;
 } drop;
 
@@ -173,15 +174,15 @@ static size_t count_moved(const drop *d, size_t n)
 {
     size_t moved = 0;
     for (size_t i = 0; i < n; i++) {
-        const double dx = d->states[i].x - d->x[i], dy = d->states[i].y - d->y[i];
+        const double dx = d->states[i].x - d->before[i].x, dy = d->states[i].y - d->before[i].y;
         moved += dx * dx + dy * dy > 0.01 && !is_away(d, i);
     }
     return moved;
 }
 
-static void mark_places(drop *d)
+static void mark_positions(drop *d)
 {
-    for (size_t i = 0; i < d->n; i++) d->x[i] = d->states[i].x, d->y[i] = d->states[i].y;
+    memcpy(d->before, d->states, d->n * sizeof *d->states);
 }
 
 static bool is_quiet(const drop *d)
@@ -229,11 +230,11 @@ static rp_status drop_one(drop *d, bool *rest)
     const drop_params *p = d->p;
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
-    const double x = p->source_width * (gsl_rng_uniform(d->places) - 0.5),
+    const double x = p->source_width * (gsl_rng_uniform(d->positions) - 0.5),
                  y = sweep_touch_height(d->n, d->states, x, r, 0.05), from = highest(d) + p->drop_height + r;
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
-    mark_places(d);
+    mark_positions(d);
     const size_t k = d->n;
     rp_status status = put_in(d, &grain);
     d->n = k + 1;
@@ -298,7 +299,7 @@ static rp_status relax(drop *d)
     double before = 0.0;
     long steps = 0, quiet = 0;
     rp_status status = RP_OK;
-    mark_places(d);
+    mark_positions(d);
     d->scene.dt *= 0.9; /* near its limit a pile hums, and that energy hides where the other has its maxima */
     for (; steps < MOST && quiet < ENOUGH && !status; steps += EVERY) {
         dem_rest rest;
@@ -322,10 +323,11 @@ static rp_status relax(drop *d)
 
 /* Slope by a straight line through the highest points of columns one diameter wide, from the column of the
  * top to the side, between 0.1 and 0.9 of the height. */
-static double slope(const drop *d, double sign, double top_x, double height)
+static double side_slope(const drop *d, double sign, double top_x, double height)
 {
     enum { COLUMNS = 400 };
-    double top[COLUMNS] = {0.0}, n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+    double top[COLUMNS] = {0.0}, x[COLUMNS], intercept, slope, covariance[3], squares;
+    size_t n = 0;
     for (size_t i = 0; i < d->n; i++) {
         const double along = sign * (d->states[i].x - top_x);
         if (along < 0.0 || along >= COLUMNS) continue;
@@ -335,10 +337,12 @@ static double slope(const drop *d, double sign, double top_x, double height)
     for (int k = 0; k < COLUMNS; k++) {
         if (top[k] <= 0.1 * height) break; /* also where there is no disk at all */
         if (top[k] > 0.9 * height) continue;
-        const double x = k + 0.5;
-        n += 1.0, sx += x, sy += top[k], sxx += x * x, sxy += x * top[k];
+        x[n] = k + 0.5;
+        top[n++] = top[k]; /* n <= k */
     }
-    return -sweep_degrees(atan((n * sxy - sx * sy) / (n * sxx - sx * sx)));
+    gsl_fit_linear(x, 1, top, 1, n, &intercept, &slope, &covariance[0], &covariance[1], &covariance[2],
+                   &squares);
+    return -sweep_degrees(atan(slope));
 }
 
 static void measure_shape(const drop *d)
@@ -350,8 +354,8 @@ static void measure_shape(const drop *d)
     v[OUT_disks] = (double)d->n;
     v[OUT_away] = (double)d->p->N - (double)d->n;
     v[OUT_height] = height;
-    v[OUT_left_deg] = slope(d, -1.0, x, height);
-    v[OUT_right_deg] = slope(d, 1.0, x, height);
+    v[OUT_left_deg] = side_slope(d, -1.0, x, height);
+    v[OUT_right_deg] = side_slope(d, 1.0, x, height);
 }
 
 /* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
@@ -453,12 +457,11 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     sweep_result_clear(result);
     *d = (drop){.p = p, .result = result, .scene = make_scene(p)};
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
-    d->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
+    d->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
     d->states = malloc(n * sizeof *d->states);
-    d->x = calloc(n, sizeof *d->x);
-    d->y = calloc(n, sizeof *d->y);
+    d->before = malloc(n * sizeof *d->before);
     d->moved = calloc(n, sizeof *d->moved);
-    if (!d->radii || !d->places || !d->states || !d->x || !d->y || !d->moved)
+    if (!d->radii || !d->positions || !d->states || !d->before || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
     rp_status status = drop_all(d);
     if (!status) status = relax(d);
@@ -475,9 +478,9 @@ static rp_status finish(drop *d, rp_status status)
         status = RP_OK;
     }
     if (d->radii) gsl_rng_free(d->radii);
-    if (d->places) gsl_rng_free(d->places);
+    if (d->positions) gsl_rng_free(d->positions);
     dem_free(d->sim);
-    free(d->states), free(d->x), free(d->y), free(d->moved);
+    free(d->states), free(d->before), free(d->moved);
     return status;
 }
 

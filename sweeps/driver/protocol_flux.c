@@ -76,7 +76,7 @@ static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 typedef struct {
     flux_params p; /* with the floor and opening of this protocol */
     sweep_box_run box;
-    gsl_rng *radii, *places;
+    gsl_rng *radii, *positions;
     size_t n;              /* rows */
     double *theta, *tower; /* degrees, d */
     long *step, *grains;
@@ -134,7 +134,8 @@ static rp_status first_layer(flux *f, dem_grain *layer)
 
 static rp_status insert(flux *f, uint32_t *id)
 {
-    const double r = draw_radius(f), d = f->box.d, x = r + f->p.entry_width * d * gsl_rng_uniform(f->places);
+    const double r = draw_radius(f), d = f->box.d,
+                 x = r + f->p.entry_width * d * gsl_rng_uniform(f->positions);
     rp_status status = dem_states(f->box.sim, f->box.states);
     if (status) return status;
     double y = sweep_touch_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
@@ -291,16 +292,15 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     rp_status status = sweep_box_begin(&f->box, &f->p.box, rows + most_layer, tables, result);
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
-    f->places = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = malloc(rows * sizeof *f->theta);
-    f->tower = malloc(rows * sizeof *f->tower);
-    f->step = malloc(rows * sizeof *f->step);
-    f->grains = malloc(rows * sizeof *f->grains);
-    f->work = malloc(2 * rows * sizeof *f->work);
+    f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
+    f->theta = malloc(4 * rows * sizeof *f->theta);
+    f->step = malloc(2 * rows * sizeof *f->step);
     dem_grain *layer = malloc(most_layer * sizeof *layer);
-    if (!status &&
-        (!f->radii || !f->places || !f->theta || !f->tower || !f->step || !f->grains || !f->work || !layer))
+    if (!status && (!f->radii || !f->positions || !f->theta || !f->step || !layer))
         status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
+    f->tower = f->theta + rows;
+    f->work = f->tower + rows;
+    f->grains = f->step + rows;
     if (!status) status = run_series(f, layer);
     free(layer);
     return status;
@@ -309,8 +309,8 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
 static rp_status finish(flux *f, rp_status status)
 {
     if (f->radii) gsl_rng_free(f->radii);
-    if (f->places) gsl_rng_free(f->places);
-    free(f->theta), free(f->tower), free(f->step), free(f->grains), free(f->work);
+    if (f->positions) gsl_rng_free(f->positions);
+    free(f->theta), free(f->step);
     return sweep_box_end(&f->box, status);
 }
 

@@ -247,12 +247,6 @@ static rp_status measure(sweep_solved *s, double *v)
     return status;
 }
 
-static void start_results(const sweep_outline *h, sweep_result *results)
-{
-    sweep_result_clear(results);
-    results->values[OUT_n_disks] = (double)h->n;
-}
-
 static void conclude(const char *word, rp_status status, sweep_result *results)
 {
     snprintf(results->status, sizeof results->status, "%s", word);
@@ -267,7 +261,8 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     def.watch = watch;
     def.context = context;
     *s = (sweep_solved){.p = p, .h = h, .error = {NAN, NAN, NAN, NAN}};
-    start_results(h, results);
+    sweep_result_clear(results);
+    results->values[OUT_n_disks] = (double)h->n;
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
@@ -316,7 +311,8 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
 {
     const double PRECISION = 1e-4, WIDEN = 2, EPS_MAX = 0.1;
     double lo = 0, hi = 0, eps = p->eps;
-    start_results(h, results);
+    sweep_result_clear(results);
+    results->values[OUT_n_disks] = (double)h->n;
     while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
         bool stable = false;
         statics_result r;
@@ -350,7 +346,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
         status = p->threshold ? sweep_pile_threshold(p, &h, results)
                               : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
     if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
-    if (!status && tables && s.pile) status = sweep_pile_write(&s, tables->directory, tables->header);
+    if (!status && tables && s.pile) status = sweep_pile_write(&s, tables);
     sweep_solved_free(&s);
     sweep_outline_free(&h);
     return status;

@@ -101,7 +101,6 @@ typedef struct {
     const repose_params *p;
     sweep_box_run box;
     double *values;    /* of the result */
-    long opened_at;    /* step */
     long steps_before; /* of a simulation that was tilted before this one */
 } experiment;
 
@@ -164,8 +163,7 @@ static rp_status fill_box(experiment *e)
 {
     const long ramp = fills_by_ramp(e->p) ? e->p->box.fill_steps / 2 : 0;
     rp_status status = place_grains(e);
-    if (!status) status = dem_scene_start(&e->box.scene, &e->box.sim);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
+    if (!status) status = sweep_box_start(&e->box);
     if (status) return status;
     status = ramp_gravity(e, ramp);
     if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
@@ -176,17 +174,13 @@ static rp_status fill_box(experiment *e)
 
 static rp_status open_box(experiment *e)
 {
-    const long least = 5000;
-    e->opened_at = dem_step(e->box.sim);
-    dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
-    e->box.scene.def.walls[DEM_BOX_RIGHT].open_at_step = e->opened_at + 1;
-    rp_status status = sweep_box_advance(&e->box, e->p->stop == STOP_REST ? least : e->p->relax_steps);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle_pile(&e->box);
-    e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - e->opened_at);
+    const long opened_at = dem_step(e->box.sim);
+    rp_status status = sweep_box_open(&e->box, e->p->stop == STOP_REST ? 0 : e->p->relax_steps);
+    e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - opened_at);
     return status;
 }
 
-/* What can be said of any state. */
+/* Outputs of any state. */
 static rp_status note_state(experiment *e)
 {
     double *v = e->values;
@@ -230,7 +224,7 @@ static rp_status measure_halves(experiment *e)
     return status;
 }
 
-/* Every way to read the same surface. */
+/* All readings of the same surface. */
 static rp_status measure_variants(experiment *e)
 {
     rp_status status = RP_OK;
@@ -255,13 +249,7 @@ static rp_status measure_pile(experiment *e)
     double *v = e->values;
     ang_slope slopes[ANG_N_METHODS];
     rp_status status = note_state(e);
-    if (status) return status;
-    /* what lies flat on a smooth floor is no pile of angle 0: any slope would have flowed out */
-    if (e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0 && !e->p->box.floor_grains) {
-        sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
-        return RP_NO_RESULT;
-    }
-    status = sweep_box_slopes(&e->box, slopes);
+    if (!status) status = sweep_box_pile_slopes(&e->box, slopes);
     if (status) return status;
     for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_theta_r1_deg + m] = sweep_degrees(slopes[m].theta);
     v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
@@ -276,38 +264,19 @@ static void turn(experiment *e, double deg_per_step)
     (e->p->tilt == TILT_BOX ? dem_box_turn : dem_gravity_turn)(e->box.sim, deg_per_step * (M_PI / 180.0));
 }
 
-/* Gravity, or the box, turns at a constant rate; onset by displacement and by energy (protocol "Tilt"). The
- * elastic sway that the start of the turn excites is the largest mean energy within the first half degree. */
 static rp_status tilt_at_rate(experiment *e)
 {
-    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
-    const double sway_deg = 0.5, most_deg = 60.0;
-    double *v = e->values, sway = 0.0;
-    sweep_places at = {0};
-    rp_status status = sweep_places_note(&e->box, &at);
-    turn(e, e->p->tilt_rate_deg);
-    for (double turned = 0.0; !status && turned < most_deg;) {
-        status = sweep_box_advance(&e->box, every);
-        if (status) break;
-        turned += (double)every * e->p->tilt_rate_deg;
-        size_t moved;
-        dem_rest rest;
-        status = sweep_places_moved(&e->box, &at, 0.1 * e->box.d, 0, &moved);
-        if (!status) status = dem_rest_state(e->box.sim, 0.0, e->p->box.W, &rest);
-        if (status) break;
-        if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
-        if (isnan(v[OUT_theta_t_displacement_deg]) && (double)moved >= 0.05 * (double)at.n)
-            v[OUT_theta_t_displacement_deg] = turned;
-        if (isnan(v[OUT_theta_t_energy_deg]) && turned > sway_deg && rest.kinetic_energy > 10.0 * sway &&
-            rest.kinetic_energy > 1e-5 * e->box.mg * e->box.d)
-            v[OUT_theta_t_energy_deg] = turned;
-        if (isfinite(v[OUT_theta_t_displacement_deg]) && isfinite(v[OUT_theta_t_energy_deg])) break;
-    }
-    sweep_places_free(&at);
+    double *v = e->values;
+    sweep_positions at = {0};
+    rp_status status = sweep_positions_note(&e->box, &at);
+    if (!status)
+        status = sweep_box_tilt(&e->box, &at, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
+                                &v[OUT_theta_t_displacement_deg], &v[OUT_theta_t_energy_deg]);
+    sweep_positions_free(&at);
     v[OUT_theta_rt_deg] = v[OUT_theta_r3_deg] + v[OUT_theta_t_displacement_deg];
     if (!status && (isnan(v[OUT_theta_t_displacement_deg]) || isnan(v[OUT_theta_t_energy_deg])))
         snprintf(e->box.result->message, sizeof e->box.result->message,
-                 "tilt: stands, by a criterion, at %g degrees", most_deg);
+                 "tilt: stable, by a criterion, at 60 degrees");
     return status;
 }
 
@@ -318,8 +287,8 @@ static rp_status tilt_quasi_static(experiment *e)
     const double step_deg = 0.1, most_deg = 60.0;
     const long steps =
         lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
-    sweep_places at = {0};
-    rp_status status = sweep_places_note(&e->box, &at);
+    sweep_positions at = {0};
+    rp_status status = sweep_positions_note(&e->box, &at);
     for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
         turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
@@ -328,11 +297,11 @@ static rp_status tilt_quasi_static(experiment *e)
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
-        if (!status) status = sweep_places_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
+        if (!status) status = sweep_positions_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
         if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = turned;
-        if (moved > 0 || restless) break; /* restless in its place: no angle, the message says why */
+        if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
     }
-    sweep_places_free(&at);
+    sweep_positions_free(&at);
     return status;
 }
 

@@ -89,8 +89,8 @@ typedef struct {
     const stress_params *p;
     sweep_box_run box;
     double *values;
-    double weight;   /* of all grains at rest */
-    sweep_places at; /* of the pile at rest */
+    double weight;      /* of all grains at rest */
+    sweep_positions at; /* of the pile at rest */
     stress_contact *forces;
     size_t room;
     reading readings[N_TILTS];
@@ -105,59 +105,23 @@ static rp_status check(const void *params)
 
 static rp_status make_pile(experiment *e)
 {
-    const long least = 5000;
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = dem_scene_start(&e->box.scene, &e->box.sim);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&e->box, "no_room", rp_message());
+    rp_status status = sweep_box_start(&e->box);
     if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps);
     if (!status) status = sweep_box_settle(&e->box, "filling");
-    if (status) return status;
-    dem_wall_open(e->box.sim, DEM_BOX_RIGHT, e->p->box.open);
-    status = sweep_box_advance(&e->box, least);
-    if (!status) status = sweep_box_settle_pile(&e->box);
-    if (!status && e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0) {
-        sweep_box_conclude(&e->box, "no_pile", "a floor without friction, and no wall on the right");
-        status = RP_NO_RESULT;
-    }
-    if (!status) status = sweep_box_slopes(&e->box, slopes);
+    if (!status) status = sweep_box_open(&e->box, 0);
+    if (!status) status = sweep_box_pile_slopes(&e->box, slopes);
     if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
     return status;
 }
 
-static rp_status note_places(experiment *e)
+static rp_status note_positions(experiment *e)
 {
-    rp_status status = sweep_places_note(&e->box, &e->at);
+    rp_status status = sweep_positions_note(&e->box, &e->at);
     if (status) return status;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
     e->values[OUT_grains] = (double)e->at.n;
     return RP_OK;
-}
-
-/* Have 5 % of the pile's grains moved more than 0.1 d? */
-static rp_status has_moved(experiment *e, bool *moved)
-{
-    size_t n;
-    rp_status status = sweep_places_moved(&e->box, &e->at, 0.1 * e->box.d, 0, &n);
-    *moved = !status && (double)n >= 0.05 * (double)e->at.n;
-    return status;
-}
-
-/* The tilt, at a rate, at which the pile moves. */
-static rp_status tilt_until_moved(experiment *e)
-{
-    const double most_deg = 60.0;
-    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / e->p->tilt_rate_deg));
-    bool moved = false;
-    rp_status status = RP_OK;
-    dem_gravity_turn(e->box.sim, e->p->tilt_rate_deg * (M_PI / 180.0));
-    double turned = 0.0;
-    while (!status && !moved && turned < most_deg) {
-        status = sweep_box_advance(&e->box, every);
-        turned += (double)every * e->p->tilt_rate_deg;
-        if (!status) status = has_moved(e, &moved);
-    }
-    if (moved) e->values[OUT_theta_t_displacement_deg] = turned;
-    return status;
 }
 
 static void contact_force(const dem_contact *c, stress_contact *force)
@@ -255,7 +219,7 @@ static rp_status tilt_to_rest(experiment *e)
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
         if (!status) status = sweep_box_settle(&e->box, "tilt");
-        if (!status) status = has_moved(e, &moved);
+        if (!status) status = sweep_positions_onset(&e->box, &e->at, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[k]);
     }
@@ -317,7 +281,7 @@ static rp_status run_phases(experiment *e)
     dem_sim *copy = NULL;
     rp_status status = make_pile(e);
     if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = note_places(e);
+    if (!status) status = note_positions(e);
     if (!status) status = dem_clone(e->box.sim, &copy);
     if (!status) status = tilt_to_rest(e);
     long steps = e->box.sim ? dem_step(e->box.sim) : 0;
@@ -326,7 +290,8 @@ static rp_status run_phases(experiment *e)
         e->box.sim = copy;
         copy = NULL;
         steps -= dem_step(e->box.sim);
-        status = tilt_until_moved(e);
+        status = sweep_box_tilt(&e->box, &e->at, false, e->p->tilt_rate_deg,
+                                &e->values[OUT_theta_t_displacement_deg], NULL);
     }
     if (!status) status = conclude(e);
     if (e->box.sim) e->values[OUT_steps] = (double)(steps + dem_step(e->box.sim));
@@ -344,7 +309,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     rp_status status = sweep_box_begin(&e.box, b, n, tables, result);
     sweep_box_fill(&e.box, seed, run);
     if (!status) status = run_phases(&e);
-    sweep_places_free(&e.at);
+    sweep_positions_free(&e.at);
     free(e.forces);
     return sweep_box_end(&e.box, status);
 }
@@ -352,7 +317,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 /* A short run through all phases, of a small pile that is hardly at rest. */
 static rp_status fingerprint(char digits[33])
 {
-    stress_params p = {0}; /* the schema does not have every field */
+    stress_params p = {0}; /* the schema has not every field of the box */
     sweep_result result;
     static const int hashed[] = {OUT_theta_r3_deg,
                                  OUT_theta_t_displacement_deg,

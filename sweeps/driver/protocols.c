@@ -3,6 +3,7 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "core/table.h"
 #include "sweeps/driver/sweep.h"
 
 const sweep_protocol *const sweep_protocols[] = {
@@ -15,6 +16,14 @@ void sweep_result_clear(sweep_result *result)
 {
     *result = (sweep_result){.status = ""};
     for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+}
+
+rp_status sweep_table_open(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+{
+    snprintf(path, size, "%s/%s", t->directory, name);
+    rp_status status = rp_file_open(path, out);
+    if (!status) t->header(*out);
+    return status;
 }
 
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],

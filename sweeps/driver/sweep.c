@@ -1,4 +1,4 @@
-/* The folder of a sweep: making it, running it, asking it. */
+/* The folder of a sweep: making it, running it, asking it; one run of a sweep again. */
 #include "sweeps/driver/private.h"
 
 #include <errno.h>
@@ -106,5 +106,21 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
     rp_status status = sweep_folder_open(dir, protocols, false, &f);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
+                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
+{
+    sweep_plan plan;
+    rp_status status = sweep_plan_read(file, protocols, &plan);
+    *protocol = plan.protocol;
+    if (!status && row >= plan.n_runs)
+        status = rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
+                         plan.n_runs - 1, file);
+    if (!status)
+        status = plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), plan.seed,
+                                    sweep_plan_pile(&plan, row), tables, result);
+    sweep_plan_free(&plan);
     return status;
 }
