@@ -136,8 +136,7 @@ figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies i
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(make_report) -o $(B)/paper-repro.md && echo "report  $(B)/paper-repro.md"
 
-validate: $(REPOSE) ## the validation at full size, tables and figures
-	@$(MAKE) -s -j$(JOBS) $(B)/check
+validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
 	@$(MAKE) -s -j1 $(VALIDATION:%=$(B)/validated/%) $(CHECKED:%=$(B)/figures/%.svg)
 
 studies: $(STUDIED:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
