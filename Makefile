@@ -19,7 +19,6 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
-
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 # module=folder=prefix of its exported names; dependents before what they depend on
@@ -128,7 +127,7 @@ VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(ba
 CODE    := $(filter-out %/version.o,$(ALL)) | $(REPOSE)
 vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
-# Each core works on a sweep of its own, so that none waits for the last run of another; what takes longest comes first.
+# Each core works on a sweep of its own; the longest come first.
 LONGEST := lh5 lh2b lh_gamma lh3
 make_report = $(REPOSE) report figures/paper-repro.md.in --tables results,$(T)
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
@@ -167,8 +166,7 @@ $(B)/validated/%: validation/%.c $(CODE) $(B)/check
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
 $(T)/published.tsv: figures/claims.tsv $(CODE)
-	@mkdir -p $(T)
-	@$(REPOSE) claims --published >$@
+	@mkdir -p $(T) && $(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
 $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
@@ -184,14 +182,13 @@ report: figures validate $(T)/bench.tsv ## paper-repro.md and the pictures that 
 	@$(make_report) -o paper-repro.md
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 
-# Speed, against LAMMPS and LIGGGHTS where they are installed; for a quiet machine, an hour. Starts are kept.
+# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, an hour. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench '400 1600 10000 100000' '400 1600 10000' 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_growth       = growth.sh $(REPOSE) $(B)/bench growth '1000 10000 100000 1000000'
 BENCH_workers      = growth.sh $(REPOSE) $(B)/bench workers 5
 $(T)/bench.tsv: $(CODE)
-	@mkdir -p $(T)
-	@$(REPOSE) bench --n 1372 >$@
+	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@
 $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@mkdir -p $(T)
 	@echo "bench   $*"
