@@ -116,12 +116,12 @@ STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)
 # These have larger ensembles too, which the report prefers.
 STUDIED := $(STUDIES) $(foreach s,$(SWEEPS),$(if $(filter study,$(file <$(wildcard sweeps/*/$(s).cfg))),$(s)))
 owner     = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s) $(s)_% $(s)/%,$(1)),$(s)))))
-# Those of studies are drawn where the tables in results are there.
+# A figure of a study is drawn where its tables are in results.
 tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
 lacks     = $(strip $(foreach t,$(call tables_of,$(1)),$(if $(filter $(STUDIES),$(call owner,$(t:.tsv=))),$(if $(wildcard results/$(t)),,$(t)))))
-FIGURES   = $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp))) \
-            $(foreach f,$(basename $(notdir $(wildcard figures/studies/*.gp))),$(if $(call lacks,$(f)),,$(f)))
-CHECKED := $(filter-out bench,$(basename $(notdir $(wildcard figures/val/*.gp))))
+drawable  = $(foreach f,$(basename $(notdir $(wildcard $(1)))),$(if $(call lacks,$(f)),,$(f)))
+FIGURES   = $(call drawable,figures/lh/*.gp figures/li/*.gp figures/studies/*.gp)
+CHECKED   = $(filter-out bench,$(call drawable,figures/val/*.gp))
 VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(basename $(notdir $(wildcard validation/*.c))))
 # A table is stale when any code but the commit's name has changed.
 CODE    := $(filter-out %/version.o,$(ALL)) | $(REPOSE)
@@ -190,8 +190,7 @@ BENCH_workers      = growth.sh $(REPOSE) $(B)/bench workers 5
 $(T)/bench.tsv: $(CODE)
 	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@
 $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
-	@mkdir -p $(T)
-	@echo "bench   $*"
+	@mkdir -p $(T) && echo "bench   $*"
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, growth, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv
