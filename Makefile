@@ -19,7 +19,6 @@ PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconf
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
-
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 # module=folder=prefix of its exported names; dependents before what they depend on
@@ -102,8 +101,12 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
-	@sh tests/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
+$(B)/mutants: tests/mutate/mutants.c
+	@mkdir -p $(@D)
+	@$(CC) $(CPPFLAGS) $(CFLAGS) $< -o $@
+
+mutate: $(B)/mutants | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
 # ---- Sweeps and models -> tables -> figures and report
 
@@ -113,18 +116,18 @@ STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)
 # These have larger ensembles too, which the report prefers.
 STUDIED := $(STUDIES) $(foreach s,$(SWEEPS),$(if $(filter study,$(file <$(wildcard sweeps/*/$(s).cfg))),$(s)))
 owner     = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s) $(s)_% $(s)/%,$(1)),$(s)))))
-# Those of studies are drawn where the tables in results are there.
+# A figure of a study is drawn where its tables are in results.
 tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
 lacks     = $(strip $(foreach t,$(call tables_of,$(1)),$(if $(filter $(STUDIES),$(call owner,$(t:.tsv=))),$(if $(wildcard results/$(t)),,$(t)))))
-FIGURES   = $(basename $(notdir $(wildcard figures/lh/*.gp figures/li/*.gp))) \
-            $(foreach f,$(basename $(notdir $(wildcard figures/studies/*.gp))),$(if $(call lacks,$(f)),,$(f)))
-CHECKED := $(filter-out bench,$(basename $(notdir $(wildcard figures/val/*.gp))))
+drawable  = $(foreach f,$(basename $(notdir $(wildcard $(1)))),$(if $(call lacks,$(f)),,$(f)))
+FIGURES   = $(call drawable,figures/lh/*.gp figures/li/*.gp figures/studies/*.gp)
+CHECKED   = $(filter-out bench,$(call drawable,figures/val/*.gp))
 VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(basename $(notdir $(wildcard validation/*.c))))
 # A table is stale when any code but the commit's name has changed.
 CODE    := $(filter-out %/version.o,$(ALL)) | $(REPOSE)
 vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
-# Each core works on a sweep of its own, so that none waits for the last run of another; what takes longest comes first.
+# Each core works on a sweep of its own; the longest come first.
 LONGEST := lh5 lh2b lh_gamma lh3
 make_report = $(REPOSE) report figures/paper-repro.md.in --tables results,$(T)
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
@@ -132,8 +135,7 @@ figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies i
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg)
 	@$(make_report) -o $(B)/paper-repro.md && echo "report  $(B)/paper-repro.md"
 
-validate: $(REPOSE) ## the validation at full size, tables and figures
-	@$(MAKE) -s -j$(JOBS) $(B)/check
+validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
 	@$(MAKE) -s -j1 $(VALIDATION:%=$(B)/validated/%) $(CHECKED:%=$(B)/figures/%.svg)
 
 studies: $(STUDIED:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
@@ -164,8 +166,7 @@ $(B)/validated/%: validation/%.c $(CODE) $(B)/check
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
 $(T)/published.tsv: figures/claims.tsv $(CODE)
-	@mkdir -p $(T)
-	@$(REPOSE) claims --published >$@
+	@mkdir -p $(T) && $(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
 $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
@@ -181,17 +182,15 @@ report: figures validate $(T)/bench.tsv ## paper-repro.md and the pictures that 
 	@$(make_report) -o paper-repro.md
 	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
 
-# Speed, against LAMMPS and LIGGGHTS where they are installed; for a quiet machine, an hour. Starts are kept.
+# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, an hour. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench '400 1600 10000 100000' '400 1600 10000' 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_growth       = growth.sh $(REPOSE) $(B)/bench growth '1000 10000 100000 1000000'
 BENCH_workers      = growth.sh $(REPOSE) $(B)/bench workers 5
 $(T)/bench.tsv: $(CODE)
-	@mkdir -p $(T)
-	@$(REPOSE) bench --n 1372 >$@
+	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@
 $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
-	@mkdir -p $(T)
-	@echo "bench   $*"
+	@mkdir -p $(T) && echo "bench   $*"
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, growth, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv

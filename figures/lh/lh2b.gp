@@ -13,7 +13,7 @@ set ylabel 'angle of repose {/:Italic θ}_R (degrees)'
 set xrange [1.2:4.3]
 set yrange [0:45]
 set key top left Left reverse
-set label 1 sprintf('filled: method 3, open: method 2; bars: standard error over %d piles, lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', P_max) at graph 0.99, 0.05 right font ',6'
+set label 1 sprintf('filled: method 3, open: method 2; bars: standard error over %d piles; lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', P_max) at graph 0.99, 0.05 right font ',6'
 plot for [i=1:3] t('lh2b.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 2))):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt int(word(marks, i)) ps 0.7 lc i + 1 title limits(word(mus, i)), \
      for [i=1:3] t('lh2b.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 1))):(column('theta_r2_deg_mean')):(column('theta_r2_deg_se')) \

@@ -149,16 +149,14 @@ static const cli_command digest = {
  * and * stands for what is there. */
 static void become(const char *command, const char *tables, FILE *out)
 {
-    glob_t words = {.gl_offs = 1};
+    glob_t words = {0};
     char *text = strdup(command), *save;
-    int flags = GLOB_NOCHECK | GLOB_DOOFFS;
-    for (char *word = text ? strtok_r(text, " ", &save) : NULL; word; word = strtok_r(NULL, " ", &save)) {
+    if (!text || glob("repose", GLOB_NOCHECK, NULL, &words)) _exit(RP_NO_MEMORY);
+    for (char *word = strtok_r(text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
         char full[4096];
         snprintf(full, sizeof full, "%s%s", *word == '@' ? tables : "", *word == '@' ? word + 1 : word);
-        if (glob(full, flags, NULL, &words)) _exit(RP_NO_MEMORY);
-        flags |= GLOB_APPEND;
+        if (glob(full, GLOB_NOCHECK | GLOB_APPEND, NULL, &words)) _exit(RP_NO_MEMORY);
     }
-    words.gl_pathv[0] = "repose";
     if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", words.gl_pathv);
     _exit(RP_IO);
 }

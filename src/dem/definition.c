@@ -190,8 +190,6 @@ rp_status dem_scheme_check(const dem_definition *def)
 
 rp_status dem_definition_check(const dem_definition *def)
 {
-    if (def->n_walls > DEM_MAX_WALLS)
-        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     rp_status status = check_grain_values(def);
     if (!status && (status = check_material(def, &def->material)) != RP_OK)
         return rp_prefix(status, "particles: ");

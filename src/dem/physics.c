@@ -98,6 +98,8 @@ static rp_status find_damping(const dem_definition *def, double m_eff, double v,
 
 rp_status dem_physics_resolve(dem_definition *def)
 {
+    if (def->n_walls > DEM_MAX_WALLS)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
     bool asked = def->material.restitution > 0.0;
     for (size_t w = 0; w < def->n_walls; w++) asked |= def->walls[w].material.restitution > 0.0;
     if (!asked) return RP_OK;

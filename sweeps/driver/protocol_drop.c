@@ -525,7 +525,7 @@ static rp_status check(const void *params)
 /* Bits of the disks of a small pile of unequal ones. */
 static rp_status fingerprint(char digits[33])
 {
-    drop_params p;
+    drop_params p = {0};
     drop d;
     sweep_result result;
     rp_params_defaults(schema, &p);

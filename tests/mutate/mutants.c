@@ -1,0 +1,341 @@
+/* Lists the mutants of C files, for tests/mutate.sh: one sign, factor, index or comparison changed at a time.
+ *
+ *   mutants EXCEPTIONS FILE ...    a row each: file, line, kind, original, mutant, and the outcome if it
+ * survives: "equivalent" if EXCEPTIONS has it, else "survived"
+ *
+ * The rows come in the order in which to try them: by turns from each kind in each file, within these at
+ * random, by their text alone. Status 2: a line of EXCEPTIONS is no mutant, or a file cannot be read.
+ *
+ * A comparison is turned round; with a whole number its limit is let in or out too, which among measured
+ * numbers changes nothing. Left alone: comments, strings, messages of errors, the preprocessor, enumerations,
+ * named constants, sizes of memory and what follows where it is short. Binary operators are known by the
+ * blanks that the format puts around them. */
+#include <ctype.h>
+#include <regex.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TYPE     "(double|size_t|long|int|bool|char|num|lanes|[a-z]+_[a-z_]+)"
+#define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
+#define LEAVE    "alloc\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| )+![a-z_>-]+\\)"
+
+typedef struct {
+    char *file, *original, *mutant;
+    const char *kind;
+    size_t line, twin; /* number among the equal lines of the file */
+    uint64_t random;
+    size_t turn;
+    bool excepted;
+} entry;
+
+static struct {
+    entry *all;
+    size_t n, capacity;
+} list;
+
+/* A line: as it is, and with what is not to change blanked, all else in its place. */
+static struct {
+    char *file, text[4096], code[4096];
+    size_t number, twin;
+    bool in_comment, in_message, in_definition, in_directive, is_loop;
+    char quote;
+} at_line;
+
+static void *checked(void *memory)
+{
+    if (memory) return memory;
+    fprintf(stderr, "mutants: out of memory\n");
+    exit(2);
+}
+
+static char *trimmed(const char *text)
+{
+    const size_t from = strspn(text, " ");
+    size_t to = strlen(text);
+    while (to > from && text[to - 1] == ' ') to--;
+    return checked(strndup(text + from, to - from));
+}
+
+static bool matches(const char *pattern, const char *text, regmatch_t *where)
+{
+    enum { MOST = 32 };
+    static const char *patterns[MOST];
+    static regex_t compiled[MOST];
+    size_t i = 0;
+    while (i < MOST && patterns[i] && patterns[i] != pattern) i++;
+    if (i == MOST || (!patterns[i] && regcomp(&compiled[i], pattern, REG_EXTENDED) != 0)) {
+        fprintf(stderr, "mutants: bad expression: %s\n", pattern);
+        exit(2);
+    }
+    patterns[i] = pattern;
+    return regexec(&compiled[i], text, where ? 1 : 0, where, 0) == 0;
+}
+
+/* FNV-1a, mixed. */
+static uint64_t random_of(const char *text, uint64_t h)
+{
+    while (*text) h = (h ^ (unsigned char)*text++) * UINT64_C(0x100000001b3);
+    h = (h ^ h >> 33) * UINT64_C(0xff51afd7ed558ccd);
+    return h ^ h >> 33;
+}
+
+/* Offer the line with `len` characters from `from` replaced. */
+static void offer(const char *kind, size_t from, size_t len, const char *with)
+{
+    char text[sizeof at_line.text + 64];
+    snprintf(text, sizeof text, "%.*s%s%s", (int)from, at_line.text, with, at_line.text + from + len);
+    if (list.n == list.capacity)
+        list.all = checked(realloc(list.all, (list.capacity = 2 * list.capacity + 64) * sizeof *list.all));
+    list.all[list.n++] =
+        (entry){.file = at_line.file,
+                .line = at_line.number,
+                .twin = at_line.twin,
+                .kind = kind,
+                .original = trimmed(at_line.text),
+                .mutant = trimmed(text),
+                .random = random_of(text, random_of(at_line.file, from + (at_line.twin << 16)))};
+}
+
+static void change_operator(size_t from, size_t len)
+{
+    static const char *const pairs[][3] = {{"+", "-", "sign"},         {"+=", "-=", "sign"},
+                                           {"*", "/", "factor"},       {"*=", "/=", "factor"},
+                                           {"<", ">=", "comparison"},  {">", "<=", "comparison"},
+                                           {"==", "!=", "comparison"}, {"&&", "||", "comparison"}};
+    const char *word = at_line.code + from + 1;
+    if (at_line.is_loop && strchr("<>", *word)) return; /* past the end is what the sanitizers are for */
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
+        for (size_t k = 0; k < 2; k++)
+            if (strlen(pairs[i][k]) == len - 2 && strncmp(word, pairs[i][k], len - 2) == 0)
+                offer(pairs[i][2], from + 1, len - 2, pairs[i][1 - k]);
+}
+
+static void end_early(size_t from, size_t len)
+{
+    offer("index", from + len - 3, 3, " + 1 < ");
+}
+
+static void start_late(size_t from, size_t len)
+{
+    offer("index", from + len - 2, 1, "1");
+}
+
+static void move_limit(size_t from, size_t len)
+{
+    (void)len;
+    const char *word = at_line.code + from + 1;
+    const bool is_in = word[1] == '=';
+    offer("comparison", from + 1, is_in ? 2 : 1, (char[]){word[0], is_in ? 0 : '=', 0});
+}
+
+static void count_back(size_t from, size_t len)
+{
+    (void)len;
+    offer("sign", from + 1, 2, at_line.code[from + 1] == '+' ? "--" : "++");
+}
+
+static void drop_minus(size_t from, size_t len)
+{
+    offer("sign", from + len - 2, 1, "");
+}
+
+/* A whole number plus 1; any other times 1.2. */
+static void change_number(size_t from, size_t len)
+{
+    if (at_line.is_loop && from > 0 && at_line.code[from - 1] == '<') return;
+    while (!isdigit((unsigned char)at_line.code[from])) from++, len--;
+    const size_t n = strspn(at_line.code + from, "0123456789.");
+    const bool has_point = memchr(at_line.code + from, '.', n) != NULL;
+    const double old = strtod(at_line.code + from, NULL);
+    const double new = old == (double)(long)old ? old + 1 : 1.2 * old;
+    char text[32];
+    snprintf(text, sizeof text, has_point && new == (double)(long)new ? "%.1f" : "%.15g", new);
+    offer("factor", from, n, text);
+}
+
+static void change_index(size_t from, size_t len)
+{
+    const char *word = at_line.code + from + 1;
+    char text[256];
+    if (strspn(word, "0123456789") == len - 2)
+        snprintf(text, sizeof text, "%ld", strtol(word, NULL, 10) > 0 ? strtol(word, NULL, 10) - 1 : 1);
+    else
+        snprintf(text, sizeof text, "%.*s + 1", (int)len - 2, word);
+    offer("index", from + 1, len - 2, text);
+}
+
+enum { IN_LOOPS = 1, ELSEWHERE = 2, ANYWHERE = 3 };
+
+static const struct {
+    const char *pattern;
+    void (*change)(size_t from, size_t len);
+    int where; /* heads of loops, or other lines */
+} changes[] = {{" ([-+*/<>]|<=|>=|==|!=|&&|[|][|]|[-+*/]=) ", change_operator, ANYWHERE},
+               {"[a-z_]+ < ", end_early, IN_LOOPS},
+               {"for \\([a-z_]+ [a-z_]+ = 0;", start_late, IN_LOOPS},
+               {" [<>]=? [1-9][0-9]*[ ;,)]", move_limit, ELSEWHERE},
+               {"[a-z_)](\\+\\+|--)[^+-]", count_back, ELSEWHERE},
+               {"([ (,{]|return )-[a-zA-Z_(]", drop_minus, ANYWHERE},
+               {"[ (][0-9]+[.][0-9]+[ ;,)]", change_number, ANYWHERE},
+               {"[ (][0-9]+ [*/] ", change_number, ANYWHERE},
+               {"[*/] [0-9]+[ ;,)]", change_number, ANYWHERE},
+               {"[[][a-z0-9_]+[]]", change_index, ANYWHERE}};
+
+/* Blank what is not to change; a comment, a string or a message may go on in the next line. */
+static void blank(void)
+{
+    const char *text = at_line.text;
+    char *code = at_line.code;
+    const size_t n = strlen(text);
+    for (size_t i = 0; i < n; i++) {
+        char c = text[i];
+        size_t skipped = 0;
+        if (at_line.in_comment) {
+            at_line.in_comment = strncmp(text + i, "*/", 2) != 0;
+            skipped = !at_line.in_comment, c = ' ';
+        } else if (at_line.quote) {
+            skipped = c == '\\';
+            if (c == at_line.quote) at_line.quote = 0;
+            c = ' ';
+        } else if (strncmp(text + i, "/*", 2) == 0) {
+            at_line.in_comment = true;
+            skipped = 1, c = ' ';
+        } else if (c == '"' || c == '\'') {
+            at_line.quote = c;
+            c = ' ';
+        } else if (strncmp(text + i, "rp_fail(", 8) == 0)
+            at_line.in_message = true;
+        if (c == ';') at_line.in_message = false;
+        *code++ = at_line.in_message ? ' ' : c;
+        if (skipped && i + 1 < n) *code++ = ' ', i++;
+    }
+    strcpy(code, " "); /* an operator or a number at the end of a line has a blank after it as well */
+}
+
+/* A line of the preprocessor, or of an enumeration, a structure or a named constant. */
+static bool is_definition(void)
+{
+    const char *code = at_line.code;
+    const bool is_directive = at_line.in_directive || code[strspn(code, " ")] == '#';
+    at_line.in_directive = is_directive && matches("\\\\ $", code, NULL);
+    if (matches("^(typedef )?(enum|struct)( [a-z_]+)? \\{|^static const " TYPE " [A-Z_]+ =", code, NULL))
+        at_line.in_definition = true;
+    const bool is = is_directive || at_line.in_definition;
+    if (strchr(code, ';') && strncmp(code, "    ", 4) != 0) at_line.in_definition = false;
+    return is;
+}
+
+static void mutate_line(void)
+{
+    blank();
+    if (is_definition() || matches(LEAVE, at_line.text, NULL)) return;
+    const char *code = at_line.code;
+    at_line.is_loop = strstr(code, "for (") != NULL;
+    const bool declares = matches(DECLARES, code, NULL);
+    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there, then indices */
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
+        regmatch_t m;
+        for (size_t from = changes[i].change == change_index ? declared : 0;
+             matches(changes[i].pattern, code + from, &m);) {
+            const size_t len = (size_t)(m.rm_eo - m.rm_so);
+            from += (size_t)m.rm_so;
+            changes[i].change(from, len);
+            from += len - 1; /* the blank after it may be the next one's */
+        }
+    }
+}
+
+static FILE *opened(const char *path)
+{
+    FILE *in = fopen(path, "r");
+    if (in) return in;
+    perror(path);
+    exit(2);
+}
+
+static void mutate_file(char *path)
+{
+    FILE *in = opened(path);
+    char **before = NULL;
+    memset(&at_line, 0, sizeof at_line);
+    at_line.file = path;
+    while (fgets(at_line.text, sizeof at_line.text - 2, in)) {
+        at_line.text[strcspn(at_line.text, "\n")] = 0;
+        before = checked(realloc(before, (at_line.number + 1) * sizeof *before));
+        before[at_line.number] = trimmed(at_line.text);
+        at_line.twin = 0;
+        for (size_t i = 0; i <= at_line.number; i++)
+            at_line.twin += strcmp(before[i], before[at_line.number]) == 0;
+        at_line.number++;
+        mutate_line();
+    }
+    for (size_t i = 0; i < at_line.number; i++) free(before[i]);
+    free(before);
+    fclose(in);
+}
+
+/* Mark what the file excepts: path, number among the equal lines, line, mutant, reason. False: a line is no
+ * mutant. */
+static bool read_exceptions(const char *path)
+{
+    FILE *in = opened(path);
+    char line[4096];
+    bool good = true;
+    for (size_t number = 1; fgets(line, sizeof line, in); number++) {
+        if (line[0] == '#') continue;
+        char *rest = line, *field[5];
+        for (size_t k = 0; k < 5; k++) field[k] = rest ? strsep(&rest, "\t\n") : "";
+        bool found = false;
+        for (entry *e = list.all; *field[4] && e < list.all + list.n; e++)
+            if (strcmp(e->file, field[0]) == 0 && e->twin == strtoul(field[1], NULL, 10) &&
+                strcmp(e->original, field[2]) == 0 && strcmp(e->mutant, field[3]) == 0)
+                found = e->excepted = true;
+        if (!found)
+            fprintf(stderr, "%s:%zu: no such mutant, or no reason: %s: %s\n", path, number, field[0],
+                    field[3]);
+        good &= found;
+    }
+    fclose(in);
+    return good;
+}
+
+static int compare(const entry *a, const entry *b, bool by_group)
+{
+    int order = by_group ? strcmp(a->file, b->file) : (a->turn > b->turn) - (a->turn < b->turn);
+    if (!order && by_group) order = strcmp(a->kind, b->kind);
+    return order ? order : (a->random > b->random) - (a->random < b->random);
+}
+
+static int by_group(const void *a, const void *b)
+{
+    return compare(a, b, true);
+}
+
+static int by_turn(const void *a, const void *b)
+{
+    return compare(a, b, false);
+}
+
+int main(int n, char **arguments)
+{
+    if (n < 3) {
+        fprintf(stderr, "usage: mutants EXCEPTIONS FILE ...\n");
+        return 2;
+    }
+    for (int i = 2; i < n; i++) mutate_file(arguments[i]);
+    if (!read_exceptions(arguments[1])) return 2;
+    qsort(list.all, list.n, sizeof *list.all, by_group);
+    for (size_t i = 1; i < list.n; i++) {
+        entry *e = list.all + i;
+        if (strcmp(e->file, e[-1].file) == 0 && strcmp(e->kind, e[-1].kind) == 0) e->turn = e[-1].turn + 1;
+    }
+    qsort(list.all, list.n, sizeof *list.all, by_turn);
+    for (const entry *e = list.all; e < list.all + list.n; e++)
+        printf("%s\t%zu\t%s\t%s\t%s\t%s\n", e->file, e->line, e->kind, e->original, e->mutant,
+               e->excepted ? "equivalent" : "survived");
+    return 0;
+}

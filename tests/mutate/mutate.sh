@@ -1,0 +1,136 @@
+#!/bin/sh
+# Do the tests see a changed sign, factor, index or comparison? Each mutant that mutants.c lists is compiled in a
+# copy of the tree, and the suites nearest to its file run until one fails; running for ever is a failure too.
+#
+#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS    from the top of the tree, with BUILD/mutants there; writes
+#                                                  BUILD/tables/mutate.tsv, a row a mutant, and
+#                                                  mutate_summary.tsv, a row a file
+#
+# Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
+# less than 95 %. Status 2: a line of that file is no mutant, or the tests fail without one.
+set -eu
+export LC_ALL=C
+unset MAKEFLAGS # of the make that runs this: the copies build their own
+limit_cpu=15    # seconds, three times what the suites of a file may take
+tab='	'
+
+files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
+    src/dem/law.inl src/dem/laws.c src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/implicit.c
+    src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
+    src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
+    sweeps/driver/protocol_*.c sweeps/driver/outline.c'
+
+suites_of() {
+    case $1 in
+    analytic/*) echo property analytic ;;
+    src/angle/*) echo property angle ;;
+    src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
+    src/stats/claims.c) echo claims ;;
+    src/stats/forensics.c) echo forensics ;;
+    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend calibrate ;;
+    src/stats/*) echo calibrate ;;
+    src/stress/*) echo stress drop piles ;;
+    src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
+    src/dem/implicit.c) echo midpoint implicit ;;
+    src/dem/ledger.c) echo ledger ;;
+    src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
+    src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
+        echo scene golden motion hard soft rotation dem laws ;;
+    sweeps/driver/outline.c) echo piles equilibrium ;;
+    sweeps/driver/protocol_pile.c) echo piles golden ;;
+    sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden ;;
+    *) echo soft property rotation incline statics published motion hard golden scene dem laws ;;
+    esac
+}
+
+# Build and test the tree $1, beside that of the program as it is; prints the outcome and the test that saw it,
+# "broken" if the tree does not compile.
+try() {
+    (
+        cd "$1"
+        make -s build/check SAN='-O1 -w' >build.log 2>&1 || { echo "broken$tab-"; exit; }
+        ulimit -c 0
+        ulimit -t $limit_cpu
+        shift
+        if REPOSE=../tree/build/repose timeout 300 build/check --stop "$@" >check.log 2>&1; then
+            echo "survived$tab-"
+        else
+            echo "killed$tab$(sed -n -e 's/, [0-9.]* s$//' -e 's/^  FAILED  //p' check.log | grep -m 1 . || echo time)"
+        fi
+    )
+}
+
+# One mutant: line $2 of the list in the folder $1.
+if [ "${3-}" = one ]; then
+    work=$1 tree=$1/tree_$2 result=$1/result_$2
+    [ ! -f "$result" ] || exit 0
+    sed -n "$2p" "$work/list" >"$result.mutant"
+    IFS=$tab read -r file line rest <"$result.mutant"
+    rm -rf "$tree"
+    cp -a "$work/tree" "$tree"
+    { head -n $((line - 1)) "$file" && cut -f 5 "$result.mutant" && tail -n +$((line + 1)) "$file"; } >"$tree/$file"
+    begin=$(date +%s)
+    outcome=$(try "$tree" $(suites_of "$file"))
+    echo "$outcome$tab$(($(date +%s) - begin))" >"$result.new"
+    mv "$result.new" "$result"
+    rm -rf "$tree" "$result.mutant"
+    if [ -t 2 ]; then printf '\r%d mutants ' "$(ls "$work" | grep -c '^result_[0-9]*$')" >&2; fi
+    exit
+fi
+
+build=$1 number=$2 jobs=$3
+work=$build/mutate
+# a run of the same code that was stopped goes on
+sum=$(cat Makefile tests/mutate/* $(find analytic src sweeps tests validation -name '*.[chi]*' | sort) | cksum)
+if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
+    rm -rf "$work"
+    mkdir -p "$work/tree" "$build/tables"
+    cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
+fi
+"$build/mutants" validation/mutants.txt $files >"$work/list"
+
+make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN='-O1 -w' >/dev/null
+outcome=$(try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
+[ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
+echo "$sum" >"$work/sum"
+
+# what does not compile is no mutant: another takes its place
+most=$(wc -l <"$work/list") from=1 to=$number
+while [ "$from" -le "$to" ] && [ "$from" -le "$most" ]; do
+    [ "$to" -le "$most" ] || to=$most
+    seq "$from" "$to" | xargs -P "$jobs" -I N sh tests/mutate/mutate.sh "$work" N one
+    from=$((to + 1)) to=$((number + $(seq "$to" | sed "s|^|$work/result_|" | xargs cat | grep -c ^broken || true)))
+done
+if [ -t 2 ]; then printf '\r\033[K' >&2; fi
+
+# Of one that survives, the outcome is what the list has: survived or equivalent.
+header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
+rows=$build/tables/mutate.tsv
+{
+    echo "$header"
+    printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
+    seq $((from - 1)) | sed "s|^|$work/result_|" | xargs cat | paste "$work/list" - | head -n $((from - 1)) |
+        sed -e '/\tbroken\t-\t[0-9]*$/d' -e 's/\t[a-z]*\tkilled\t\([^\t]*\t[0-9]*\)$/\tkilled\t\1/' \
+            -e 's/\tsurvived\t-\(\t[0-9]*\)$/\t-\1/'
+} >"$rows"
+
+number_of() { grep -v '^#' "$rows" | cut -f 1,6 | grep -c "^$1$tab$2\$" || true; }
+percent() { awk "BEGIN { print $2 ? 100 * $1 / $2 : 100 }"; }
+summary() {
+    killed=$(number_of "$1" killed) equivalent=$(number_of "$1" equivalent) survived=$(number_of "$1" survived)
+    seen=$(percent "$killed" $((killed + survived))) seen_of_all=$(percent "$killed" $((killed + equivalent + survived)))
+}
+{
+    echo "$header"
+    printf '# -\t1\t1\t1\t1\t%%\t%%\n# file\tmutants\tkilled\tequivalent\tsurvived\tkilled_percent\tkilled_of_all_percent\n'
+    for file in $(grep -v '^#' "$rows" | cut -f 1 | sort -u) all; do
+        summary "$(echo "$file" | sed 's/^all$/.*/')"
+        printf '%s\t%d\t%d\t%d\t%d\t%s\t%s\n' "$file" $((killed + equivalent + survived)) "$killed" "$equivalent" \
+            "$survived" "$seen" "$seen_of_all"
+    done
+} >"$build/tables/mutate_summary.tsv"
+
+sed -n "s/^\([^$tab]*\)$tab\([0-9]*\)$tab[^$tab]*$tab[^$tab]*$tab\([^$tab]*\)${tab}survived$tab.*/survived: \1:\2: \3/p" "$rows"
+summary '.*'
+echo "mutate: $killed of $((killed + equivalent + survived)) killed, $seen_of_all %; $equivalent change no result: $seen % of the others"
+[ $((100 * killed)) -ge $((95 * (killed + survived))) ]
