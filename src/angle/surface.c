@@ -122,8 +122,8 @@ static combination straight_line(const heights *s, double *variance)
     return (combination){-slope, 1.0 / gsl_stats_tss(s->x, 1, s->n)};
 }
 
-/* The parabola's second coefficient is sum e_k S_k / sum e_k^2, with e the part of z^2 that the lower
- * powers of z leave over; the slope is -2 times that. z counts cells: from the middle for the free
+/* Method 3. The parabola's second coefficient is sum e_k S_k / sum e_k^2, with e the part of z^2 that the
+ * lower powers of z leave over; the slope is -2 times that. z counts cells: from the middle for the free
  * parabola (its origin does not matter, round-off does), from the left edge of the first cell for the
  * other, so that a straight h gives an exact parabola at the cells' right edges. S_k = sum of h up to k
  * turns this into a sum over h_j with the e_k from j onwards. Where g cells are left out before j, their
