@@ -336,13 +336,10 @@ static void energy_stays(void)
     dem_free(sim);
 }
 
-/* The couple mu_roll m g r stops a rolling grain at the deceleration b mu_roll g r/(b^2 + q r^2); it stays at
- * rest. */
-static void rolling_stops(void)
+/* Rough contacts with damped shear and rolling springs, of this rolling resistance. */
+static dem_material resisting(double mu_roll)
 {
-    const double mu_roll = 0.05, v0 = 10.0;
-    for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
-        dem_material c = {.k_n = 1e6,
+    return (dem_material){.k_n = 1e6,
                           .gamma_n = 500.0,
                           .k_s = 1e4,
                           .gamma_s = 200.0,
@@ -350,6 +347,15 @@ static void rolling_stops(void)
                           .mu_roll = mu_roll,
                           .k_roll = 1e4,
                           .gamma_roll = 200.0};
+}
+
+/* The couple mu_roll m g r stops a rolling grain at the deceleration b mu_roll g r/(b^2 + q r^2); it stays at
+ * rest. */
+static void rolling_stops(void)
+{
+    const double mu_roll = 0.05, v0 = 10.0;
+    for (int shape = DEM_SPHERE; shape <= DEM_DISK; shape++) {
+        const dem_material c = resisting(mu_roll);
         dem_grain grain;
         dem_definition def = on_floor(0.0, &grain, &c);
         def.shape = shape;
@@ -381,14 +387,7 @@ static void rolling_incline(void)
     for (int k = 0; k < 3; k++) {
         const double angle = atan((k == 0 ? 0.9 : k == 1 ? 1.1 : 0.05) * mu_roll);
         const double resists = k < 2 ? mu_roll : 0.0;
-        dem_material c = {.k_n = 1e6,
-                          .gamma_n = 500.0,
-                          .k_s = 1e4,
-                          .gamma_s = 200.0,
-                          .mu = 5.0,
-                          .mu_roll = resists,
-                          .k_roll = 1e4,
-                          .gamma_roll = 200.0};
+        const dem_material c = resisting(resists);
         dem_grain grain;
         dem_definition def = on_floor(angle, &grain, &c);
         dem_sim *sim = grains_start(&def);

@@ -285,7 +285,7 @@ rp_status sweep_box_check_fill(const sweep_box *box)
     return status;
 }
 
-void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
+static void fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
 {
     const sweep_box *b = run->box;
     run->scene.has_fill = true;
@@ -305,6 +305,15 @@ void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream
     double most =
         4e5 * (gamma_n < 0.0 ? 1.0 : fmax(1.0, 500.0 / fmax(gamma_n, 1.0))) * fmax(1.0, rows * rows);
     run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
+}
+
+rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
+                                 unsigned long stream, const sweep_tables *tables, sweep_result *result)
+{
+    const size_t most = (size_t)sweep_box_grains(box) + sweep_box_floor(box, NULL);
+    rp_status status = sweep_box_begin(run, box, most, tables, result);
+    fill(run, seed, stream);
+    return status;
 }
 
 rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at)

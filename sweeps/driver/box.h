@@ -155,13 +155,17 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
-/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. Check a box that
- * they fill from W x 2 H. Make that fill the run's, with the random streams (seed, stream), and its
- * max_steps; for less than 1: 4e5, times 500/gamma_n and the square of the number of rows over 20 where these
- * exceed 1. */
+/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. */
 long sweep_box_grains(const sweep_box *box);
+
+/* Check a box that these grains fill from W x 2 H. Errors: RP_BAD_INPUT. */
 rp_status sweep_box_check_fill(const sweep_box *box);
-void sweep_box_fill(sweep_box_run *run, unsigned long seed, unsigned long stream);
+
+/* sweep_box_begin with room for the grains of such a box and of its floor, with the fill of the random
+ * streams (seed, stream), and with max_steps; for less than 1: 4e5, times 500/gamma_n and the square of the
+ * number of rows over 20 where these exceed 1. Errors: as sweep_box_begin. */
+rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
+                                 unsigned long stream, const sweep_tables *tables, sweep_result *result);
 
 /* Positions of the grains of the pile, 0 < x < W. Free with sweep_positions_free, also after an error. */
 typedef struct {

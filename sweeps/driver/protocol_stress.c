@@ -303,11 +303,8 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const stress_params *p = params;
-    const sweep_box *b = &p->box;
-    const size_t n = (size_t)sweep_box_grains(b);
     experiment e = {.p = p, .values = result->values};
-    rp_status status = sweep_box_begin(&e.box, b, n, tables, result);
-    sweep_box_fill(&e.box, seed, run);
+    rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
     sweep_positions_free(&e.at);
     free(e.forces);
