@@ -28,16 +28,15 @@ static rp_status take_lock(const char *dir, int *lock)
 rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protocols, bool write,
                             sweep_folder *folder)
 {
-    char path[4096];
+    char path[4096], text[32];
     *folder = (sweep_folder){.lock = -1};
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
     rp_status status = write ? take_lock(dir, &folder->lock) : RP_OK;
     if (!status) status = sweep_plan_read(path, protocols, &folder->plan);
-    if (!status) status = sweep_store_open(dir, false, &folder->store);
-    if (!status && !write) status = sweep_store_freeze(folder->store);
-    size_t replicas = 0;
-    if (!status) status = sweep_store_replicas(folder->store, &replicas);
-    if (!status && replicas > 0 && replicas != folder->plan.replicas)
+    if (!status) status = sweep_store_open(dir, write ? SWEEP_STORE_WRITE : SWEEP_STORE_READ, &folder->store);
+    if (!status) status = sweep_store_note(folder->store, "replicas", text, sizeof text);
+    const size_t replicas = status ? 0 : strtoul(text, NULL, 10);
+    if (replicas > 0 && replicas != folder->plan.replicas)
         status = sweep_plan_replicate(&folder->plan, replicas);
     return status ? status : sweep_store_check_plan(folder->store, &folder->plan);
 }
@@ -73,7 +72,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = take_lock(dir, &f.lock);
-    if (!status) status = sweep_store_open(dir, true, &f.store);
+    if (!status) status = sweep_store_open(dir, SWEEP_STORE_CREATE, &f.store);
     if (!status) status = sweep_store_write_plan(f.store, &f.plan, file);
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
     if (!status) status = copy_file(file, path);
@@ -90,9 +89,8 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (options->workers < 1)
         return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
     rp_status status = sweep_folder_open(dir, protocols, true, &f);
-    if (!status) status = sweep_store_drop_crashed(f.store);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     free(todo);
