@@ -16,6 +16,7 @@ typedef struct {
     const rp_param **axes; /* the parameters under `grid`, in the order of the file */
     char *points;          /* n_points structures of protocol->params_size bytes */
     char (*keys)[33];      /* of the runs */
+    char *text;            /* of the file */
     config_t config;       /* owns the texts among the parameters */
 } sweep_plan;
 

@@ -48,26 +48,12 @@ void sweep_folder_close(sweep_folder *folder)
     if (folder->lock >= 0) close(folder->lock);
 }
 
-static rp_status copy_file(const char *from, const char *to)
-{
-    char bytes[8192];
-    FILE *in = fopen(from, "r"), *out;
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", from, strerror(errno));
-    rp_status status = rp_file_open(to, &out);
-    if (!status) {
-        for (size_t n; (n = fread(bytes, 1, sizeof bytes, in)) > 0;) fwrite(bytes, 1, n, out);
-        if (ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read", from);
-        status = rp_file_close(to, out, status);
-    }
-    fclose(in);
-    return status;
-}
-
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_counts *counts)
 {
     sweep_folder f = {.lock = -1};
     char path[4096];
+    FILE *out = NULL;
     rp_status status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = rp_make_directory(dir);
@@ -75,7 +61,11 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     if (!status) status = sweep_store_open(dir, SWEEP_STORE_CREATE, &f.store);
     if (!status) status = sweep_store_write_plan(f.store, &f.plan, file);
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    if (!status) status = copy_file(file, path);
+    if (!status) status = rp_file_open(path, &out);
+    if (!status) {
+        fputs(f.plan.text, out);
+        status = rp_file_close(path, out, RP_OK);
+    }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     sweep_folder_close(&f);
     return status;
