@@ -73,10 +73,8 @@ static rp_status reserve_grains(dem_sim *sim, size_t last_id)
     return RP_OK;
 }
 
-static rp_status reserve_contacts(dem_sim *sim)
+static rp_status reserve_contacts(struct dem_ledger_state *b, size_t need)
 {
-    struct dem_ledger_state *b = sim->ledger;
-    const size_t need = dem_count_touching(&sim->pairs) + sim->walls.n_slots;
     if (need < b->contact_capacity) return RP_OK;
     const size_t capacity = 2 * need + 16;
     if (!dem_grow(&b->old_contact, sizeof *b->old_contact, capacity) ||
@@ -158,7 +156,7 @@ static int by_key(const void *a, const void *b)
 rp_status dem_ledger_forces(dem_sim *sim, double h)
 {
     struct dem_ledger_state *b = sim->ledger;
-    rp_status status = reserve_contacts(sim);
+    rp_status status = reserve_contacts(b, dem_count_touching(&sim->pairs) + sim->walls.n_slots);
     if (status) return status;
     b->n_new = 0;
     DEM_EACH_TOUCHING (&sim->pairs, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
@@ -458,6 +456,34 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     memcpy(b->grain, from->grain, b->capacity * sizeof *b->grain);
     memcpy(b->old_contact, from->old_contact, b->n_old * sizeof *b->old_contact);
     return RP_OK;
+}
+
+/* Every contact is one of grains and walls that there are. */
+static bool contacts_exist(const dem_sim *sim)
+{
+    const struct dem_ledger_state *b = sim->ledger;
+    bool exist = true;
+    for (size_t k = 0; k < b->n_old; k++) {
+        const ledger_contact *c = &b->old_contact[k];
+        exist &= c->a <= sim->grains.last_id && c->b <= sim->grains.last_id;
+        exist &= c->b > 0 || UINT32_MAX - (uint32_t)c->key < sim->def.n_walls;
+    }
+    return exist;
+}
+
+void dem_ledger_keep(rp_snapshot *s, dem_sim *sim)
+{
+    if (s->status || !sim->def.ledger) return;
+    if (s->reading && (s->status = dem_ledger_alloc(sim)) != RP_OK) return;
+    struct dem_ledger_state *b = sim->ledger;
+    RP_KEEP(s, b->sum);
+    RP_KEEP(s, b->gravity);
+    RP_KEEP(s, b->n_old);
+    rp_keep_check(s, b->n_old <= s->n / sizeof *b->old_contact, "impossible contacts of the ledger");
+    if (!s->status && s->reading) s->status = reserve_contacts(b, b->n_old);
+    rp_keep(s, b->grain, (sim->grains.last_id + 1) * sizeof *b->grain);
+    rp_keep(s, b->old_contact, b->n_old * sizeof *b->old_contact);
+    rp_keep_check(s, s->status || contacts_exist(sim), "impossible contacts of the ledger");
 }
 
 void dem_ledger_free(dem_sim *sim)

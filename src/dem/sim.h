@@ -53,13 +53,16 @@ struct dem_sim {
     /* of the start, for the header's notes */
     struct {
         double radius_mean, mass_mean, speed, dt_limit;
-        const char *dt_limit_of;
+        char dt_limit_of[64];
     } start;
 
     dem_fault fault;
     dem_phases *times; /* of dem_run_timed, and the clock of its last reading; NULL without */
     double clock;
 };
+
+/* Forget, in a copy of the structure, the arrays and work spaces that are the original's. */
+void dem_forget_parts(dem_sim *sim);
 
 /* Force on a grain, in either of its arrays. */
 static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
