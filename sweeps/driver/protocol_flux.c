@@ -23,16 +23,13 @@ typedef struct {
     long insertions, steps_max, avalanche, draws;
 } flux_params;
 
-#define AT(field)    offsetof(flux_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(flux_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(flux_params, __VA_ARGS__)
+#define AT(field) offsetof(flux_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_WALL_ROWS
     {"v_cut", "cm/s", RP_REAL, AT(v_cut), "0.1", "(0, inf)", "the pile is quiet below this speed"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "0", "[0, 100]", "of a new grain, above where it would touch"},
     {"entry_width", "d", RP_REAL, AT(entry_width), "0", "[0, 100]",
@@ -43,8 +40,8 @@ static const rp_param schema[] = {
     {"avalanche", "", RP_INT, AT(avalanche), "5", "[1, 1000000]",
      "least outflow between two insertions that counts as an avalanche"},
     {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
 /* clang-format on */

@@ -25,35 +25,33 @@ typedef struct {
     unsigned measure;
 } repose_params;
 
-#define AT(field)    offsetof(repose_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(repose_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(repose_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(repose_params, __VA_ARGS__)
+#define AT(field) offsetof(repose_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
-    SWEEP_BOX_OPENING_ROWS(BOX)
-    SWEEP_BOX_FLOOR_GRAINS_ROW(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_COUNT_ROWS
+    SWEEP_BOX_WALL_ROWS
+    SWEEP_BOX_OPENING_ROWS
+    SWEEP_ROW(floor_grains, "", RP_BOOL, "false", "",
+              "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")
     {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
      "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
      "would press grains in by half the smallest radius"},
-    SWEEP_BOX_FILL_STEPS_ROW(BOX)
+    SWEEP_BOX_FILL_STEPS_ROW
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
     {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]",
      "steps after the opening for stop = steps"},
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_MAX_STEPS_ROW(BOX)
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_MAX_STEPS_ROW
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
      "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
     {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity | box",
      "what turns: gravity, or the walls about the origin, as in the paper"},
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
 /* clang-format on */

@@ -20,23 +20,20 @@ typedef struct {
     double tilt_rate_deg;
 } stress_params;
 
-#define AT(field)    offsetof(stress_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(stress_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(stress_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(stress_params, __VA_ARGS__)
+#define AT(field) offsetof(stress_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
-    SWEEP_BOX_OPENING_ROWS(BOX)
-    SWEEP_BOX_FILL_STEPS_ROW(BOX)
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_MAX_STEPS_ROW(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_COUNT_ROWS
+    SWEEP_BOX_WALL_ROWS
+    SWEEP_BOX_OPENING_ROWS
+    SWEEP_BOX_FILL_STEPS_ROW
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_MAX_STEPS_ROW
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS,
     [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
