@@ -107,8 +107,7 @@ typedef struct {
     double cells;      /* occupied when the surface was looked at last; NaN before */
     dem_state *states; /* room for the most grains */
     double *work;      /* and for 3 numbers each */
-    FILE *energy;
-    char energy_path[4096];
+    sweep_file energy;
 } sweep_box_run;
 
 /* Clear the result, make the scene and room for `most` grains at a time. Afterwards sweep_box_end with what

@@ -261,21 +261,17 @@ static rp_status analyse(flux *f)
 
 static rp_status write_series(const flux *f)
 {
-    static const char *const columns[][2] = {{"step", ""},    {"insertion", ""},
-                                             {"grains", ""},  {"theta_r3_deg", "degree"},
-                                             {"outflow", ""}, {"tower", "d"}};
-    char path[4096];
-    FILE *out;
+    sweep_file series;
     if (!f->box.tables) return RP_OK;
-    rp_status status = sweep_table_open(f->box.tables, "series.tsv", path, sizeof path, &out);
+    rp_status status = sweep_table_open(f->box.tables, "series.tsv", &series);
     if (status) return status;
-    rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
-    rp_table_columns(out, 6, columns);
+    rp_table_note(series.out, "v_cut", "%g cm/s", f->p.v_cut);
+    rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)
-        rp_table_row(out, 6,
+        rp_table_row(series.out, 6,
                      (double[]){(double)f->step[k], (double)k + 1.0, (double)f->grains[k], f->theta[k],
                                 (double)outflow(f, k), f->tower[k]});
-    return rp_file_close(path, out, RP_OK);
+    return sweep_table_close(&series, RP_OK);
 }
 
 /* The series, with its simulation still there to look at; afterwards `finish`. */

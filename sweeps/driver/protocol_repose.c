@@ -322,14 +322,13 @@ static rp_status tilt_pile(experiment *e)
 
 static rp_status write_scene(experiment *e)
 {
-    char path[4096];
-    FILE *out;
+    sweep_file f;
     if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
-    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", path, sizeof path, &out);
+    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", &f);
     if (status) return status;
     e->box.scene.steps = dem_step(e->box.sim);
-    dem_scene_write(&e->box.scene, out);
-    return rp_file_close(path, out, RP_OK);
+    dem_scene_write(&e->box.scene, f.out);
+    return sweep_table_close(&f, RP_OK);
 }
 
 /* The experiment from an empty box to its last measurement. */

@@ -18,12 +18,17 @@ void sweep_result_clear(sweep_result *result)
     for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
 }
 
-rp_status sweep_table_open(const sweep_tables *t, const char *name, char *path, size_t size, FILE **out)
+rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
 {
-    snprintf(path, size, "%s/%s", t->directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (!status) t->header(*out);
+    snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
+    rp_status status = rp_file_open(file->path, &file->out);
+    if (!status) t->header(file->out);
     return status;
+}
+
+rp_status sweep_table_close(const sweep_file *file, rp_status status)
+{
+    return rp_file_close(file->path, file->out, status);
 }
 
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
