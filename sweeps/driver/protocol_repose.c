@@ -368,18 +368,9 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     enum { N_RUNS = 4 };
-    static const int hashed[] = {OUT_theta_r1_deg,
-                                 OUT_theta_r2_deg,
-                                 OUT_theta_r3_deg,
-                                 OUT_theta_t_displacement_deg,
-                                 OUT_theta_t_energy_deg,
-                                 OUT_theta_lower_less_upper_deg,
-                                 OUT_grains,
-                                 OUT_cells,
-                                 OUT_contact_number,
-                                 OUT_residual_energy,
-                                 OUT_residual_force,
-                                 -1};
+    static const char hashed[] =
+        "theta_r1_deg theta_r2_deg theta_r3_deg theta_t_displacement_deg theta_t_energy_deg "
+        "theta_lower_less_upper_deg grains cells contact_number residual_energy residual_force";
     repose_params p[N_RUNS];
     sweep_result results[N_RUNS];
     for (int k = 0; k < N_RUNS; k++) {

@@ -313,20 +313,9 @@ static rp_status fingerprint(char digits[33])
 {
     stress_params p = {0}; /* the schema has not every field of the box */
     sweep_result result;
-    static const int hashed[] = {OUT_theta_r3_deg,
-                                 OUT_theta_t_displacement_deg,
-                                 OUT_n_0,
-                                 OUT_n_1,
-                                 OUT_h_0,
-                                 OUT_h_1,
-                                 OUT_sxx_0,
-                                 OUT_syx_1,
-                                 OUT_floor_tilt_deg,
-                                 OUT_weight_error,
-                                 OUT_balance_error,
-                                 OUT_grains,
-                                 OUT_steps,
-                                 -1};
+    static const char hashed[] =
+        "theta_r3_deg theta_t_displacement_deg n_0 n_1 h_0 h_1 sxx_0 syx_1 floor_tilt_deg "
+        "weight_error balance_error grains steps";
     rp_params_defaults(schema, &p);
     p.box.W = 2.0;
     p.box.H = 1.0;
