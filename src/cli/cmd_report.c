@@ -258,10 +258,9 @@ static rp_status fill_line(report *r, char *line)
 
 static rp_status fill_file(report *r, const char *path)
 {
-    enum { MOST_BYTES = 1 << 26 };
     char *text;
     int number = 1;
-    rp_status status = rp_file_read(path, MOST_BYTES, &text);
+    rp_status status = rp_file_read(path, &text);
     r->depth++;
     for (char *line = text, *end; !status && line && *line; line = end, number++) {
         end = strchr(line, '\n');

@@ -152,7 +152,9 @@ rp_status rp_make_directory(const char *path)
     return RP_OK;
 }
 
-rp_status rp_file_read(const char *path, size_t most, char **text)
+enum { MOST_BYTES = 1 << 30 };
+
+rp_status rp_file_read(const char *path, char **text)
 {
     FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
     *text = NULL;
@@ -168,15 +170,12 @@ rp_status rp_file_read(const char *path, size_t most, char **text)
         n = fread(more + size, 1, room - 1 - size, in);
         if (memchr(more + size, '\0', n)) status = rp_fail(RP_BAD_INPUT, "%s: no text: holds a 0 byte", path);
         more[size += n] = '\0';
-        if (!status && size > most) status = rp_fail(RP_BAD_INPUT, "%s: more than %zu bytes", path, most);
+        if (!status && size > MOST_BYTES) status = rp_fail(RP_BAD_INPUT, "%s: more than 1 GB", path);
     } while (!status && size == room - 1);
     if (!status && ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
     if (in != stdin) fclose(in);
     return status;
 }
-
-/* Of a table. */
-enum { MOST_BYTES = 1 << 30 };
 
 static size_t count_cells(const char *line, const char *blanks)
 {
@@ -198,7 +197,7 @@ static void split_cells(char *line, const char *blanks, char **cells)
 static rp_status read_table(const char *path, const char *blanks, rp_table *table)
 {
     *table = (rp_table){.path = path};
-    rp_status status = rp_file_read(path, MOST_BYTES, &table->text);
+    rp_status status = rp_file_read(path, &table->text);
     if (status) return status;
     size_t n_lines = 1;
     for (const char *p = table->text; *p; p++) n_lines += *p == '\n';
