@@ -117,7 +117,6 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     dem_walls_place(sim);
     dem_kernels_choose(sim);
     rp_status status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
-    if (!status && sim->scheme->alloc) status = sim->scheme->alloc(sim);
     if (status) return status;
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
@@ -150,7 +149,6 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
 static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
 {
     rp_status status = dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains);
-    if (!status && c->scheme->alloc) status = c->scheme->alloc(c);
     if (!status) status = dem_pairs_copy(&sim->pairs, &c->pairs);
     if (!status && sim->pairs.n_chunks > 0) status = dem_pairs_plan_chunks(&c->pairs, c->grains.n);
     if (!status) status = dem_walls_copy(&sim->walls, &c->walls);
