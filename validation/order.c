@@ -366,12 +366,20 @@ static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *sum
 
 static void orders(void)
 {
-    static const char *const columns[][2] = {{"steps", ""},       {"dt", "s"},         {"velocity_error", ""},
-                                             {"place_error", ""}, {"integration", ""}, {"case", ""}};
-    static const char *const fit_columns[][2] = {
-        {"velocity_order", ""},    {"velocity_order_se", ""},    {"place_order", ""}, {"place_order_se", ""},
-        {"integration_order", ""}, {"integration_order_se", ""}, {"steps", ""},       {"velocity_error", ""},
-        {"place_error", ""},       {"integration", ""},          {"case", ""}};
+    static const char *const columns[][2] = {{"steps", ""},          {"dt", "s"},
+                                             {"velocity_error", ""}, {"position_error", ""},
+                                             {"integration", ""},    {"case", ""}};
+    static const char *const fit_columns[][2] = {{"velocity_order", ""},
+                                                 {"velocity_order_se", ""},
+                                                 {"position_order", ""},
+                                                 {"position_order_se", ""},
+                                                 {"integration_order", ""},
+                                                 {"integration_order_se", ""},
+                                                 {"steps", ""},
+                                                 {"velocity_error", ""},
+                                                 {"position_error", ""},
+                                                 {"integration", ""},
+                                                 {"case", ""}};
     FILE *table = check_table("order"), *summary = check_table("order_fits");
     if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
     if (summary) rp_table_columns(summary, sizeof fit_columns / sizeof *fit_columns, fit_columns);
