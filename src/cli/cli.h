@@ -47,6 +47,9 @@ rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 
+/* Another one, that started what this process continues. */
+void cli_command_line_set(const char *text);
+
 /* clang-format off */
 /* The option --where of commands on tables, in a field rp_texts `where` of the structure T. */
 #define CLI_WHERE(T)                                                                                         \

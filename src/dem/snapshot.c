@@ -149,7 +149,6 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
     keep_walls(s, c);
     if (!s->status) dem_neighbours_keep(s, c);
     dem_ledger_keep(s, c);
-    if (s->reading && !s->status && c->scheme->alloc) s->status = c->scheme->alloc(c);
     if (!s->reading || !s->status) return;
     dem_free(c);
     *sim = NULL;
