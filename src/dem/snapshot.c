@@ -9,9 +9,7 @@
 
 #include "core/snapshot.h"
 #include "dem/definition.h"
-#include "dem/integrator.h"
 #include "dem/ledger.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
 
 uint64_t dem_keep_layout(void)
