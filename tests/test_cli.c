@@ -15,8 +15,6 @@
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 
-static const double deg = M_PI / 180.0;
-
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
 /* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
