@@ -25,66 +25,61 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
     sweep_tables tables; /* no folder: standard output */
-    FILE *states, *energy;
-    char states_path[4096], energy_path[4096];
+    sweep_file states, energy;
 } outputs;
 
 static rp_status outputs_open(outputs *o, const dem_scene *scene, const dem_sim *sim)
 {
-    const sweep_tables *tables = &o->tables;
     rp_status status = RP_OK;
-    if (*tables->directory) {
-        status = rp_make_directory(tables->directory);
-        if (!status) status = sweep_table_open(tables, "states.tsv", o->states_path, 4096, &o->states);
-        if (!status) status = sweep_table_open(tables, "energy.tsv", o->energy_path, 4096, &o->energy);
+    if (*o->tables.directory) {
+        status = rp_make_directory(o->tables.directory);
+        if (!status) status = sweep_table_open(&o->tables, "states.tsv", &o->states);
+        if (!status) status = sweep_table_open(&o->tables, "energy.tsv", &o->energy);
         if (status) return status;
-        dem_write_energy_columns(scene->def.ledger, o->energy);
+        dem_write_energy_columns(scene->def.ledger, o->energy.out);
     } else {
-        o->states = stdout;
+        o->states = (sweep_file){"-", stdout};
         cli_provenance(stdout);
     }
-    dem_write_notes(sim, o->states);
-    dem_write_state_columns(o->states);
+    dem_write_notes(sim, o->states.out);
+    dem_write_state_columns(o->states.out);
     return RP_OK;
 }
 
-static rp_status outputs_write(outputs *o, const dem_sim *sim)
+static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy) dem_write_energy(sim, o->energy);
-    return dem_write_states(sim, o->states);
+    if (o->energy.out) dem_write_energy(sim, o->energy.out);
+    return dem_write_states(sim, o->states.out);
 }
 
 static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
 {
-    char path[4096];
-    FILE *out;
-    rp_status status = sweep_table_open(tables, "contacts.tsv", path, sizeof path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
+    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
 }
 
 static rp_status write_walls(const sweep_tables *tables, const dem_scene *scene, const dem_sim *sim)
 {
     double forces[2 * DEM_MAX_WALLS];
-    char path[4096];
-    FILE *out;
-    rp_status status = sweep_table_open(tables, "walls.tsv", path, sizeof path, &out);
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
     if (status) return status;
     dem_wall_forces(sim, forces);
-    rp_table_header(out, "wall, fx [dyn], fy [dyn]");
+    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < scene->def.n_walls; w++)
-        rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return rp_file_close(path, out, RP_OK);
+        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    return sweep_table_close(&file, RP_OK);
 }
 
 /* What was computed before a failure is kept. */
-static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
+static rp_status outputs_close(const outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    rp_status status = RP_OK;
-    if (o->energy) status = rp_file_close(o->energy_path, o->energy, RP_OK);
-    if (*o->tables.directory && o->states) {
-        rp_status closed = rp_file_close(o->states_path, o->states, RP_OK);
+    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
+    if (*o->tables.directory && o->states.out) {
+        rp_status closed = sweep_table_close(&o->states, RP_OK);
         if (!status) status = closed;
         if (!status) status = write_contacts(&o->tables, sim);
         if (!status) status = write_walls(&o->tables, scene, sim);
