@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sweeps/driver/outline.h"
+#include "sweeps/driver/pile.h"
 #include "cli/cli.h"
 #include "core/random.h"
 

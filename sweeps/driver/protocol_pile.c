@@ -93,9 +93,8 @@ rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned l
     size_t n;
     rp_status status = outline(p, v, &n);
     if (!status)
-        status = p->inner_deg > 0 ? sweep_outline_polygon(h, p->base, p->gap, v, n)
-                                  : sweep_outline_slope(h, p->base, p->gap,
-                                                        p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0);
+        status = sweep_outline_make(h, p->base, p->gap, p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0,
+                                    p->inner_deg > 0 ? n : 0, v);
     return status || !(p->disorder > 0) ? status : sweep_outline_disorder(h, p->disorder, seed, run);
 }
 
@@ -194,17 +193,19 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
 }
 
 /* As of protocol drop, from the load of the base disks alone. A single disk has no profile. */
-static rp_status base_profile(size_t k, const double x[], const double N[], double *dip, double profile[])
+static rp_status base_profile(size_t k, const double x[], const double r[], const double N[], double *dip,
+                              double profile[])
 {
     stress_base base;
-    rp_status status = sweep_outline_base(k, x, N, &base);
+    rp_status status = stress_base_profile(k, x, r, N, &base);
     if (!status) *dip = stress_dip(base.N);
     for (int i = 0; !status && profile && i < STRESS_DIP_BINS; i++) profile[i] = base.N[i];
     return status == RP_NO_RESULT ? RP_OK : status;
 }
 
 /* Beside diagonals alone, `exact` is room for 2 k numbers. */
-static rp_status compare_diagonals(sweep_solved *s, const double x[], double exact[], double *v)
+static rp_status compare_diagonals(sweep_solved *s, const double x[], const double r[], double exact[],
+                                   double *v)
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
@@ -220,7 +221,7 @@ static rp_status compare_diagonals(sweep_solved *s, const double x[], double exa
     v[OUT_N_error_rms] = e.N_rms;
     v[OUT_N_error_max] = e.N_max;
     v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
-    return base_profile(k, x, exact, &v[OUT_D_diagonals], NULL);
+    return base_profile(k, x, r, exact, &v[OUT_D_diagonals], NULL);
 }
 
 static rp_status measure(sweep_solved *s, double *v)
@@ -228,11 +229,14 @@ static rp_status measure(sweep_solved *s, double *v)
     const size_t k = s->r.wells;
     an_point outside[5];
     size_t n = 0;
-    double *x = malloc((3 * k + 1) * sizeof *x), deviation[2];
-    rp_status status = x ? RP_OK : rp_fail(RP_NO_MEMORY, "pile: out of memory");
-    for (size_t i = 0; !status && i < k; i++) x[i] = s->h->disks[s->disk[i]].x;
-    if (!status && s->h->exact) status = compare_diagonals(s, x, x + k, v);
-    if (!status) status = base_profile(k, x, s->N, &v[OUT_D], &v[OUT_n_01]);
+    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k, deviation[2];
+    if (!x) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < k; i++) {
+        x[i] = s->h->disks[s->disk[i]].x;
+        r[i] = 0.5;
+    }
+    rp_status status = s->h->exact ? compare_diagonals(s, x, r, r + k, v) : RP_OK;
+    if (!status) status = base_profile(k, x, r, s->N, &v[OUT_D], &v[OUT_n_01]);
     if (!status) status = find_level(s->pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
     if (!status) {
         v[OUT_N_centre] = sweep_outline_centre(k, s->N);
