@@ -251,12 +251,6 @@ static rp_status measure(sweep_solved *s, double *v)
     return status;
 }
 
-static void conclude(const char *word, rp_status status, sweep_result *results)
-{
-    snprintf(results->status, sizeof results->status, "%s", word);
-    if (status) snprintf(results->message, sizeof results->message, "%s", rp_message());
-}
-
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
                            void (*watch)(size_t n, const statics_result *so_far, void *context),
                            void *context, sweep_solved *s, sweep_result *results)
@@ -270,7 +264,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
-    conclude(statics_fault_text(s->r.fault), status, results);
+    sweep_conclude(results, statics_fault_text(s->r.fault), "%s", status ? rp_message() : "");
     double *v = results->values;
     v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
     v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
@@ -322,21 +316,19 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         statics_result r;
         rp_status status = is_stable(p, h, eps, &stable, &r);
         if (status == RP_NO_RESULT) {
-            status = rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
-            conclude(statics_fault_text(r.fault), status, results);
+            rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
+            return sweep_conclude(results, statics_fault_text(r.fault), "%s", rp_message());
         }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
         if (!(lo < EPS_MAX)) {
-            status = rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
-            conclude("no_threshold", status, results);
-            return status;
+            rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
+            return sweep_conclude(results, "no_threshold", "%s", rp_message());
         }
         eps = !(hi > 0) ? fmin(lo * WIDEN, EPS_MAX) : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
     }
     results->values[OUT_eps_c] = lo;
-    conclude("ok", RP_OK, results);
-    return RP_OK;
+    return sweep_conclude(results, "ok", NULL);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
