@@ -1,5 +1,5 @@
 /* repose stress dip: does the pressure on the base of dropped piles dip in the middle? */
-#include "sweeps/driver/outline.h"
+#include "sweeps/driver/pile.h"
 #include "cli/cli.h"
 
 enum { TRIANGLE, ZERO };
