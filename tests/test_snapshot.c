@@ -582,7 +582,7 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
               says("--set and --ledger go with"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
-    CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("a scene or sweep file is missing"));
+    CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("usage: repose run "));
     CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
     const int other = open(in_folder("d/unfinished"), O_RDONLY | O_DIRECTORY);
     CU_ASSERT(flock(other, LOCK_EX) == 0);

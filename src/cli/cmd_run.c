@@ -15,30 +15,19 @@
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
-typedef struct {
-    rp_texts set;
-    long every, row, snapshot;
-    bool ledger;
-    const char *directory, *resume;
-} run_options;
+#define RUN_OPTIONS(X)                                                                                       \
+    X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
+    X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
+      "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)")  \
+    X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
+    X(BOOL, ledger, "", "false", "",                                                                         \
+      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
+    X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
+      "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
-static const rp_param options[] = {
-    {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
-     "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated"},
-    {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
-     "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)"},
-    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
-     "folder for tables, instead of standard output"},
-    {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
-     "add the terms of the energy ledger to the energies; as `ledger = true` in a scene"},
-    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
-     "number of the sweep's run, from 0"},
-    {"snapshot", "steps", RP_INT, offsetof(run_options, snapshot), "0", "[0, 2147483647]",
-     "interval of the snapshots in DIR/unfinished; 0: none; needs -o"},
-    {"resume", "", RP_TEXT, offsetof(run_options, resume), "", "",
-     "go on from the snapshot in this folder, where the run was stopped or killed; its options are those of "
-     "the start"},
-    {0}};
+CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
@@ -57,27 +46,13 @@ typedef struct {
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
-    const char *directory; /* NULL: standard output */
-    bool resumable;        /* the growing tables are in `unfinished` */
-    FILE *states, *energy;
-    char states_path[4096], energy_path[4096];
+    sweep_tables tables; /* no folder: standard output */
+    bool resumable;      /* the growing tables are in `unfinished` */
+    sweep_file states, energy;
     cli_unfinished unfinished;
 } outputs;
 
 static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv"};
-
-static void write_header(FILE *out)
-{
-    cli_table(out, NULL, NULL);
-}
-
-static rp_status open_in(const char *directory, const char *name, char path[4096], FILE **out)
-{
-    snprintf(path, 4096, "%s/%s", directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (!status) write_header(*out);
-    return status;
-}
 
 static uint64_t layout(void)
 {
@@ -91,71 +66,73 @@ static void keep_run(rp_snapshot *s, void *context)
     dem_keep(s, &r->sim);
 }
 
-/* The files of the growing tables, with the first lines of all tables. */
+static void take_growing(outputs *o)
+{
+    o->states.out = o->unfinished.table[0].file;
+    o->energy.out = o->unfinished.table[1].file;
+}
+
+/* The growing tables, with the first lines of all tables. */
 static rp_status open_growing(outputs *o)
 {
-    rp_status status = rp_make_directory(o->directory);
-    if (status) return status;
+    rp_status status = rp_make_directory(o->tables.directory);
     if (!o->resumable) {
-        status = open_in(o->directory, growing[0], o->states_path, &o->states);
-        return status ? status : open_in(o->directory, growing[1], o->energy_path, &o->energy);
+        if (!status) status = sweep_table_open(&o->tables, growing[0], &o->states);
+        return status ? status : sweep_table_open(&o->tables, growing[1], &o->energy);
     }
-    status = cli_unfinished_start(&o->unfinished, o->directory, layout(), growing);
-    o->states = o->unfinished.table[0].file;
-    o->energy = o->unfinished.table[1].file;
+    if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
     if (status) return status;
-    write_header(o->states);
-    write_header(o->energy);
+    take_growing(o);
+    cli_provenance(o->states.out);
+    cli_provenance(o->energy.out);
     return RP_OK;
 }
 
 static rp_status outputs_open(outputs *o, const scene_run *r)
 {
-    if (o->directory) {
+    if (*o->tables.directory) {
         rp_status status = open_growing(o);
         if (status) return status;
-        dem_write_energy_columns(r->plan.ledger, o->energy);
+        dem_write_energy_columns(r->plan.ledger, o->energy.out);
     } else {
-        o->states = stdout;
-        write_header(stdout);
+        o->states = (sweep_file){"-", stdout};
+        cli_provenance(stdout);
     }
-    dem_write_notes(r->sim, o->states);
-    dem_write_state_columns(o->states);
+    dem_write_notes(r->sim, o->states.out);
+    dem_write_state_columns(o->states.out);
     return RP_OK;
 }
 
-static rp_status outputs_write(outputs *o, const dem_sim *sim)
+static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy) dem_write_energy(sim, o->energy);
-    return dem_write_states(sim, o->states);
+    if (o->energy.out) dem_write_energy(sim, o->energy.out);
+    return dem_write_states(sim, o->states.out);
 }
 
-static rp_status write_contacts(const char *directory, const dem_sim *sim)
+static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
 {
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "contacts.tsv", path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
+    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
 }
 
-static rp_status write_walls(const char *directory, size_t n_walls, const dem_sim *sim)
+static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const dem_sim *sim)
 {
     double forces[2 * DEM_MAX_WALLS];
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "walls.tsv", path, &out);
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
     if (status) return status;
     dem_wall_forces(sim, forces);
-    rp_table_header(out, "wall, fx [dyn], fy [dyn]");
+    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < n_walls; w++)
-        rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return rp_file_close(path, out, RP_OK);
+        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    return sweep_table_close(&file, RP_OK);
 }
 
-static rp_status close_growing(outputs *o)
+static rp_status close_growing(const outputs *o)
 {
-    rp_status status = o->energy ? rp_file_close(o->energy_path, o->energy, RP_OK) : RP_OK;
-    rp_status closed = o->states ? rp_file_close(o->states_path, o->states, RP_OK) : RP_OK;
+    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
+    rp_status closed = o->states.out ? sweep_table_close(&o->states, RP_OK) : RP_OK;
     return status ? status : closed;
 }
 
@@ -165,13 +142,11 @@ static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
     const bool goes_on = o->resumable && (run == RP_STOPPED || run == RP_IO || run == RP_NO_MEMORY);
-    rp_status status = RP_OK;
-    if (o->directory && o->states && !goes_on) {
-        if (!o->resumable) status = close_growing(o);
-        if (!status) status = write_contacts(o->directory, r->sim);
-        if (!status) status = write_walls(o->directory, r->plan.n_walls, r->sim);
-        if (!status && o->resumable) status = cli_unfinished_finish(&o->unfinished);
-    }
+    const bool whole = *o->tables.directory && o->states.out && !goes_on;
+    rp_status status = o->resumable || !*o->tables.directory ? RP_OK : close_growing(o);
+    if (!status && whole) status = write_contacts(&o->tables, r->sim);
+    if (!status && whole) status = write_walls(&o->tables, r->plan.n_walls, r->sim);
+    if (!status && whole && o->resumable) status = cli_unfinished_finish(&o->unfinished);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -224,7 +199,7 @@ static rp_status advance(scene_run *r, outputs *out)
         if (!status && stopped)
             status = out->resumable
                          ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
-                                   step, p->steps, out->directory)
+                                   step, p->steps, out->tables.directory)
                          : rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
                                    step, p->steps);
     }
@@ -250,7 +225,8 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 
 static rp_status run_scene(scene_run *r, const char *directory)
 {
-    outputs out = {.directory = *directory ? directory : NULL, .resumable = r->plan.snapshot > 0};
+    outputs out = {.tables = {.directory = directory, .header = cli_provenance},
+                   .resumable = r->plan.snapshot > 0};
     catch_signals(out.resumable);
     rp_status status = outputs_open(&out, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
@@ -260,13 +236,12 @@ static rp_status run_scene(scene_run *r, const char *directory)
 
 static rp_status run_row(const char *path, const run_options *o)
 {
-    if (!*o->directory)
-        return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
+    if (!*o->o) return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    const sweep_tables tables = {o->directory, o->every > 0 ? o->every : 100, write_header, o->ledger};
+    const sweep_tables tables = {o->o, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
     rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
@@ -277,7 +252,7 @@ static rp_status run_row(const char *path, const run_options *o)
     }
     columns[n][0] = "status";
     columns[n][1] = "";
-    cli_table(stdout, NULL, NULL);
+    cli_provenance(stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
@@ -311,11 +286,11 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
     return RP_OK;
 }
 
-static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene, XXH128_hash_t *hash)
+static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
     rp_status status = dem_scene_read(path, &o->set, scene);
     if (o->ledger) scene->def.ledger = true;
-    return status ? status : hash_scene(scene, hash);
+    return status;
 }
 
 static rp_status run_file(const char *path, const run_options *o)
@@ -323,15 +298,16 @@ static rp_status run_file(const char *path, const run_options *o)
     dem_scene scene;
     scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}};
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
-    if (o->snapshot > 0 && !*o->directory) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
-    rp_status status = read_scene(path, o, &scene, &r.plan.scene);
+    if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
+    rp_status status = read_scene(path, o, &scene);
+    if (!status && o->snapshot > 0) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
     r.plan.n_walls = scene.def.n_walls;
     r.plan.ledger = scene.def.ledger;
     snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
-    if (!status) status = run_scene(&r, o->directory);
+    if (!status) status = run_scene(&r, o->o);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
@@ -342,7 +318,8 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
 {
     dem_scene scene;
     XXH128_hash_t hash = {0};
-    rp_status status = read_scene(path, o, &scene, &hash);
+    rp_status status = read_scene(path, o, &scene);
+    if (!status) status = hash_scene(&scene, &hash);
     dem_scene_free(&scene);
     if (status || XXH128_isEqual(hash, plan->scene)) return status;
     return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
@@ -352,7 +329,7 @@ static rp_status resume(const run_options *o)
 {
     const char *scene = cli_argument(0);
     scene_run r = {.sim = NULL};
-    outputs out = {.directory = o->resume, .resumable = true};
+    outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
     if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot"))
         return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row and "
                                  "--snapshot do not go with it");
@@ -366,21 +343,20 @@ static rp_status resume(const run_options *o)
         dem_free(r.sim);
         return status;
     }
-    out.states = out.unfinished.table[0].file;
-    out.energy = out.unfinished.table[1].file;
+    take_growing(&out);
     cli_command_line_set(r.plan.command);
     status = finish_scene(&r, &out, RP_OK);
     dem_free(r.sim);
     return status;
 }
 
-static rp_status run_any(const void *values)
+static rp_status run_any(void *values)
 {
     const run_options *o = values;
     const char *path = cli_argument(0);
     bool sweep;
     if (*o->resume) return resume(o);
-    if (!path) return rp_fail(RP_USAGE, "a scene or sweep file is missing; see repose run --help");
+    if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     rp_status status = is_sweep(path, &sweep);
     if (!status && sweep && o->snapshot > 0)
         status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);
@@ -391,8 +367,7 @@ const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
     "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N]] | [SCENE.cfg] --resume "
-    "DIR | "
-    "SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
+    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
@@ -410,5 +385,5 @@ const cli_command cmd_run = {
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
-    options,
+    run_params,
     .act = run_any};

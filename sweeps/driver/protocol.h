@@ -40,12 +40,13 @@ typedef struct {
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 
-/* Where a traced run leaves tables of its states. */
+/* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
 typedef struct {
-    const char *directory;
+    const char *directory;  /* NULL: no tables */
     long every;             /* steps from one row of energies to the next; 0: none */
     void (*header)(FILE *); /* writes the first lines of each table */
     bool ledger;            /* the energies with the ledger */
+    struct sweep_keep *keep; /* without tables; NULL: none. Protocols without snapshots ignore it. */
 } sweep_tables;
 
 typedef struct {
@@ -83,6 +84,14 @@ typedef struct {
 
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
+
+/* Is this the status of a result? */
+bool sweep_is_result(const char *status);
+
+/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
+ */
+rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
 typedef struct {
