@@ -164,15 +164,17 @@ rp_status sweep_box_check_fill(const sweep_box *box);
 rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
                                  unsigned long stream, const sweep_tables *tables, sweep_result *result);
 
-/* Positions of the grains of the pile, 0 < x < W. Free with sweep_positions_free, also after an error. */
+/* Positions of the grains of the pile, 0 < x < W. A snapshot keeps them between begin, which has none (n = 0)
+ * unless the run resumes, and end, which follows also after an error. */
 typedef struct {
     size_t n;      /* grains in the pile */
     double *x, *y; /* in the box's frame, by id, from 1; NaN for grains outside the pile */
 } sweep_positions;
 
 /* Errors: RP_NO_MEMORY. */
+rp_status sweep_positions_begin(sweep_box_run *run, sweep_positions *at);
 rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at);
-void sweep_positions_free(sweep_positions *at);
+void sweep_positions_end(sweep_box_run *run, sweep_positions *at);
 
 /* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
  * positions; grains that have left the scene count. Errors: RP_NO_MEMORY. */

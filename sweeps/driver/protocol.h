@@ -42,10 +42,10 @@ typedef struct {
 
 /* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
 typedef struct {
-    const char *directory;  /* NULL: no tables */
-    long every;             /* steps from one row of energies to the next; 0: none */
-    void (*header)(FILE *); /* writes the first lines of each table */
-    bool ledger;            /* the energies with the ledger */
+    const char *directory;   /* NULL: no tables */
+    long every;              /* steps from one row of energies to the next; 0: none */
+    void (*header)(FILE *);  /* writes the first lines of each table */
+    bool ledger;             /* the energies with the ledger */
     struct sweep_keep *keep; /* without tables; NULL: none. Protocols without snapshots ignore it. */
 } sweep_tables;
 
