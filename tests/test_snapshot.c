@@ -6,8 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -15,6 +17,8 @@
 #include "core/snapshot.h"
 #include "core/version.h"
 #include "dem/dem.h"
+#include "sweeps/driver/keep.h"
+#include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 
@@ -592,6 +596,115 @@ static void refused_resumes(void)
     leave();
 }
 
+/* ---- Protocols ---- */
+
+typedef struct {
+    const char *name, *value;
+} setting;
+
+/* Run the protocol in processes that are killed after so much processor time, each from the snapshot of the
+ * last one; how many it took. */
+static int run_killed(const sweep_protocol *protocol, const void *params, double seconds,
+                      sweep_result *result)
+{
+    enum { MOST = 400 };
+    char path[256];
+    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    sweep_result *shared =
+        mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    int status = -1, runs = 0;
+    while (status != 0 && runs++ < MOST) {
+        /* each process has a little more time, so that it comes farther */
+        const long micro = (long)(1e6 * seconds * (1.0 + 0.05 * runs));
+        const pid_t child = fork();
+        if (child == 0) {
+            char why[256];
+            sweep_keep keep;
+            setitimer(ITIMER_PROF, &(struct itimerval){.it_value = {micro / 1000000, micro % 1000000}}, NULL);
+            sweep_keep_begin(&keep, path, "test", 0.1 * seconds, why, sizeof why);
+            rp_status ended =
+                *why ? RP_BROKEN : protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, shared);
+            sweep_keep_end(&keep, ended == RP_OK);
+            if (ended) fprintf(stderr, "%s: %s%s\n", protocol->name, why, rp_message());
+            _exit(ended == RP_OK ? 0 : 1);
+        }
+        int end;
+        CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
+        status = WIFEXITED(end) ? WEXITSTATUS(end) : -1;
+        CU_ASSERT(status == 0 || (WIFSIGNALED(end) && WTERMSIG(end) == SIGPROF));
+        if (status > 0) break;
+    }
+    CU_ASSERT(status == 0);
+    CU_ASSERT(access(path, F_OK) != 0); /* of a run that is done */
+    *result = *shared;
+    munmap(shared, sizeof *shared);
+    return runs;
+}
+
+/* A run that is killed again and again ends with the row of the undisturbed one. */
+static void goes_on(const sweep_protocol *protocol, const setting *settings, double seconds, const char *word)
+{
+    enter();
+    void *params = calloc(1, protocol->params_size);
+    rp_params_defaults(protocol->schema, params);
+    for (const setting *s = settings; s->name; s++)
+        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, s->name), params, s->value));
+    sweep_result whole, parts;
+    CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
+    const int runs = run_killed(protocol, params, seconds, &parts);
+    CU_ASSERT(runs > 3);
+    if (getenv("SHOW")) { fprintf(stderr, "%s: %d runs, %s\n", protocol->name, runs, whole.message); for (size_t k = 0; k < 20 && protocol->outputs[k].name; k++) fprintf(stderr, " %s %g", protocol->outputs[k].name, whole.values[k]); fprintf(stderr, "\n"); }
+    CU_ASSERT_STRING_EQUAL(whole.status, word);
+    CU_ASSERT_STRING_EQUAL(whole.status, parts.status);
+    CU_ASSERT_STRING_EQUAL(whole.message, parts.message);
+    for (size_t k = 0; protocol->outputs[k].name; k++) {
+        const bool equal = memcmp(&whole.values[k], &parts.values[k], sizeof(double)) == 0 ||
+                           (isnan(whole.values[k]) && isnan(parts.values[k]));
+        if (!equal)
+            fprintf(stderr, "%s: %s = %.17g, undisturbed %.17g\n", protocol->name, protocol->outputs[k].name,
+                    parts.values[k], whole.values[k]);
+        CU_ASSERT(equal);
+    }
+    free(params);
+    leave();
+}
+
+static void protocol_repose(void)
+{
+    goes_on(&sweep_protocol_repose,
+            (setting[]){{"W", "1.4"},
+                        {"H", "1.2"},
+                        {"fill_steps", "6000"},
+                        {"rotation", "true"},
+                        {"mu_roll", "0.1"},
+                        {"tilt_rate_deg", "0.01"},
+                        {"measure", "theta_r,theta_t,theta_t_static"},
+                        {0}},
+            0.02, "ok");
+    goes_on(&sweep_protocol_repose,
+            (setting[]){{"W", "1.2"},
+                        {"H", "1.2"},
+                        {"stop", "steps"},
+                        {"fill", "ramp"},
+                        {"fill_steps", "6000"},
+                        {"relax_steps", "4000"},
+                        {"tilt", "box"},
+                        {"open", "100"},
+                        {"integrator", "gear5"},
+                        {"dt", "2e-5"},
+                        {"tilt_rate_deg", "0.01"},
+                        {"measure", "theta_r,theta_t"},
+                        {0}},
+            0.01, "ok_fixed_time");
+}
+
+static void protocol_stress(void)
+{
+    goes_on(&sweep_protocol_stress,
+            (setting[]){{"W", "1.4"}, {"H", "1.4"}, {"fill_steps", "6000"}, {"tilt_rate_deg", "0.01"}, {0}},
+            0.02, "ok");
+}
+
 void suite_snapshot(void)
 {
     static const check_case cases[] = {
@@ -604,6 +717,8 @@ void suite_snapshot(void)
         {"killed runs", killed_runs},
         {"stopped runs", stopped_runs},
         {"refused resumes", refused_resumes},
+        {"protocol repose", protocol_repose},
+        {"protocol stress", protocol_stress},
         {0}};
     check_register("snapshot", cases);
 }
