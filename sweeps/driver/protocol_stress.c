@@ -86,8 +86,7 @@ typedef struct {
     const stress_params *p;
     sweep_box_run box;
     double *values;
-    double weight;      /* of all grains at rest */
-    sweep_positions at; /* of the pile at rest */
+    double weight; /* of all grains at rest */
     stress_contact *forces;
     size_t room;
     reading readings[N_TILTS];
@@ -114,10 +113,10 @@ static rp_status make_pile(experiment *e)
 
 static rp_status note_positions(experiment *e)
 {
-    rp_status status = sweep_positions_note(&e->box, &e->at);
+    rp_status status = sweep_box_note(&e->box);
     if (status) return status;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
-    e->values[OUT_grains] = (double)e->at.n;
+    e->values[OUT_grains] = (double)e->box.n_noted;
     return RP_OK;
 }
 
@@ -216,7 +215,7 @@ static rp_status tilt_to_rest(experiment *e)
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
         if (!status) status = sweep_box_settle(&e->box, "tilt");
-        if (!status) status = sweep_positions_onset(&e->box, &e->at, &moved);
+        if (!status) status = sweep_box_onset(&e->box, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[k]);
     }
@@ -284,8 +283,8 @@ static rp_status run_phases(experiment *e)
         e->box.sim = copy;
         copy = NULL;
         steps -= dem_step(e->box.sim);
-        status = sweep_box_tilt(&e->box, &e->at, false, e->p->tilt_rate_deg,
-                                &e->values[OUT_theta_t_displacement_deg], NULL);
+        status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
+                                NULL);
     }
     if (!status) status = conclude(e);
     if (e->box.sim) e->values[OUT_steps] = (double)(steps + dem_step(e->box.sim));
@@ -300,7 +299,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
-    sweep_positions_free(&e.at);
     free(e.forces);
     return sweep_box_end(&e.box, status);
 }
