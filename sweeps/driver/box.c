@@ -257,7 +257,7 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
     return status ? status : sweep_table_close(&f, dem_write_contacts(sim, f.out));
 }
 
-long sweep_box_grains(const sweep_box *box)
+static long count_grains(const sweep_box *box)
 {
     const double r = box->radius_mean;
     return box->N > 0 ? box->N : lround(box->W * box->H / (4.0 * r * r));
@@ -266,16 +266,18 @@ long sweep_box_grains(const sweep_box *box)
 rp_status sweep_box_check_fill(const sweep_box *box)
 {
     rp_status status = sweep_box_check(box, 2.0 * box->H);
-    if (!status && sweep_box_grains(box) < 1)
+    if (!status && count_grains(box) < 1)
         status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, box->H);
     return status;
 }
 
-static void fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
+rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *b, unsigned long seed,
+                                 unsigned long stream, const sweep_tables *tables, sweep_result *result)
 {
-    const sweep_box *b = run->box;
+    const size_t most = (size_t)count_grains(b) + sweep_box_floor(b, NULL);
+    rp_status status = sweep_box_begin(run, b, most, tables, result);
     run->scene.has_fill = true;
-    run->scene.fill = (dem_fill){.N = sweep_box_grains(b),
+    run->scene.fill = (dem_fill){.N = count_grains(b),
                                  .W = b->W,
                                  .H = 2.0 * b->H,
                                  .radius_mean = b->radius_mean,
@@ -288,17 +290,9 @@ static void fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
                                  .run = (long)stream};
     const double rows = b->H / (20.0 * run->d);
     const double gamma_n = run->scene.def.material.gamma_n; /* negative: by restitution */
-    double most =
+    const double patience =
         4e5 * (gamma_n < 0.0 ? 1.0 : fmax(1.0, 500.0 / fmax(gamma_n, 1.0))) * fmax(1.0, rows * rows);
-    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
-}
-
-rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
-                                 unsigned long stream, const sweep_tables *tables, sweep_result *result)
-{
-    const size_t most = (size_t)sweep_box_grains(box) + sweep_box_floor(box, NULL);
-    rp_status status = sweep_box_begin(run, box, most, tables, result);
-    fill(run, seed, stream);
+    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(patience, 2e9));
     return status;
 }
 

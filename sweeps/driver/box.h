@@ -153,10 +153,8 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
-/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. */
-long sweep_box_grains(const sweep_box *box);
-
-/* Check a box that these grains fill from W x 2 H. Errors: RP_BAD_INPUT. */
+/* Check a box that is filled from W x 2 H: by N grains, or for N < 1 by as many as W H holds squares of the
+ * diameter d. Errors: RP_BAD_INPUT. */
 rp_status sweep_box_check_fill(const sweep_box *box);
 
 /* sweep_box_begin with room for the grains of such a box and of its floor, with the fill of the random

@@ -61,7 +61,6 @@ static const rp_param schema[] = {
 enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
 
 /* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(theta_r1_deg, "degree", "slope by method 1, first to last cell") \
     X(theta_r2_deg, "degree", "slope by method 2, straight line") \
