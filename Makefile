@@ -185,15 +185,15 @@ report: figures validate $(T)/bench.tsv ## paper-repro.md and the pictures that 
 # Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, an hour. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench '400 1600 10000 100000' '400 1600 10000' 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
-BENCH_growth       = growth.sh $(REPOSE) $(B)/bench growth '1000 10000 100000 1000000'
-BENCH_workers      = growth.sh $(REPOSE) $(B)/bench workers 5
+BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
+BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5
 $(T)/bench.tsv: $(CODE)
 	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@
 $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@mkdir -p $(T) && echo "bench   $*"
 	@bash validation/peers/$(BENCH_$*) >$@
-bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, growth, two workers; tables and a figure
-	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_growth.tsv $(T)/bench_workers.tsv
+bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
+	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made
 	rm -rf $(B)

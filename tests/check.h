@@ -38,10 +38,10 @@
     X(suite_piles)                                                                                           \
     X(suite_property)
 #define CHECK_VALIDATION(X)                                                                                  \
-    X(suite_growth)                                                                                          \
+    X(suite_scaling)                                                                                         \
     X(suite_models)                                                                                          \
     X(suite_impact)                                                                                          \
-    X(suite_statics)                                                                                         \
+    X(suite_contacts)                                                                                        \
     X(suite_incline)                                                                                         \
     X(suite_rotation)                                                                                        \
     X(suite_published)                                                                                       \

@@ -363,7 +363,7 @@ static void pile_at_rest(void)
                                              {"N_error", "m*g"},
                                              {"H_error", "m*g"},
                                              {"contact_error", "m*g"},
-                                             {"place_error", "eps*sigma"},
+                                             {"position_error", "eps*sigma"},
                                              {"integrator", ""}};
     const long bases[] = {8, 45};
     const double eps[] = {1e-3, 1e-5};

@@ -177,7 +177,7 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
     dem_grain grain;
     const double dt = exact->time / n;
     dem_definition def = flight(p, integrator, dt, phase, &grain);
-    def.ledger = !dem_schemes[integrator]->pair_parts; /* else its energy error has no order */
+    def.ledger = !dem_schemes[integrator]->parts; /* else its energy error has no order */
     dem_sim *sim = grains_start(&def);
     /* Gear's higher derivatives decay over some steps after the contact */
     CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));
@@ -366,12 +366,20 @@ static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *sum
 
 static void orders(void)
 {
-    static const char *const columns[][2] = {{"steps", ""},       {"dt", "s"},         {"velocity_error", ""},
-                                             {"place_error", ""}, {"integration", ""}, {"case", ""}};
-    static const char *const fit_columns[][2] = {
-        {"velocity_order", ""},    {"velocity_order_se", ""},    {"place_order", ""}, {"place_order_se", ""},
-        {"integration_order", ""}, {"integration_order_se", ""}, {"steps", ""},       {"velocity_error", ""},
-        {"place_error", ""},       {"integration", ""},          {"case", ""}};
+    static const char *const columns[][2] = {{"steps", ""},          {"dt", "s"},
+                                             {"velocity_error", ""}, {"position_error", ""},
+                                             {"integration", ""},    {"case", ""}};
+    static const char *const fit_columns[][2] = {{"velocity_order", ""},
+                                                 {"velocity_order_se", ""},
+                                                 {"position_order", ""},
+                                                 {"position_order_se", ""},
+                                                 {"integration_order", ""},
+                                                 {"integration_order_se", ""},
+                                                 {"steps", ""},
+                                                 {"velocity_error", ""},
+                                                 {"position_error", ""},
+                                                 {"integration", ""},
+                                                 {"case", ""}};
     FILE *table = check_table("order"), *summary = check_table("order_fits");
     if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
     if (summary) rp_table_columns(summary, sizeof fit_columns / sizeof *fit_columns, fit_columns);
@@ -380,7 +388,7 @@ static void orders(void)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             const scheme s = {dem_schemes[i]->name, simulate, i};
             double expected[N_ERRORS];
-            if (dem_schemes[i]->pair_parts) {
+            if (dem_schemes[i]->parts) {
                 check_implicit(p, &s, table, summary);
                 continue;
             }

@@ -25,7 +25,7 @@ do for [panel=1:2] {
   set lmargin at screen panel == 1 ? 0.085 : 0.59
   set rmargin at screen panel == 1 ? 0.485 : 0.99
   if (panel == 2) { unset key }
-  col = panel == 1 ? 'velocity_error' : 'place_error'
+  col = panel == 1 ? 'velocity_error' : 'position_error'
   set yrange [1e-10:0.3]
   set ylabel (panel == 1 ? 'error of velocity / impact speed' : 'error of position / (speed × contact time)') font ',9' offset 1.2,0
   plot for [i=1:5] data using (1/column('steps')):(of(word(cases, i).'/verlet', col)) with points pt 7 ps 0.5 lc int(word(colours, i)) \

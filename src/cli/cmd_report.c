@@ -258,17 +258,20 @@ static rp_status fill_line(report *r, char *line)
 
 static rp_status fill_file(report *r, const char *path)
 {
-    FILE *in = fopen(path, "r");
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read", path);
-    char *line = NULL;
-    size_t capacity = 0;
-    rp_status status = RP_OK;
+    char *text;
+    int number = 1;
+    rp_status status = rp_file_read(path, &text);
     r->depth++;
-    for (int number = 1; !status && getline(&line, &capacity, in) >= 0; number++)
-        if ((status = fill_line(r, line)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
+    for (char *line = text, *end; !status && line && *line; line = end, number++) {
+        end = strchr(line, '\n');
+        if (end) *end++ = '\0';
+        if ((status = fill_line(r, line)) != RP_OK)
+            rp_prefix(status, "%s:%d: ", path, number);
+        else if (end)
+            fputc('\n', r->out);
+    }
     r->depth--;
-    free(line);
-    fclose(in);
+    free(text);
     return status;
 }
 

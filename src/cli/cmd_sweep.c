@@ -109,7 +109,8 @@ static rp_status act_export(const void *values)
 {
     const options *o = values;
     FILE *out;
-    rp_status status = rp_file_open(o->o, &out);
+    rp_status status = sweep_check_output(cli_argument(0), o->o);
+    if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
     status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
     return rp_file_close(o->o, out, status);

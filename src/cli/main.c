@@ -1,5 +1,6 @@
 /* The program `repose`: finds the subcommand, prints its failure, and turns its status into the exit status.
  */
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ static int finish(const char *command, rp_status status)
 
 int main(int argc, char **argv)
 {
+    signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
     gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
     size_t used = (size_t)snprintf(command_line, sizeof command_line, "repose");
     for (int i = 1; i < argc && used < sizeof command_line; i++)

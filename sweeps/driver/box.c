@@ -111,10 +111,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     if (!tables) return RP_OK;
     run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
-    if (!status)
-        status =
-            sweep_table_open(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
-    if (!status) dem_write_energy_columns(tables->ledger, run->energy);
+    if (!status) status = sweep_table_open(tables, "energy.tsv", &run->energy);
+    if (!status) dem_write_energy_columns(tables->ledger, run->energy.out);
     return status;
 }
 
@@ -126,7 +124,7 @@ rp_status sweep_box_end(sweep_box_run *run, rp_status status)
     free(run->work);
     /* a status word was given: physics without a result, which is an answer */
     if (status == RP_NO_RESULT) status = RP_OK;
-    return run->energy ? rp_file_close(run->energy_path, run->energy, status) : status;
+    return run->energy.out ? sweep_table_close(&run->energy, status) : status;
 }
 
 void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message)
@@ -157,7 +155,7 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps)
         }
         if (status) return status;
         steps -= part;
-        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy);
+        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy.out);
     }
     return RP_OK;
 }
@@ -258,17 +256,17 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
 {
-    char name[64], path[4096];
-    FILE *out;
+    char name[64];
+    sweep_file f;
     if (!tables) return RP_OK;
     snprintf(name, sizeof name, "%s_grains.tsv", stage);
-    rp_status status = sweep_table_open(tables, name, path, sizeof path, &out);
+    rp_status status = sweep_table_open(tables, name, &f);
     if (status) return status;
-    dem_write_state_columns(out);
-    status = rp_file_close(path, out, dem_write_states(sim, out));
+    dem_write_state_columns(f.out);
+    status = sweep_table_close(&f, dem_write_states(sim, f.out));
     snprintf(name, sizeof name, "%s_contacts.tsv", stage);
-    if (!status) status = sweep_table_open(tables, name, path, sizeof path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    if (!status) status = sweep_table_open(tables, name, &f);
+    return status ? status : sweep_table_close(&f, dem_write_contacts(sim, f.out));
 }
 
 long sweep_box_grains(const sweep_box *box)

@@ -44,7 +44,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
 /* What the solver says, as header lines; the forces on the base, a row a disk; all tables of a pile in a
  * folder: base.tsv (of an equilibrium), wells.tsv, contacts.tsv, disks.tsv. Errors: RP_IO, RP_NO_MEMORY. */
 void sweep_pile_notes(const sweep_solved *s, FILE *out);
-void sweep_pile_write_base(const sweep_solved *s, FILE *out);
+rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out);
 rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables);
 
 #endif

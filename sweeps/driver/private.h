@@ -16,6 +16,7 @@ typedef struct {
     const rp_param **axes; /* the parameters under `grid`, in the order of the file */
     char *points;          /* n_points structures of protocol->params_size bytes */
     char (*keys)[33];      /* of the runs */
+    char *text;            /* of the file */
     config_t config;       /* owns the texts among the parameters */
 } sweep_plan;
 
@@ -46,13 +47,12 @@ unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run);
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
-/* Open a folder's store; `create` makes it if there is none. Afterwards sweep_store_close, also after an
- * error. All functions of the store fail with RP_IO, and what is committed stays. */
-rp_status sweep_store_open(const char *dir, bool create, sweep_store **store);
+/* Open a folder's store: to read it as it is now, whoever writes; to write; to write, made if there is none.
+ * Afterwards sweep_store_close, also after an error. All functions of the store fail with RP_IO, and what is
+ * committed stays. */
+typedef enum { SWEEP_STORE_READ, SWEEP_STORE_WRITE, SWEEP_STORE_CREATE } sweep_store_mode;
+rp_status sweep_store_open(const char *dir, sweep_store_mode mode, sweep_store **store);
 void sweep_store_close(sweep_store *store);
-
-/* Until it is closed, read the store as it is now, whoever writes. */
-rp_status sweep_store_freeze(sweep_store *store);
 
 /* Replace the plan, keeping all rows. `file` is noted as its origin.
  * Errors: RP_BAD_INPUT if the store belongs to another protocol. */
@@ -61,20 +61,16 @@ rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, con
 /* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
 rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
 
-/* Replicas of the stored plan. */
-rp_status sweep_store_replicas(sweep_store *store, size_t *replicas);
-
-/* The sweep file's name as it was given. */
-rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size);
+/* A value of the stored plan by its name: "file", the sweep file as it was given, or "replicas". Empty where
+ * there is none. */
+rp_status sweep_store_note(sweep_store *store, const char *name, char *buffer, size_t size);
 
 /* Show the programs that made the planned runs, and how many each. */
 rp_status sweep_store_makers(sweep_store *store,
                              void (*visit)(const char *program, size_t runs, void *context), void *context);
 
-/* Forget planned runs whose worker died: it may have been the machine's fault, so they are made again. */
-rp_status sweep_store_drop_crashed(sweep_store *store);
-
-/* Numbers of the planned runs that are not stored, in order; free *missing. */
+/* Numbers of the planned runs that are not stored, in order; free *missing. Runs whose worker died are
+ * forgotten: it may have been the machine's fault. */
 rp_status sweep_store_missing(sweep_store *store, const sweep_plan *plan, size_t **missing, size_t *n);
 
 rp_status sweep_store_insert(sweep_store *store, const sweep_plan *plan, const sweep_row *row);

@@ -51,7 +51,7 @@ typedef struct {
 typedef struct {
     const char *name;
     const char *about;           /* one line */
-    const rp_param *schema;      /* of the structure below */
+    const rp_param *schema;      /* of the structure below; each parameter has a default */
     size_t params_size;          /* bytes of the structure that the schema fills */
     const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
 
@@ -84,14 +84,18 @@ typedef struct {
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
-/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
- * Errors: RP_IO. */
-rp_status sweep_table_open(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+/* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
+typedef struct {
+    char path[4096];
+    FILE *out;
+} sweep_file;
+rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
+rp_status sweep_table_close(const sweep_file *file, rp_status status);
 
-/* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
+/* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
-                          const int indices[], char digits[33]);
+                          const char *names, char digits[33]);
 
 /* One list: every protocol. */
 #define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)

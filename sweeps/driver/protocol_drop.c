@@ -486,14 +486,13 @@ static rp_status finish(drop *d, rp_status status)
 
 static rp_status write_drops(const drop *d, const sweep_tables *tables)
 {
-    static const char *const columns[][2] = {{"drop", ""}, {"moved", ""}};
-    char path[4096];
-    FILE *out;
-    rp_status status = sweep_table_open(tables, "drops.tsv", path, sizeof path, &out);
+    sweep_file f;
+    rp_status status = sweep_table_open(tables, "drops.tsv", &f);
     if (status) return status;
-    rp_table_columns(out, 2, columns);
-    for (long k = 0; k < d->p->N; k++) rp_table_row(out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
-    return rp_file_close(path, out, RP_OK);
+    rp_table_header(f.out, "drop, moved");
+    for (long k = 0; k < d->p->N; k++)
+        rp_table_row(f.out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
+    return sweep_table_close(&f, RP_OK);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,

@@ -23,16 +23,13 @@ typedef struct {
     long insertions, steps_max, avalanche, draws;
 } flux_params;
 
-#define AT(field)    offsetof(flux_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(flux_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(flux_params, __VA_ARGS__)
+#define AT(field) offsetof(flux_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_WALL_ROWS
     {"v_cut", "cm/s", RP_REAL, AT(v_cut), "0.1", "(0, inf)", "the pile is quiet below this speed"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "0", "[0, 100]", "of a new grain, above where it would touch"},
     {"entry_width", "d", RP_REAL, AT(entry_width), "0", "[0, 100]",
@@ -43,8 +40,8 @@ static const rp_param schema[] = {
     {"avalanche", "", RP_INT, AT(avalanche), "5", "[1, 1000000]",
      "least outflow between two insertions that counts as an avalanche"},
     {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
 /* clang-format on */
@@ -264,21 +261,17 @@ static rp_status analyse(flux *f)
 
 static rp_status write_series(const flux *f)
 {
-    static const char *const columns[][2] = {{"step", ""},    {"insertion", ""},
-                                             {"grains", ""},  {"theta_r3_deg", "degree"},
-                                             {"outflow", ""}, {"tower", "d"}};
-    char path[4096];
-    FILE *out;
+    sweep_file series;
     if (!f->box.tables) return RP_OK;
-    rp_status status = sweep_table_open(f->box.tables, "series.tsv", path, sizeof path, &out);
+    rp_status status = sweep_table_open(f->box.tables, "series.tsv", &series);
     if (status) return status;
-    rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
-    rp_table_columns(out, 6, columns);
+    rp_table_note(series.out, "v_cut", "%g cm/s", f->p.v_cut);
+    rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)
-        rp_table_row(out, 6,
+        rp_table_row(series.out, 6,
                      (double[]){(double)f->step[k], (double)k + 1.0, (double)f->grains[k], f->theta[k],
                                 (double)outflow(f, k), f->tower[k]});
-    return rp_file_close(path, out, RP_OK);
+    return sweep_table_close(&series, RP_OK);
 }
 
 /* The series, with its simulation still there to look at; afterwards `finish`. */

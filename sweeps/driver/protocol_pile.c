@@ -356,21 +356,8 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     const double DIGITS = 1e6;
-    static const int hashed[] = {OUT_n_disks,
-                                 OUT_D,
-                                 OUT_D_diagonals,
-                                 OUT_H_ratio,
-                                 OUT_N_error_rms,
-                                 OUT_N_continuum_rms,
-                                 OUT_H_continuum_rms,
-                                 OUT_negative_modes,
-                                 OUT_smallest_pivot,
-                                 OUT_contacts,
-                                 OUT_strongest_level,
-                                 OUT_broken,
-                                 OUT_load,
-                                 OUT_n_05,
-                                 -1};
+    static const char hashed[] = "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
+                                 "negative_modes smallest_pivot contacts strongest_level broken load n_05";
     sweep_pile p;
     sweep_result result;
     rp_params_defaults(sweep_pile_schema, &p);

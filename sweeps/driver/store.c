@@ -40,20 +40,28 @@ static rp_status execute(sweep_store *s, const char *what, const char *format, .
     return rc == SQLITE_OK ? RP_OK : fail(s, what);
 }
 
-/* Takes `text` over. */
-static rp_status prepare(sweep_store *s, const char *what, sqlite3_str *text, sqlite3_stmt **statement)
-{
-    char *sql = sqlite3_str_finish(text);
-    int rc = sql ? sqlite3_prepare_v2(s->db, sql, -1, statement, NULL) : SQLITE_NOMEM;
-    sqlite3_free(sql);
-    return rc == SQLITE_OK ? RP_OK : fail(s, what);
-}
-
+/* NULL for a statement that cannot be prepared: its first step fails, and `finish` says why. */
 static sqlite3_stmt *query(sweep_store *s, const char *sql)
 {
     sqlite3_stmt *statement = NULL;
     sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
-    return statement; /* NULL fails in the first step, and says so */
+    return statement;
+}
+
+/* The same of a text, which is freed. */
+static sqlite3_stmt *query_text(sweep_store *s, sqlite3_str *text)
+{
+    char *sql = sqlite3_str_finish(text);
+    sqlite3_stmt *statement = query(s, sql);
+    sqlite3_free(sql);
+    return statement;
+}
+
+/* End a query. Errors: RP_IO if one of its steps failed. */
+static rp_status finish(sweep_store *s, const char *what, sqlite3_stmt *q)
+{
+    const bool prepared = q != NULL;
+    return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : fail(s, what);
 }
 
 bool sweep_is_result(const char *status)
@@ -61,20 +69,17 @@ bool sweep_is_result(const char *status)
     return strncmp(status, "ok", 2) == 0;
 }
 
-rp_status sweep_store_open(const char *dir, bool create, sweep_store **store)
+rp_status sweep_store_open(const char *dir, sweep_store_mode mode, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);
     if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
     snprintf(s->path, sizeof s->path, "%s/store.sqlite", dir);
-    int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
+    int flags = SQLITE_OPEN_READWRITE | (mode == SWEEP_STORE_CREATE ? SQLITE_OPEN_CREATE : 0);
     if (sqlite3_open_v2(s->path, &s->db, flags, NULL) != SQLITE_OK) return fail(s, "open the store");
     sqlite3_busy_timeout(s->db, BUSY_MS);
-    return execute(s, "read the store", "SELECT count(*) FROM sqlite_schema"); /* is it a database at all */
-}
-
-rp_status sweep_store_freeze(sweep_store *s)
-{
-    return execute(s, "read the store", "BEGIN");
+    /* the first look says whether it is a database at all; within a transaction, all see what it sees */
+    return execute(s, "read the store", "%s SELECT count(*) FROM sqlite_schema",
+                   mode == SWEEP_STORE_READ ? "BEGIN;" : "");
 }
 
 void sweep_store_close(sweep_store *store)
@@ -85,28 +90,13 @@ void sweep_store_close(sweep_store *store)
     free(store);
 }
 
-static rp_status get_note(sweep_store *s, const char *name, char *buffer, size_t size)
+rp_status sweep_store_note(sweep_store *s, const char *name, char *buffer, size_t size)
 {
     sqlite3_stmt *q = query(s, "SELECT value FROM sweep WHERE name = ?");
     buffer[0] = '\0';
     sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
-    int rc = sqlite3_step(q);
-    if (rc == SQLITE_ROW) snprintf(buffer, size, "%s", (const char *)sqlite3_column_text(q, 0));
-    sqlite3_finalize(q);
-    return rc == SQLITE_ROW || rc == SQLITE_DONE ? RP_OK : fail(s, "read the store");
-}
-
-rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size)
-{
-    return get_note(store, "file", buffer, size);
-}
-
-rp_status sweep_store_replicas(sweep_store *store, size_t *replicas)
-{
-    char text[32];
-    rp_status status = get_note(store, "replicas", text, sizeof text);
-    *replicas = strtoul(text, NULL, 10);
-    return status;
+    if (sqlite3_step(q) == SQLITE_ROW) snprintf(buffer, size, "%s", (const char *)sqlite3_column_text(q, 0));
+    return finish(s, "read the store", q);
 }
 
 /* A column of `runs`, unless it is there already. */
@@ -138,17 +128,11 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
 static rp_status write_runs(sweep_store *s, const sweep_plan *plan)
 {
     rp_status status = execute(s, "write the store", "DELETE FROM plan");
-    if (status) return status;
-    sqlite3_stmt *q = query(s, "INSERT INTO plan (run, key, point, replica) VALUES (?, ?, ?, ?)");
-    for (size_t r = 0; !status && r < plan->n_runs; r++) {
-        sqlite3_bind_int64(q, 1, (sqlite3_int64)r);
-        sqlite3_bind_text(q, 2, plan->keys[r], -1, SQLITE_STATIC);
-        sqlite3_bind_int64(q, 3, (sqlite3_int64)(r / plan->replicas));
-        sqlite3_bind_int64(q, 4, (sqlite3_int64)(r % plan->replicas));
-        if (sqlite3_step(q) != SQLITE_DONE) status = fail(s, "write the store");
-        sqlite3_reset(q);
-    }
-    sqlite3_finalize(q);
+    for (size_t r = 0; !status && r < plan->n_runs; r++)
+        status = execute(s, "write the store",
+                         "INSERT INTO plan (run, key, point, replica) VALUES (%llu, %Q, %llu, %llu)",
+                         (unsigned long long)r, plan->keys[r], (unsigned long long)(r / plan->replicas),
+                         (unsigned long long)(r % plan->replicas));
     return status;
 }
 
@@ -158,7 +142,7 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
     rp_status status = execute(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
     status = make_tables(s, plan->protocol);
-    if (!status) status = get_note(s, "protocol", owner, sizeof owner);
+    if (!status) status = sweep_store_note(s, "protocol", owner, sizeof owner);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
         status =
             rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
@@ -180,14 +164,11 @@ rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
     sqlite3_stmt *q = query(s, "SELECT run, key FROM plan ORDER BY run");
     size_t n = 0;
     bool same = true;
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW && same) {
+    for (; same && sqlite3_step(q) == SQLITE_ROW; n++)
         same = n < plan->n_runs && sqlite3_column_int64(q, 0) == (sqlite3_int64)n &&
                strcmp((const char *)sqlite3_column_text(q, 1), plan->keys[n]) == 0;
-        n++;
-    }
-    sqlite3_finalize(q);
-    if (same && rc != SQLITE_DONE) return fail(s, "read the plan");
+    rp_status status = finish(s, "read the plan", q);
+    if (status) return status;
     if (!same || n != plan->n_runs)
         return rp_fail(RP_BAD_INPUT,
                        "%s: the plan is not that of sweep.cfg and this version of the program; "
@@ -201,17 +182,9 @@ rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, 
 {
     sqlite3_stmt *q = query(
         s, "SELECT program, count(*) FROM plan JOIN runs USING (key) GROUP BY program ORDER BY program");
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW)
+    while (sqlite3_step(q) == SQLITE_ROW)
         visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : fail(s, "read the rows");
-}
-
-rp_status sweep_store_drop_crashed(sweep_store *s)
-{
-    return execute(s, "write the store",
-                   "DELETE FROM runs WHERE status = 'crashed' AND key IN (SELECT key FROM plan)");
+    return finish(s, "read the rows", q);
 }
 
 rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **missing, size_t *n)
@@ -219,34 +192,36 @@ rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **m
     *n = 0;
     *missing = malloc(plan->n_runs * sizeof **missing);
     if (!*missing) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    rp_status status = execute(s, "write the store",
+                               "DELETE FROM runs WHERE status = 'crashed' AND key IN (SELECT key FROM plan)");
+    if (status) return status;
     sqlite3_stmt *q = query(s, "SELECT run FROM plan WHERE key NOT IN (SELECT key FROM runs) ORDER BY run");
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW && *n < plan->n_runs)
+    while (sqlite3_step(q) == SQLITE_ROW && *n < plan->n_runs)
         (*missing)[(*n)++] = (size_t)sqlite3_column_int64(q, 0);
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : fail(s, "read the store");
+    return finish(s, "read the store", q);
 }
 
-static rp_status prepare_insert(sweep_store *s, const sweep_protocol *protocol)
+/* The part of every row that the plan and the program say is in the statement. */
+static sqlite3_stmt *query_insert(sweep_store *s, const sweep_plan *plan)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    size_t n = 9;
+    size_t n = 6;
     sqlite3_str_appendall(sql,
-                          "INSERT INTO runs (run, status, message, seconds, seed, model, program, pile, key");
-    for (const rp_param *p = protocol->schema; p->name; p++, n++)
+                          "INSERT INTO runs (seed, model, program, run, status, message, seconds, pile, key");
+    for (const rp_param *p = plan->protocol->schema; p->name; p++, n++)
         sqlite3_str_appendf(sql, ", \"%w\"", p->name);
-    for (const sweep_output *o = protocol->outputs; o->name; o++, n++)
+    for (const sweep_output *o = plan->protocol->outputs; o->name; o++, n++)
         sqlite3_str_appendf(sql, ", \"%w\"", o->name);
-    sqlite3_str_appendall(sql, ") VALUES (?");
-    while (--n) sqlite3_str_appendall(sql, ", ?");
+    sqlite3_str_appendf(sql, ") VALUES (%lu, %d, 'repose %q, commit %q, %q'", plan->seed, RP_MODEL_VERSION,
+                        RP_VERSION, rp_build_commit(), rp_build_compiler());
+    while (n--) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
-    return prepare(s, "write the store", sql, &s->insert);
+    return query_text(s, sql);
 }
 
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
-    rp_status status = s->insert ? RP_OK : prepare_insert(s, plan->protocol);
-    if (status) return status;
+    if (!s->insert) s->insert = query_insert(s, plan);
     int column = 0;
     char text[256];
     sqlite3_stmt *q = s->insert;
@@ -254,11 +229,6 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     sqlite3_bind_text(q, ++column, row->result.status, -1, SQLITE_STATIC);
     sqlite3_bind_text(q, ++column, row->result.message, -1, SQLITE_STATIC);
     sqlite3_bind_double(q, ++column, row->seconds);
-    sqlite3_bind_int64(q, ++column, (sqlite3_int64)plan->seed);
-    sqlite3_bind_int64(q, ++column, RP_MODEL_VERSION);
-    snprintf(text, sizeof text, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit(),
-             rp_build_compiler());
-    sqlite3_bind_text(q, ++column, text, -1, SQLITE_TRANSIENT);
     sqlite3_bind_int64(q, ++column, (sqlite3_int64)sweep_plan_pile(plan, row->run));
     sqlite3_bind_text(q, ++column, plan->keys[row->run], -1, SQLITE_STATIC);
     /* as texts: the column's type makes numbers of those that are numbers */
@@ -269,11 +239,10 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
             SQLITE_TRANSIENT);
     for (size_t i = 0; plan->protocol->outputs[i].name; i++)
         sqlite3_bind_double(q, ++column, row->result.values[i]); /* NaN becomes NULL */
-    int rc = sqlite3_step(q);
-    status = rc == SQLITE_DONE
-                 ? RP_OK
-                 : rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
-                           row->run, sqlite3_errmsg(s->db));
+    rp_status status = RP_OK;
+    if (sqlite3_step(q) != SQLITE_DONE)
+        status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
+                         row->run, sqlite3_errmsg(s->db));
     sqlite3_reset(q);
     return status;
 }
@@ -283,8 +252,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
     *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
     sqlite3_stmt *q =
         query(s, "SELECT status, count(*) FROM plan JOIN runs USING (key) GROUP BY status ORDER BY status");
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
+    while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
         size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
         snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
                  (const char *)sqlite3_column_text(q, 0));
@@ -292,8 +260,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
         counts->stored += runs;
         if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
     }
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : fail(s, "count the rows");
+    return finish(s, "count the rows", q);
 }
 
 static double column_number(sqlite3_stmt *q, int column)
@@ -304,21 +271,19 @@ static double column_number(sqlite3_stmt *q, int column)
 rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
-    sqlite3_stmt *q = NULL;
     sqlite3_str *sql = sqlite3_str_new(s->db);
     sqlite3_str_appendall(sql, "SELECT plan.run, runs.status, runs.seconds");
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
         sqlite3_str_appendf(sql, ", runs.\"%w\"", o->name);
     sqlite3_str_appendall(sql, " FROM plan JOIN runs USING (key) ORDER BY plan.run");
-    rp_status status = prepare(s, "read the rows", sql, &q);
-    int rc = SQLITE_DONE;
-    while (!status && (rc = sqlite3_step(q)) == SQLITE_ROW) {
+    sqlite3_stmt *q = query_text(s, sql);
+    rp_status status = RP_OK;
+    while (!status && sqlite3_step(q) == SQLITE_ROW) {
         sweep_row row = {.run = (size_t)sqlite3_column_int64(q, 0), .seconds = column_number(q, 2)};
         snprintf(row.result.status, sizeof row.result.status, "%s", (const char *)sqlite3_column_text(q, 1));
         for (int i = 0; plan->protocol->outputs[i].name; i++) row.result.values[i] = column_number(q, 3 + i);
         status = visit(&row, context);
     }
-    if (!status && rc != SQLITE_DONE) status = fail(s, "read the rows");
-    sqlite3_finalize(q);
-    return status;
+    rp_status read = finish(s, "read the rows", q);
+    return status ? status : read;
 }

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Cost and memory against the number of grains, and efficiency of two workers: tables growth and workers.
-# usage: growth.sh REPOSE WORK growth "1000 10000 ..." | growth.sh REPOSE WORK workers PAIRS
+# Cost and memory against the number of grains, and efficiency of two workers: tables scaling and workers.
+# usage: scaling.sh REPOSE WORK scaling "1000 10000 ..." | scaling.sh REPOSE WORK workers PAIRS
 set -eu -o pipefail
 export LC_ALL=C
 repose=$(realpath "$1") work=$2 table=$3 argument=$4 here=$(realpath "$(dirname "$0")")
@@ -22,7 +22,7 @@ joined() {
     } >joined_1000000.tsv
 }
 
-growth() { # sizes
+scaling() { # sizes
     local n start width
     provenance
     echo "# rates: 1e6 particle-steps per second of processor time, medians of three; bytes: held per grain"
@@ -31,14 +31,14 @@ growth() { # sizes
         if [ "$n" = 1000000 ]; then joined; start=joined_$n.tsv width=632.4555320336759; else settle "$n"; fi
         for state in settled flowing; do "$repose" bench --start "$start" --width $width --state $state --repeat 3; done |
             columns grains median contacts pairs bytes | awk 'NR == 1 { row = $0 } END { print row, $2 }' OFS='\t' | tr ' ' '\t'
-    done >growth.rows
-    if [ "$(wc -l <growth.rows)" -gt 1 ]; then
-        awk '{ print $1, $1 / $2 }' growth.rows | "$repose" stats fit - --x 1 --y 2 --scale log | columns slope |
+    done >scaling.rows
+    if [ "$(wc -l <scaling.rows)" -gt 1 ]; then
+        awk '{ print $1, $1 / $2 }' scaling.rows | "$repose" stats fit - --x 1 --y 2 --scale log | columns slope |
             xargs printf '# exponent: %.3f (of the time of a step at rest)\n'
     fi
     printf '# units: \t1e6/s\t1/grain\t1/grain\tB/grain\t1e6/s\n'
     printf '# grains\tsettled\tcontacts\tpairs\tbytes\tflowing\n'
-    cat growth.rows
+    cat scaling.rows
 }
 
 seconds() { # workers: wall time, and processor time of both

@@ -379,10 +379,10 @@ static void cases(void)
 {
     case_problem *const problems[] = {&bounce_problem, &stack_problem, &column_problem, &cradle_problem,
                                       &gap_problem};
-    case_write("statics", problems, sizeof problems / sizeof *problems);
+    case_write("contacts", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_statics(void)
+void suite_contacts(void)
 {
     static const check_case list[] = {{"bounce with gravity during contact", bounce},
                                       {"two compressed grains", stack},

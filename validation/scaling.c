@@ -169,7 +169,7 @@ static void table_of_sizes(void)
     static const char *const columns[][2] = {
         {"alpha_deg", "degrees"}, {"n_disks", ""},        {"seconds", "s"},   {"memory", "MB"}, {"steps", ""},
         {"factorisations", ""},   {"negative_modes", ""}, {"residual", "m g"}};
-    FILE *out = check_table("growth");
+    FILE *out = check_table("scaling");
     if (!out) return;
     row rows[SHAPES][SIZES];
     rp_table_note(out, "seconds", "processor time to assemble and solve a linearised pile; memory: peak");
@@ -194,7 +194,7 @@ static void table_of_sizes(void)
                      (double[]){r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
                                 (double)r->result.factored, (double)r->result.negative_modes,
                                 r->result.residual});
-    check_table_close(out, "growth");
+    check_table_close(out, "scaling");
 }
 
 static int by_seconds(const void *a, const void *b)
@@ -228,7 +228,7 @@ static void table_of_goals(void)
         {"well", "eps sigma"},    {"goal", "s"},          {"seconds", "s"},
         {"memory", "MB"},         {"factorisations", ""}, {"negative_modes", ""},
         {"verdict", ""}};
-    FILE *out = check_table("growth_goals");
+    FILE *out = check_table("scaling_goals");
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time to assemble and solve a pile and to count its modes, median of up to 5");
@@ -246,10 +246,10 @@ static void table_of_goals(void)
                                          (double)r.result.negative_modes},
                               r.seconds <= piles[i].goal ? "met" : "missed");
         }
-    check_table_close(out, "growth_goals");
+    check_table_close(out, "scaling_goals");
 }
 
-void suite_growth(void)
+void suite_scaling(void)
 {
     /* tables first: forked processes do not inherit the threads that CHOLMOD starts */
     static const check_case cases[] = {{"scaling of time and memory", table_of_sizes},
@@ -258,5 +258,5 @@ void suite_growth(void)
                                        {"large piles by supernodes", large_pile},
                                        {"large unstable pile", large_unstable_pile},
                                        {NULL, NULL}};
-    check_register("validation: growth of the static solver", cases);
+    check_register("validation: scaling of the static solver", cases);
 }
