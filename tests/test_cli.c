@@ -374,7 +374,7 @@ static void test_broken_output(void)
     CHECK_FAILURES(list);
     /* a limit of the file's size is a failed write, and no half table stays */
     CU_ASSERT(failed(
-        __LINE__,
+        __FILE__, __LINE__,
         shell("ulimit -f 1; exec \"$REPOSE\" run scene.cfg --every 1 --set steps=99 -o full >out 2>err"), 74,
         "File too large"));
     CU_ASSERT_EQUAL(shell("test -z \"$(ls full)\""), 0);
