@@ -117,9 +117,6 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
                           sweep_result *result);
 rp_status sweep_box_end(sweep_box_run *run, rp_status status);
 
-/* Give the result its status word and message. */
-void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message);
-
 /* Start the simulation of run->scene. Errors: RP_NO_RESULT with the word no_room. */
 rp_status sweep_box_start(sweep_box_run *run);
 

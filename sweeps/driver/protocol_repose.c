@@ -342,7 +342,7 @@ static rp_status run_phases(experiment *e)
     if (!status) status = write_scene(e);
     if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
     if (!status)
-        sweep_box_conclude(&e->box, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", e->box.result->message);
+        status = sweep_conclude(e->box.result, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", NULL);
     if (e->box.sim) e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */

@@ -253,10 +253,8 @@ static rp_status conclude(experiment *e)
     v[OUT_bulk_friction_0] = tan(stress_mohr(&first->s).mobilised);
     for (size_t k = 0; k < e->n_readings; k++)
         v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
-    if (e->n_readings < LEAST_TILTS) {
-        sweep_box_conclude(&e->box, "no_response", "the pile moves at the first tilts");
-        return RP_NO_RESULT;
-    }
+    if (e->n_readings < LEAST_TILTS)
+        return sweep_conclude(e->box.result, "no_response", "the pile moves at the first tilts");
     rp_status status = respond(e, offsetof(reading, n), &r.n[0], &r.n[1]);
     if (!status) status = respond(e, offsetof(reading, h), &r.h[0], &r.h[1]);
     for (size_t k = 0; k < 4 && !status; k++)
@@ -269,8 +267,7 @@ static rp_status conclude(experiment *e)
     if (e->n_readings == N_TILTS)
         v[OUT_floor_friction_beyond] =
             last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
-    sweep_box_conclude(&e->box, "ok", "");
-    return RP_OK;
+    return sweep_conclude(e->box.result, "ok", NULL);
 }
 
 static rp_status run_phases(experiment *e)
