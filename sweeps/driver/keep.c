@@ -29,10 +29,9 @@ void sweep_keep_end(sweep_keep *k, bool done)
     if (done) unlink(k->path);
 }
 
-/* Whether values are still to be restored. */
-static bool resumes(const sweep_keep *k)
+bool sweep_keep_resumes(const sweep_keep *k)
 {
-    return k->source.at < k->source.n;
+    return k && k->source.at < k->source.n;
 }
 
 static void keep_one(rp_snapshot *s, void *data, size_t size)
@@ -50,7 +49,7 @@ static void keep_one(rp_snapshot *s, void *data, size_t size)
 bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
 {
     if (!k) return true;
-    const bool restore = resumes(k);
+    const bool restore = sweep_keep_resumes(k);
     if (restore) keep_one(&k->source, data, size);
     if (k->n < SWEEP_KEEP_MOST)
         k->entered[k->n].data = data, k->entered[k->n].size = size;
@@ -74,7 +73,7 @@ rp_status sweep_keep_look(sweep_keep *k)
 {
     if (!k) return RP_OK;
     if (k->source.status) return k->source.status;
-    if (resumes(k))
+    if (sweep_keep_resumes(k))
         return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
     if (processor_time() < k->next) return RP_OK;
     rp_snapshot s = {0};

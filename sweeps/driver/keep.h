@@ -29,6 +29,9 @@ void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double i
                       size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
+/* Whether there are variables yet to be entered before the run is at the place of its snapshot. */
+bool sweep_keep_resumes(const sweep_keep *k);
+
 /* Enter a variable, or a simulation, which may be NULL. True if its value is the caller's, false if it is now
  * that of the snapshot. Leave the last n. */
 bool sweep_keep_enter(sweep_keep *k, void *data, size_t size);

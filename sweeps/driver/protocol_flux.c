@@ -44,10 +44,7 @@ static const rp_param schema[] = {
     SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
-/* clang-format on */
 
-/* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(level_step, "", "step at which the angle levels off (MSER)") \
     X(level_insertion, "", "insertions before that") \
@@ -112,7 +109,7 @@ static dem_grain grain_at(const flux *f, double x, double y, double r)
 }
 
 /* Grains from left to right, each on the floor and touching the last, while they end before W. */
-static rp_status first_layer(flux *f, dem_grain *layer)
+static rp_status make_layer(flux *f, dem_grain *layer)
 {
     dem_definition *def = &f->box.scene.def;
     double r = draw_radius(f), x = r;
@@ -126,7 +123,7 @@ static rp_status first_layer(flux *f, dem_grain *layer)
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
     def->grains = NULL;
-    return status ? status : sweep_box_settle(&f->box, "first layer");
+    return status;
 }
 
 static rp_status insert(flux *f, uint32_t *id)
@@ -145,18 +142,21 @@ static rp_status insert(flux *f, uint32_t *id)
 /* Advance until the pile is quiet, or the steps are used up. */
 static rp_status wait_until_quiet(flux *f, uint32_t id, bool *quiet)
 {
-    bool touched = false;
-    long below = 0;
-    while (below < QUIET_STEPS || !touched) {
-        *quiet = false;
-        if (dem_step(f->box.sim) >= f->p.steps_max) return RP_OK;
-        rp_status status = sweep_box_advance(&f->box, 1);
-        if (status) return status;
-        touched = touched || dem_contact_count(f->box.sim, id) > 0;
-        below = dem_largest_speed(f->box.sim, 0.0, f->p.box.W) < f->p.v_cut ? below + 1 : 0;
+    struct {
+        bool touched;
+        long below;
+    } now = {false, 0};
+    rp_status status = RP_OK;
+    SWEEP_ENTER(f->box.keep, now);
+    *quiet = false;
+    while (!(*quiet = now.below >= QUIET_STEPS && now.touched) && dem_step(f->box.sim) < f->p.steps_max) {
+        status = sweep_box_advance(&f->box, 1);
+        if (status) break;
+        now.touched = now.touched || dem_contact_count(f->box.sim, id) > 0;
+        now.below = dem_largest_speed(f->box.sim, 0.0, f->p.box.W) < f->p.v_cut ? now.below + 1 : 0;
     }
-    *quiet = true;
-    return RP_OK;
+    sweep_keep_leave(f->box.keep, 1);
+    return status;
 }
 
 static rp_status note_row(flux *f)
@@ -180,18 +180,32 @@ static rp_status note_row(flux *f)
     return RP_OK;
 }
 
+static rp_status first_layer(flux *f, dem_grain *layer)
+{
+    rp_status status = f->box.sim ? RP_OK : make_layer(f, layer);
+    if (!status) status = sweep_box_settle(&f->box, "first layer");
+    return status ? status : note_row(f);
+}
+
 static rp_status run_series(flux *f, dem_grain *layer)
 {
+    struct {
+        uint32_t id; /* of the grain that was put in last */
+        bool waits;  /* for the pile to be quiet */
+    } now = {0, false};
     bool quiet = true;
-    rp_status status = first_layer(f, layer);
-    if (!status) status = note_row(f);
+    rp_status status = RP_OK;
+    SWEEP_ENTER(f->box.keep, now);
+    if (f->n == 0) status = first_layer(f, layer);
     while (!status && f->n < (size_t)f->p.insertions) {
-        uint32_t id;
-        status = insert(f, &id);
-        if (!status) status = wait_until_quiet(f, id, &quiet);
+        if (!now.waits) status = insert(f, &now.id);
+        now.waits = true;
+        if (!status) status = wait_until_quiet(f, now.id, &quiet);
         if (status || !quiet) break;
         status = note_row(f);
+        now.waits = false;
     }
+    sweep_keep_leave(f->box.keep, 1);
     return status;
 }
 
@@ -285,15 +299,23 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = malloc(4 * rows * sizeof *f->theta);
-    f->step = malloc(2 * rows * sizeof *f->step);
+    f->theta = calloc(4 * rows, sizeof *f->theta);
+    f->step = calloc(2 * rows, sizeof *f->step);
     dem_grain *layer = malloc(most_layer * sizeof *layer);
     if (!status && (!f->radii || !f->positions || !f->theta || !f->step || !layer))
         status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
     f->tower = f->theta + rows;
     f->work = f->tower + rows;
     f->grains = f->step + rows;
-    if (!status) status = run_series(f, layer);
+    if (!status) {
+        sweep_keep_enter(f->box.keep, gsl_rng_state(f->radii), gsl_rng_size(f->radii));
+        sweep_keep_enter(f->box.keep, gsl_rng_state(f->positions), gsl_rng_size(f->positions));
+        SWEEP_ENTER(f->box.keep, f->n);
+        sweep_keep_enter(f->box.keep, f->theta, 2 * rows * sizeof *f->theta); /* with the towers */
+        sweep_keep_enter(f->box.keep, f->step, 2 * rows * sizeof *f->step);   /* with the grains */
+        status = run_series(f, layer);
+        sweep_keep_leave(f->box.keep, 5);
+    }
     free(layer);
     return status;
 }

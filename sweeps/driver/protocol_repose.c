@@ -61,7 +61,6 @@ static const rp_param schema[] = {
 enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
 
 /* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(theta_r1_deg, "degree", "slope by method 1, first to last cell") \
     X(theta_r2_deg, "degree", "slope by method 2, straight line") \
@@ -289,13 +288,11 @@ static void turn(experiment *e, double deg_per_step)
 static rp_status tilt_at_rate(experiment *e)
 {
     double *v = e->values;
-    sweep_positions at;
-    rp_status status = sweep_positions_begin(&e->box, &at);
-    if (!status && at.n == 0) status = sweep_positions_note(&e->box, &at);
+    /* the tilt that resumes has its positions */
+    rp_status status = sweep_keep_resumes(e->box.keep) ? RP_OK : sweep_box_note(&e->box);
     if (!status)
-        status = sweep_box_tilt(&e->box, &at, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
+        status = sweep_box_tilt(&e->box, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
                                 &v[OUT_theta_t_displacement_deg], &v[OUT_theta_t_energy_deg]);
-    sweep_positions_end(&e->box, &at);
     v[OUT_theta_rt_deg] = v[OUT_theta_r3_deg] + v[OUT_theta_t_displacement_deg];
     if (!status && (isnan(v[OUT_theta_t_displacement_deg]) || isnan(v[OUT_theta_t_energy_deg])))
         snprintf(e->box.result->message, sizeof e->box.result->message,
@@ -315,10 +312,7 @@ static rp_status tilt_quasi_static(experiment *e)
         double turned;
         int part;
     } now = {0.0, TO_TURN};
-    sweep_positions at;
-    rp_status status = sweep_positions_begin(&e->box, &at);
-    if (!status && at.n == 0) status = sweep_positions_note(&e->box, &at);
-    SWEEP_ENTER(e->box.keep, now);
+    rp_status status = SWEEP_ENTER(e->box.keep, now) ? sweep_box_note(&e->box) : RP_OK;
     for (; !status && now.turned < most_deg; now.turned += step_deg) {
         if (now.part == TO_TURN) turn(e, step_deg / (double)steps);
         if (now.part != WAITS) {
@@ -331,13 +325,12 @@ static rp_status tilt_quasi_static(experiment *e)
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
-        if (!status) status = sweep_positions_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
+        if (!status) status = sweep_box_moved(&e->box, 0.5 * e->box.d, 2, &moved);
         if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = now.turned;
         if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
         now.part = TO_TURN;
     }
     sweep_keep_leave(e->box.keep, 1);
-    sweep_positions_end(&e->box, &at);
     return status;
 }
 
