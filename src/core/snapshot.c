@@ -53,6 +53,13 @@ void rp_keep_check(rp_snapshot *s, bool good, const char *what)
         s->status = rp_fail(RP_BAD_INPUT, "%s: its state has %s", s->path, what);
 }
 
+bool rp_keep_bool(const bool *value)
+{
+    unsigned char byte;
+    memcpy(&byte, value, 1);
+    return byte <= 1;
+}
+
 void rp_snapshot_free(rp_snapshot *s)
 {
     free(s->bytes);

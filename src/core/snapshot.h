@@ -26,6 +26,9 @@ typedef struct {
 void rp_keep(rp_snapshot *s, void *data, size_t size);
 #define RP_KEEP(s, variable) rp_keep(s, &(variable), sizeof(variable))
 
+/* Whether the byte that was read is one of a bool. */
+bool rp_keep_bool(const bool *value);
+
 /* After a reading: refuse the state with a reason; the first reason stays. */
 void rp_keep_check(rp_snapshot *s, bool good, const char *what);
 

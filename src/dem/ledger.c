@@ -435,11 +435,13 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     return RP_OK;
 }
 
-/* Every contact is one of grains and walls that there are. */
+/* Grains are there or not, and every contact is one of grains and walls that there are. */
 static bool contacts_exist(const dem_sim *sim)
 {
     const struct dem_ledger_state *b = sim->ledger;
     bool exist = true;
+    for (size_t id = 0; id <= sim->grains.last_id; id++)
+        exist &= rp_keep_bool(&b->grain[id].present) && rp_keep_bool(&b->grain[id].seen);
     for (size_t k = 0; k < b->n_old; k++) {
         const ledger_contact *c = &b->old_contact[k];
         exist &= c->a <= sim->grains.last_id && c->b <= sim->grains.last_id;

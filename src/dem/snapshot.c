@@ -45,6 +45,9 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
                                  {def->ground.set, DEM_WELL_AGAIN + 1}};
     bool known = def->n_walls <= DEM_MAX_WALLS;
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];
+    const bool *const bools[] = {&def->tension, &def->rotation,          &def->hard.on,
+                                 &def->ledger,  &sim->list.even_margins, &sim->too_deep};
+    for (size_t k = 0; k < sizeof bools / sizeof *bools; k++) known &= rp_keep_bool(bools[k]);
     rp_keep_check(s, known, "unknown words in its definition");
     if (s->status) return;
     s->status = dem_laws_check(def);
