@@ -13,7 +13,6 @@
 #include "core/table.h"
 #include "sweeps/driver/box.h"
 #include "stats/stats.h"
-#include "angle/angle.h"
 
 static const long QUIET_STEPS = 200;
 
