@@ -97,7 +97,8 @@ const char *cli_command_line(void);
 void *cli_memory(size_t n, size_t size);
 gsl_rng *cli_random(long seed, unsigned long run);
 
-rp_status cli_table_read(const char *path, rp_table **table); /* errors: those of rp_table_read */
+rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
+rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
 size_t cli_mark(void);
 void cli_release(size_t mark);
 

@@ -198,14 +198,13 @@ static rp_status read_claims(study *s, const char *path)
 {
     cli_claims all;
     rp_status status = cli_claims_read(path, &all);
-    const char *at = status ? NULL : rp_table_find_note(&all.table, "at");
+    const char *at = status ? NULL : rp_table_find_note(all.table, "at");
     if (!status)
         status = at ? cli_split(at, &s->usual) : rp_fail(RP_BAD_INPUT, "%s: no header line \"at\"", path);
     for (size_t i = 0; i < all.n && !status; i++)
         if (*all.claims[i].forensics && (status = read_claim(s, &all.claims[i])) != RP_OK)
             rp_prefix(status, "%s: claim %s: ", path, all.claims[i].id);
     if (!status && s->n_claims == 0) status = rp_fail(RP_NO_RESULT, "%s: no claims", path);
-    cli_claims_free(&all);
     return status;
 }
 
