@@ -83,6 +83,7 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
 const char *cli_cell_text(const cli_cell *cell, const char *column)
 {
     const int c = rp_table_column(cell->table, column);
+    if (*column == '#') return rp_table_find_note(cell->table, column + 1);
     return c < 0 ? NULL : cli_text(cell->table, cell->row, c);
 }
 
@@ -97,7 +98,7 @@ rp_status cli_cell_column(const cli_cell *cell, const char *column, double *valu
 static rp_status note_number(const cli_cell *cell, stats_number *number)
 {
     char *end;
-    const char *text = rp_table_find_note(cell->table, cell->column + 1);
+    const char *text = cli_cell_text(cell, cell->column);
     *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
     return text && end != text ? RP_OK
                                : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path,

@@ -42,7 +42,7 @@ typedef struct {
 /* Errors: RP_BAD_INPUT (no such column, rows other than one), those of rp_table_read. */
 rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell);
 
-/* The text in another column of the cell's row, NULL if there is no such column. */
+/* The text in another column of the cell's row, or for #KEY in a header line; NULL if there is none. */
 const char *cli_cell_text(const cli_cell *cell, const char *column);
 
 /* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a

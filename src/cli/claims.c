@@ -63,15 +63,14 @@ static rp_status check(const cli_claims *all, const cli_claim *c)
         if (strcmp(all->claims[i].id, c->id) == 0)
             return rp_fail(RP_BAD_INPUT, "claim %s stands twice", c->id);
     if (number && isnan(c->published.value))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id,
-                       test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id, c->test_word);
     if (other && !*c->against)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, c->test_word);
     if ((c->test == CLAIM_INDEPENDENT || c->test == CLAIM_ORDER || c->test == CLAIM_EQUALS) &&
         !isfinite(c->margin))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, c->test_word);
     if (c->test == CLAIM_UNTESTABLE ? !*c->note : !*c->answer)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, test_words[c->test],
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, c->test_word,
                        c->test == CLAIM_UNTESTABLE ? "a reason in `note`" : "an answer");
     return RP_OK;
 }
@@ -119,11 +118,6 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
             return RP_OK;
         }
     return rp_fail(RP_BAD_INPUT, "no claim \"%s\"", id);
-}
-
-const char *cli_claim_test_word(cli_claim_test test)
-{
-    return test_words[test];
 }
 
 void cli_claim_published(const cli_claim *claim, char text[128])

@@ -28,9 +28,6 @@
 typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 #undef X
 
-/* "agrees", "same", ... */
-const char *cli_claim_test_word(cli_claim_test test);
-
 /* Columns of text in figures/claims.tsv, with their members. */
 #define CLI_CLAIM_TEXTS(X)                                                                                   \
     X(id, id)                                                                                                \

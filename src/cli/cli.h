@@ -149,6 +149,7 @@ rp_status cli_group_rows(const rp_table *table, const char *by, char separator, 
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {
     bool any_status, any_number;
+    const bool *among;        /* rows of the table; NULL: all */
     const double *range;      /* least and largest number in the first column; NULL: any */
     const cli_groups *groups; /* ordered by these, */
     bool grouped;             /* or by the numbers of the first column, each a group; else as in the table */

@@ -40,6 +40,10 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
         if (!status) cli_print_number(r->out, number);
         return status;
     }
+    if (text && *cell->column == '#') {
+        fputs(text, r->out);
+        return RP_OK;
+    }
     return text ? cli_print_text(r->out, text, format)
                 : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, cell->column);
 }
@@ -57,20 +61,10 @@ static rp_status fill_cell(report *r, const char *reference, const char *format)
 
 static rp_status fill_note(report *r, const cli_words *w)
 {
-    char path[4096];
-    rp_table *table;
+    char reference[2 * CLI_MAX_REFERENCE];
     if (w->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
-    if (!cli_find_table(r->options->tables, w->words[1], path)) {
-        fputs(no_data, r->out);
-        return RP_OK;
-    }
-    rp_status status = cli_table_read(path, &table);
-    const char *text = status ? NULL : rp_table_find_note(table, w->words[2]);
-    if (text)
-        fputs(text, r->out);
-    else if (!status)
-        status = rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\"", path, w->words[2]);
-    return status;
+    snprintf(reference, sizeof reference, "%s #%s", w->words[1], w->words[2]);
+    return fill_cell(r, reference, NULL);
 }
 
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
