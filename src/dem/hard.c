@@ -100,6 +100,7 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
     predict(sim, i);
+    sim->grains.collided[i] = sim->collided = true;
 }
 
 /* Collide two bodies, unless one step of the acceleration that presses them together is above their closing
@@ -171,13 +172,14 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
 }
 
 /* Slots of soft contacts with walls at rest are skipped. */
-static void collide_walls(dem_sim *sim)
+static void collide_walls(dem_sim *sim, bool collided_only)
 {
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         const bool rests = dem_wall_rests(sim, w);
         for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
             const dem_wall_slot *slot = &sim->walls.slot[k];
             const size_t i = slot->grain;
+            if (collided_only && !sim->grains.collided[i]) continue;
             const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
             const bool touches =
                 sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
@@ -202,12 +204,20 @@ static bool may_touch(const dem_sim *sim, size_t k)
             (gap - slop) * dem_dot(displacement, displacement) <= along * along);
 }
 
-/* The first pair from k to `end` that may touch, or `end`. With `apart`, pairs in touch at the step's start
- * may be left out. */
-static size_t next_approaching(const dem_sim *sim, size_t k, size_t end, bool apart)
+/* The first pair from k to `end` that may touch and is apart at the step's start, or `end`. */
+static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end, apart);
+    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end);
     while (k < end && !may_touch(sim, k)) k++;
+    return k;
+}
+
+/* The first that may touch and is of a grain that has collided in this step. */
+static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
+{
+    const bool *collided = sim->grains.collided;
+    const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
+    while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
     return k;
 }
 
@@ -219,16 +229,26 @@ static void collide_listed(dem_sim *sim, size_t k)
     if (dem_dot(d, d) >= radii * radii) collide_pair(sim, i, j, radii);
 }
 
-/* Before the step's first collision only pairs that are apart may touch. */
-static void collide_all(dem_sim *sim, long none)
+/* Before the first collision only pairs that are apart may touch; later also pairs of grains that have
+ * collided. */
+static void collide_all(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = 0;; k++) {
-        k = next_approaching(sim, k, n, sim->count.collisions == none);
+    for (size_t k = 0, apart = next_approaching(sim, 0, n);; k++) {
+        if (apart < k) apart = next_approaching(sim, k, n);
+        k = sim->collided ? next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
-    collide_walls(sim);
+    collide_walls(sim, false);
+}
+
+/* Only pairs and slots of grains that have collided can change. */
+static void collide_again(dem_sim *sim)
+{
+    const size_t n = sim->pairs.n;
+    for (size_t k = next_collided(sim, 0, n); k < n; k = next_collided(sim, k + 1, n)) collide_listed(sim, k);
+    collide_walls(sim, true);
 }
 
 /* Predict all grains; gives one that moves beyond its margin, n for none. */
@@ -256,13 +276,14 @@ rp_status dem_hard_apply(dem_sim *sim)
                             "moves beyond its margin of the neighbour list, %g, in one step",
                             sqrt(sim->grains.margin2[beyond]));
     }
-    const long none = sim->count.collisions;
-    long before = none - 1;
-    for (int round = 0; round < ROUNDS && sim->count.collisions > before; round++) {
+    long before = sim->count.collisions;
+    if (sim->collided) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
+    sim->collided = false;
+    collide_all(sim);
+    for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
         before = sim->count.collisions;
-        collide_all(sim, none);
+        collide_again(sim);
     }
-    sim->collided = sim->count.collisions > none;
     return RP_OK;
 }
 
@@ -272,7 +293,8 @@ unsigned dem_hard_move(dem_sim *sim)
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t i = 0; i < sim->grains.n && sim->collided; i++) left |= beyond_margin(sim, i) * DEM_LIST_OUT;
+    for (size_t i = 0; i < sim->grains.n && sim->collided; i++)
+        left |= (sim->grains.collided[i] && beyond_margin(sim, i)) * DEM_LIST_OUT;
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;

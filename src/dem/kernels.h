@@ -32,7 +32,7 @@ typedef void dem_append_kernel(struct dem_sim *sim, size_t i, size_t from, size_
 /* Hard collisions, see hard.c: predict as many grains as it can, from the first on, returns how many;
  * the next pair that approaches. */
 typedef size_t dem_predict_kernel(struct dem_sim *sim, size_t *beyond);
-typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t end, bool apart);
+typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t end);
 
 /* Name, type. */
 #define DEM_KERNEL_LIST(X)                                                                                   \

@@ -403,12 +403,12 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end, bool apart)
+size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
 {
     const uint64_t all = (1u << WIDTH) - 1;
     uint64_t left = ~0ull << k % 64;
     for (k -= k % 64; k < end; k += 64, left = ~0ull) {
-        if (apart) left &= ~sim->pairs.touching[k / 64];
+        left &= ~sim->pairs.touching[k / 64];
         if (end - k < 64) left &= ~(~0ull << (end - k));
         while (left) {
             const size_t shift = (size_t)__builtin_ctzll(left) / WIDTH * WIDTH, at = k + shift;
