@@ -28,6 +28,7 @@
     X(suite_snapshot)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \

@@ -122,7 +122,7 @@ static void strip(dem_sim *state)
     state->kernels = (dem_kernels){""};
     state->times = NULL;
     state->ahead = false;
-    state->hits.n = 0;
+    state->collided = false;
 }
 
 void dem_keep(rp_snapshot *s, dem_sim **sim)
