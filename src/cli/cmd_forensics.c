@@ -133,7 +133,7 @@ static rp_status read_factors(study *s, const char *list)
     raw.cells = malloc((cells + 1) * sizeof *raw.cells);
     s->first = calloc(n + 1, sizeof *s->first);
     rp_status status = raw.cells && s->first ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    if (!status) memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
+    if (!status && cells > 0) memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
     for (char *save, *word = strtok_r(s->factors, ",", &save); word && !status;
          word = strtok_r(NULL, ",", &save)) {
         status = read_factor(s, &raw, word);
