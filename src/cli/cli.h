@@ -86,8 +86,10 @@ rp_status cli_run(const cli_command *command, int argc, char **argv);
 const char *cli_argument(int i);
 bool cli_given(const char *name);
 
-/* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
+/* sweep_run with the given number of workers, below 1: one per processor, and seconds between snapshots; its
+ * progress on a terminal. */
+rp_status cli_sweep_run(const char *dir, long workers, double snapshot, sweep_counts *counts);
+enum { CLI_SNAPSHOT = 60 };
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);

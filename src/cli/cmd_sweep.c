@@ -53,13 +53,18 @@ static const cli_command plan = {
     plan_params,
     .act = act_plan};
 
-CLI_OPTIONS(run, CLI_WORKERS)
+#define RUN_OPTIONS(X)                                                                                       \
+    CLI_WORKERS(X)                                                                                           \
+    X(REAL, snapshot, "s", "60", "[0, inf)",                                                                 \
+      "processor time from one snapshot of a run to the next, in DIR/snapshots; 0: none")
+
+CLI_OPTIONS(run, RUN_OPTIONS)
 
 static rp_status act_run(void *values)
 {
     const run_options *o = values;
     sweep_counts counts;
-    rp_status status = cli_sweep_run(cli_argument(0), o->j, &counts);
+    rp_status status = cli_sweep_run(cli_argument(0), o->j, o->snapshot, &counts);
     if (!status) print_counts(&counts);
     return status;
 }
@@ -67,10 +72,11 @@ static rp_status act_run(void *values)
 static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
-    "DIR [-j N]",
+    "DIR [-j N] [--snapshot SECONDS]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
-    "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-    "if every run is stored, whatever its status; 75 if stopped.",
+    "stop, even by SIGKILL, the same command resumes, and long runs go on from their last snapshots (all\n"
+    "protocols but pile), with the same bits. Exit status 0 if every run is stored, whatever its status; 75 "
+    "if stopped.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
     .act = act_run};
@@ -202,7 +208,7 @@ static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, &counts);
-    if (!status) status = cli_sweep_run(o->o, o->j, &counts);
+    if (!status) status = cli_sweep_run(o->o, o->j, CLI_SNAPSHOT, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);
     if (!status) status = export_to(o, recipe->name, "", true);
     return status;

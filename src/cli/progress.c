@@ -31,12 +31,13 @@ static void draw(const sweep_progress *p, void *context)
     fflush(stderr);
 }
 
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts)
+rp_status cli_sweep_run(const char *dir, long workers, double snapshot, sweep_counts *counts)
 {
     bool drawn = false;
     sweep_options options = {.workers = (int)(workers < 1 ? sysconf(_SC_NPROCESSORS_ONLN) : workers),
                              .watch = isatty(STDERR_FILENO) ? draw : NULL,
-                             .context = &drawn};
+                             .context = &drawn,
+                             .snapshot = snapshot};
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
     if (drawn) fputc('\n', stderr);
     return status;

@@ -2,6 +2,8 @@
  * and the worker sends back one record. The parent is the only one that writes. Determinism: a run depends
  * on its parameters, the seed and its pile only, never on the worker or the order. */
 #include "core/clock.h"
+#include "core/table.h"
+#include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 
 #include <errno.h>
@@ -36,15 +38,39 @@ typedef struct {
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
+/* The file that run `run` goes on from after its worker has died; it stays until the row is stored. */
+static const char *snapshot_of(const pool *p, size_t run, char path[4096])
+{
+    snprintf(path, 4096, "%s/%s", p->options->snapshots, p->plan->keys[run]);
+    return path;
+}
+
+/* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
+static rp_status make(const pool *p, size_t run, sweep_result *result)
+{
+    const sweep_plan *plan = p->plan;
+    char path[4096], why[sizeof result->message] = "";
+    sweep_keep keep;
+    const sweep_tables kept = {.keep = &keep};
+    const bool keeps = p->options->snapshots != NULL;
+    if (keeps)
+        sweep_keep_begin(&keep, snapshot_of(p, run, path), plan->keys[run], p->options->snapshot, why,
+                         sizeof why);
+    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
+                                           sweep_plan_pile(plan, run), keeps ? &kept : NULL, result);
+    if (keeps) sweep_keep_end(&keep, false);
+    if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
+    return status;
+}
+
 /* The life of a worker. It ends when the parent does. */
-static void work(const sweep_plan *plan, int socket)
+static void work(const pool *p, int socket)
 {
     for (size_t run; recv(socket, &run, sizeof run, 0) == sizeof run;) {
         sweep_row row = {.run = run};
         sweep_result_clear(&row.result);
         double start = rp_clock();
-        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
-                                         sweep_plan_pile(plan, run), NULL, &row.result);
+        row.status = make(p, run, &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
@@ -66,7 +92,7 @@ static rp_status start_worker(const pool *p, worker *w)
         /* the lock, the store and the others' sockets are none of its business */
         if (pair[1] > 3) close_range(3, (unsigned)pair[1] - 1, 0);
         close_range((unsigned)pair[1] + 1, ~0u, 0);
-        work(p->plan, pair[1]);
+        work(p, pair[1]);
     }
     int why = errno;
     close(pair[1]);
@@ -125,6 +151,9 @@ static rp_status collect(pool *p, worker *w)
                        sweep_plan_describe(p->plan, point, where, sizeof where), row.result.message);
     rp_status stored = sweep_store_insert(p->store, p->plan, &row);
     if (stored) return stored;
+    char path[4096];
+    if (p->options->snapshots && strcmp(row.result.status, "crashed") != 0)
+        sweep_keep_remove(snapshot_of(p, row.run, path));
     p->finished++;
     p->progress.stored++;
     if (!sweep_is_result(row.result.status)) p->progress.failed++;

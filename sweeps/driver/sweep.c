@@ -95,8 +95,14 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     rp_status status = sweep_folder_open(dir, protocols, true, &f);
     if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
+    char snapshots[4096];
+    sweep_options own = *options;
+    snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
+    own.snapshots = options->snapshot > 0.0 ? snapshots : NULL;
+    if (!status && n > 0 && own.snapshots) status = rp_make_directory(snapshots);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, &own, counts);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status && own.snapshots) rmdir(snapshots); /* unless some are left, of runs that crashed */
     free(todo);
     sweep_folder_close(&f);
     return status;

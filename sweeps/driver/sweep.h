@@ -51,6 +51,8 @@ typedef struct {
     int workers;                                                  /* processes, at least 1 */
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
+    double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
+    const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
 /* A table that `repose COMMAND` prints. */
