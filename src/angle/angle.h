@@ -43,8 +43,8 @@ typedef struct {
     double limit;    /* tilt at which the form ends (a ray runs along the flank; lattice: pi/2) */
 } ang_tilt_result;
 
-const char *ang_form_word(ang_form form);
-const char *ang_tilt_word(ang_tilt_status status);
+extern const char *const ang_form_words[];
+extern const char *const ang_tilt_words[];
 
 /* Equation (3) for any inclination of the rays: tan theta_ms = mu tan^2 phi. mu in [0, inf], where infinity
  * gives pi/2; phi in (0, pi/2). *extrapolated (may be NULL) is true if theta_ms >= phi: then a pile whose
@@ -196,7 +196,7 @@ typedef struct {
     bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
 } ang_phi;
 
-const char *ang_against_word(ang_against against);
+extern const char *const ang_against_words[];
 
 /* The phi that serves all groups best, against each equation, and the differences: where minus twice the
  * logarithm of the likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean

@@ -42,12 +42,8 @@ typedef struct {
     double most; /* chi2 where the interval of phi ends */
 } problem;
 
-const char *ang_against_word(ang_against against)
-{
-    static const char *const words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
-                                        "lattice_less_marginal"};
-    return words[against];
-}
+const char *const ang_against_words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
+                                         "lattice_less_marginal"};
 
 /* What the equation gives at theta_r = r: theta_r + theta_t of (3), theta_t of (4). */
 static double predicted(ang_against against, double mu, double r, double phi)

@@ -13,11 +13,7 @@
 /* How much better, in AIC, a form must be that does not rise or fall throughout. */
 static const double monotone_credit = 6.0;
 
-const char *stats_shape_word(stats_shape shape)
-{
-    static const char *const words[] = {"powers", "exponential", "tanh"};
-    return words[shape];
-}
+const char *const stats_shape_words[] = {"powers", "exponential", "tanh"};
 
 /* ---- points ---- */
 

@@ -266,7 +266,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
-    conclude(statics_fault_text(s->r.fault), status, results);
+    conclude(statics_fault_texts[s->r.fault], status, results);
     double *v = results->values;
     v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
     v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
@@ -319,7 +319,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         rp_status status = is_stable(p, h, eps, &stable, &r);
         if (status == RP_NO_RESULT) {
             status = rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
-            conclude(statics_fault_text(r.fault), status, results);
+            conclude(statics_fault_texts[r.fault], status, results);
         }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
