@@ -1034,38 +1034,33 @@ void statics_wells(const statics_pile *pile, statics_well *wells)
     }
 }
 
-static void mark_extremes(const statics_pile *pile, statics_contact *contacts, size_t n, double *most,
-                          double *least)
+/* Uses two of the pile's vectors as work space. */
+static void mark_extremes(const statics_pile *pile, statics_contact *contacts, size_t n)
 {
     const double TIE = 1e-9;
+    double *most = pile->p, *least = pile->trial;
     for (size_t i = 0; i < pile->n; i++) {
         most[i] = 0;
         least[i] = INFINITY;
     }
-    for (size_t k = 0; k < n; k++)
-        for (int e = 0; e < 2; e++) {
-            const size_t i = e ? contacts[k].b : contacts[k].a;
-            most[i] = fmax(most[i], contacts[k].force);
-            least[i] = fmin(least[i], contacts[k].force);
-        }
-    for (size_t k = 0; k < n; k++)
-        for (int e = 0; e < 2; e++) {
-            const size_t i = e ? contacts[k].b : contacts[k].a;
-            contacts[k].strongest |= contacts[k].force >= most[i] * (1 - TIE);
-            contacts[k].weakest |= contacts[k].force <= least[i] * (1 + TIE);
-        }
+    for (size_t e = 0; e < 2 * n; e++) {
+        const size_t i = e % 2 ? contacts[e / 2].b : contacts[e / 2].a;
+        most[i] = fmax(most[i], contacts[e / 2].force);
+        least[i] = fmin(least[i], contacts[e / 2].force);
+    }
+    for (size_t e = 0; e < 2 * n; e++) {
+        statics_contact *c = &contacts[e / 2];
+        const size_t i = e % 2 ? c->b : c->a;
+        c->strongest |= c->force >= most[i] * (1 - TIE);
+        c->weakest |= c->force <= least[i] * (1 + TIE);
+    }
 }
 
 rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts, size_t *n)
 {
     const double eps = pile->result.eps, *w = pile->w;
     statics_contact *list = malloc((pile->n_bonds + 1) * sizeof *list);
-    double *extremes = malloc(2 * pile->n * sizeof *extremes);
-    if (!list || !extremes) {
-        free(list);
-        free(extremes);
-        return rp_fail(RP_NO_MEMORY, "contacts of %zu disks: out of memory", pile->n);
-    }
+    if (!list) return rp_fail(RP_NO_MEMORY, "contacts of %zu disks: out of memory", pile->n);
     *n = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double dir[2], r;
@@ -1081,8 +1076,7 @@ rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts,
                                          .force = f,
                                          .horizontal = pile->bonds[k].horizontal};
     }
-    mark_extremes(pile, list, *n, extremes, extremes + pile->n);
-    free(extremes);
+    mark_extremes(pile, list, *n);
     *contacts = list;
     return RP_OK;
 }

@@ -8,7 +8,7 @@
 
 #include "analytic/analytic.h"
 #include "statics/equilibrium.h"
-#include "stress/dip.h"
+#include "stress/stress.h"
 
 typedef struct {
     size_t n, k; /* disks; in the base */

@@ -27,7 +27,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"

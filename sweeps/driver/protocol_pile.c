@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <xxhash.h>
 
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "sweeps/driver/pile.h"
 
 #define AT(field) offsetof(sweep_pile, field)
