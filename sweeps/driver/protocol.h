@@ -84,6 +84,14 @@ typedef struct {
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
+/* Is this the status of a result? */
+bool sweep_is_result(const char *status);
+
+/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
+ */
+rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 /* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
 typedef struct {
     char path[4096];

@@ -44,10 +44,7 @@ static const rp_param schema[] = {
     SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
-/* clang-format on */
 
-/* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(level_step, "", "step at which the angle levels off (MSER)") \
     X(level_insertion, "", "insertions before that") \
@@ -138,10 +135,8 @@ static rp_status insert(flux *f, uint32_t *id)
     double y = sweep_touch_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
     const dem_grain grain = grain_at(f, x, y + f->p.drop_height * d, r);
     status = dem_add(f->box.sim, &grain, id);
-    if (status != RP_BAD_INPUT) return status;
     /* a fall from there is too fast for dt */
-    sweep_box_conclude(&f->box, "too_high", rp_message());
-    return RP_NO_RESULT;
+    return status == RP_BAD_INPUT ? sweep_conclude(f->box.result, "too_high", "%s", rp_message()) : status;
 }
 
 /* Advance until the pile is quiet, or the steps are used up. */
@@ -234,11 +229,12 @@ static rp_status analyse(flux *f)
     size_t from;
     stats_series series;
     rp_status status = stats_level_off(f->n, f->theta, &from);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "not_level", rp_message());
+    if (status == RP_NO_RESULT) return sweep_conclude(f->box.result, "not_level", "%s", rp_message());
     if (status) return status;
-    sweep_box_conclude(&f->box, "ok", "");
+    sweep_conclude(f->box.result, "ok", NULL);
     status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "ok", rp_message()); /* no errors, but a mean */
+    if (status == RP_NO_RESULT) /* no errors, but a mean */
+        sweep_conclude(f->box.result, "ok", "%s", rp_message());
     if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_theta_max_draws_deg]);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {

@@ -1,5 +1,6 @@
 /* The list of protocols, and what they share; see protocol.h. */
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -16,6 +17,21 @@ void sweep_result_clear(sweep_result *result)
 {
     *result = (sweep_result){.status = ""};
     for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
+}
+
+bool sweep_is_result(const char *status)
+{
+    return strncmp(status, "ok", 2) == 0;
+}
+
+rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    snprintf(result->status, sizeof result->status, "%s", status);
+    if (format) vsnprintf(result->message, sizeof result->message, format, args);
+    va_end(args);
+    return sweep_is_result(status) ? RP_OK : RP_NO_RESULT;
 }
 
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
