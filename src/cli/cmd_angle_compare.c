@@ -60,7 +60,7 @@ static void print_comparison(double mu, const ang_comparison *c)
                                     *next = v + N_HEAD;
     ang_tilt_status worst = ANG_TILT_OK;
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const ang_estimate angles[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
+        const stats_number angles[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
                                        c->form[f].gain};
         for (size_t k = 0; k < N_OF(angles); k++)
             *next++ = angles[k].value / deg, *next++ = angles[k].se / deg;
