@@ -27,6 +27,7 @@
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
@@ -37,7 +38,8 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
-    X(suite_property)
+    X(suite_property)                                                                                        \
+    X(suite_fuzz)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_scaling)                                                                                         \
     X(suite_models)                                                                                          \

@@ -13,6 +13,11 @@
 #ifndef RP_FLAGS
 #define RP_FLAGS ""
 #endif
+#ifdef __clang__ /* its __VERSION__ has its name */
+#define COMPILER ""
+#else
+#define COMPILER "gcc "
+#endif
 #define TEXT_(x)  #x
 #define TEXT(x)   TEXT_(x)
 #define LIBCONFIG TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(LIBCONFIG_VER_MINOR)
@@ -20,6 +25,6 @@
 #define XXHASH    TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE)
 
 const char rp_build_commit[] = RP_COMMIT;
-const char rp_build_compiler[] = "gcc " __VERSION__ " " RP_FLAGS;
+const char rp_build_compiler[] = COMPILER __VERSION__ " " RP_FLAGS;
 const char rp_build_libraries[] = "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION
                                   ", CHOLMOD " CHOLMOD ", xxHash " XXHASH ", Random123 philox4x32-10";

@@ -2,8 +2,6 @@
 #ifndef SWEEP_PRIVATE_H
 #define SWEEP_PRIVATE_H
 
-#include <libconfig.h>
-
 #include "sweeps/driver/sweep.h"
 
 /* A sweep file, expanded. Run r has grid point r / replicas and replica r % replicas. */
