@@ -25,8 +25,12 @@
     X(suite_hard)                                                                                            \
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
+    X(suite_snapshot)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_helpers)                                                                                         \
+    X(suite_figures)                                                                                         \
+    X(suite_evidence)                                                                                        \
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
