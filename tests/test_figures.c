@@ -344,9 +344,11 @@ static bool draw(const char *figure)
     }
     char path[256];
     path_of("", path);
-    /* bars of lines are not in a table, and formats of axes would be */
+    /* a table holds neither bars of lines nor radii, and numbers as the axes' formats have them */
     snprintf(command, sizeof command,
-             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' figures/%s.gp >%sgp; "
+             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' "
+             "-e 's/with circles .*, \\\\$/with yerrorbars notitle, \\\\/' "
+             "-e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' figures/%s.gp >%sgp; "
              "gnuplot -e \"T='%s'; tables='%s'; terminal='svg'; file='%snone'\" figures/style.gp "
              "-e \"set table '%sdrawn'\" %sgp 2>%serr",
              figure, path, path, tables, path, path, path, path);
