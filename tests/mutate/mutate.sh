@@ -35,7 +35,7 @@ suites_of() {
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate ;;
     src/stats/*) echo calibrate ;;
     figures/*) echo figures ;;
-    validation/* | tests/grains.c) echo helpers statics rotation property ;;
+    validation/* | tests/grains.c) echo helpers contacts rotation property ;;
     src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/*) echo evidence options tables claims cli ;;
     sweeps/driver/pile_tables.c) echo tables piles cli ;;
@@ -51,7 +51,7 @@ suites_of() {
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden ;;
     sweeps/driver/box.c) echo repose stress flux golden keys ;;
     sweeps/driver/*) echo sweep tables evidence cli ;;
-    *) echo soft property rotation incline statics published motion hard golden scene dem laws ;;
+    *) echo soft property rotation incline contacts published motion hard golden scene dem laws ;;
     esac
 }
 
