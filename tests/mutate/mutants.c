@@ -90,6 +90,7 @@ static void offer(const char *kind, size_t from, size_t len, const char *with)
 {
     char text[sizeof at_line.text + 64];
     snprintf(text, sizeof text, "%.*s%s%s", (int)from, at_line.text, with, at_line.text + from + len);
+    if (strcmp(text, at_line.text) == 0) return;
     if (list.n == list.capacity)
         list.all = checked(realloc(list.all, (list.capacity = 2 * list.capacity + 64) * sizeof *list.all));
     list.all[list.n++] =

@@ -23,7 +23,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_[acflr-t]*.c
     figures/lh/*.gp figures/li/*.gp
-    validation/cases.c validation/oblique.c validation/solved_pile.c tests/grains.c'
+    validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
     case $1 in
@@ -35,7 +35,7 @@ suites_of() {
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate ;;
     src/stats/*) echo calibrate ;;
     figures/*) echo figures ;;
-    validation/* | tests/grains.c) echo helpers contacts rotation property ;;
+    validation/*) echo helpers contacts rotation property ;;
     src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/*) echo evidence options tables claims cli ;;
     sweeps/driver/pile_tables.c) echo tables piles cli ;;
