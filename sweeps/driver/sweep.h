@@ -40,6 +40,12 @@ typedef struct {
     } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
 } sweep_counts;
 
+/* Told how far something long is; `call` may be NULL. */
+typedef struct {
+    void (*call)(const char *what, size_t done, size_t of, void *context);
+    void *context;
+} sweep_watch;
+
 /* What a watcher is shown: after each row, and once a second in between. */
 typedef struct {
     size_t planned, stored, failed;

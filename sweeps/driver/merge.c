@@ -1,0 +1,151 @@
+/* Several stores as one: shards, and stores from elsewhere; the rows of a damaged store. */
+#include "sweeps/driver/private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The attached store belongs to the plan's protocol and model, and has its columns. */
+static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char *path)
+{
+    char owner[64], model[128];
+    long long format;
+    rp_status status = sweep_sql_number(s, "PRAGMA source.user_version", &format);
+    if (!status && format != SWEEP_FORMAT)
+        return rp_fail(RP_BAD_INPUT, "%s: format %lld, not %d", path, format, SWEEP_FORMAT);
+    if (!status) status = sweep_store_note(s, "source", "protocol", owner, sizeof owner);
+    if (!status) status = sweep_store_note(s, "source", "model", model, sizeof model);
+    if (!status && strcmp(owner, plan->protocol->name) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"", path, owner,
+                       plan->protocol->name);
+    if (!status && strcmp(model, plan->model) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)", path,
+                       model, plan->model);
+    return status ? rp_prefix(status, "%s: ", path) : RP_OK;
+}
+
+/* Two results under one key differ: one of the machines is wrong, and nothing says which. */
+static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const char *path)
+{
+    sqlite3_stmt *q = NULL;
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "SELECT s.key, s.parameters, s.pile FROM source.runs s JOIN temp.runs r USING (key) "
+                               "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
+                               " AND (s.status IS NOT r.status");
+    for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, " OR s.\"%w\" IS NOT r.\"%w\"", o->name, o->name);
+    sqlite3_str_appendall(sql, ") LIMIT 1");
+    rp_status status = sweep_sql_prepare(s, "compare the stores", sql, &q);
+    const int rc = status ? SQLITE_DONE : sqlite3_step(q);
+    if (rc == SQLITE_ROW)
+        status = rp_fail(RP_BAD_INPUT,
+                         "%s: another result than in the stores before it, for %s, pile %lld (key %s); "
+                         "nothing is merged",
+                         path, sqlite3_column_text(q, 1), sqlite3_column_int64(q, 2), sqlite3_column_text(q, 0));
+    else if (rc != SQLITE_DONE)
+        status = sweep_sql_fail(s, "compare the stores");
+    sqlite3_finalize(q);
+    return status;
+}
+
+/* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word. */
+static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
+{
+    sqlite3_str *columns = sqlite3_str_new(s->db);
+    sweep_store_columns(columns, plan->protocol);
+    char *names = sqlite3_str_finish(columns);
+    if (!names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    rp_status status =
+        sweep_sql(s, "unite the stores",
+                  "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
+                  " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ");"
+                  "INSERT OR IGNORE INTO temp.runs (%s) SELECT %s FROM %s.runs",
+                  schema, names, names, schema);
+    sqlite3_free(names);
+    return status;
+}
+
+static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char *path, bool verify, bool *same,
+                             sweep_union *found)
+{
+    char hash[33];
+    long long before, rows, after;
+    rp_status status = check_source(s, plan, path);
+    if (!status && verify) status = sweep_store_verify(s, "source", path);
+    if (!status) status = sweep_store_note(s, "source", "plan", hash, sizeof hash);
+    if (!status) status = find_conflict(s, plan, path);
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &before);
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM source.runs", &rows);
+    if (!status && strcmp(hash, plan->hash) != 0) {
+        *same = false; /* numbers of another plan may meet those of this one */
+        status = sweep_sql(s, "unite the stores", "DROP INDEX IF EXISTS temp.by_run");
+    }
+    if (!status) status = take_rows(s, plan, "source");
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after);
+    if (status) return status;
+    found->sources++;
+    found->duplicates += (size_t)(before + rows - after);
+    return RP_OK;
+}
+
+rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[], bool verify,
+                            sweep_union *found)
+{
+    bool same = true;
+    long long foreign = 0;
+    *found = (sweep_union){0};
+    rp_status status = sweep_store_make_runs(s, "temp", plan->protocol);
+    if (!status) status = take_rows(s, plan, "main");
+    for (size_t i = 0; !status && i < n; i++) {
+        status = sweep_sql(s, "open a store", "ATTACH %Q AS source", paths[i]);
+        if (status) return rp_prefix(status, "%s: ", paths[i]);
+        status = take_source(s, plan, paths[i], verify, &same, found);
+        rp_status detached = sweep_sql(s, "close a store", "DETACH source");
+        if (!status) status = detached;
+    }
+    if (!status && !same) status = sweep_store_number(s, plan, NULL);
+    if (!status && !same) status = sweep_store_make_runs(s, "temp", plan->protocol); /* its index again */
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs WHERE run IS NULL", &foreign);
+    found->foreign = (size_t)foreign;
+    return status;
+}
+
+/* Copy the rows of source.runs that are whole, one by one; those of damaged pages fail by themselves. */
+static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, size_t *n)
+{
+    enum { MOST_IN_A_ROW = 200000 }; /* row numbers without a row: the end */
+    sqlite3_stmt *from = NULL, *into = NULL;
+    sqlite3_str *select = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(select, "SELECT ");
+    sweep_store_columns(select, plan->protocol);
+    sqlite3_str_appendall(select, " FROM source.runs WHERE rowid = ?");
+    rp_status status = sweep_sql_prepare(s, "read the rows", select, &from);
+    if (!status) status = sweep_store_prepare_insert(s, plan->protocol, &into);
+    const int n_columns = status ? 0 : sqlite3_column_count(from);
+    *n = 0;
+    for (sqlite3_int64 id = 1, last = 0; !status && id - last < MOST_IN_A_ROW; id++) {
+        sqlite3_bind_int64(from, 1, id);
+        if (sqlite3_step(from) == SQLITE_ROW && sweep_store_row_is_whole(from, plan->protocol)) {
+            for (int c = 0; c < n_columns; c++) sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
+            sqlite3_bind_null(into, 2); /* its number comes from the plan */
+            if (sqlite3_step(into) == SQLITE_DONE) ++*n;
+            sqlite3_reset(into);
+            last = id;
+        }
+        sqlite3_reset(from);
+    }
+    sqlite3_finalize(from);
+    sqlite3_finalize(into);
+    return status;
+}
+
+rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char *damaged, size_t *n)
+{
+    rp_status status = sweep_sql(s, "open the damaged store", "ATTACH %Q AS source", damaged);
+    if (status) return status;
+    status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
+    if (!status) status = copy_whole_rows(s, plan, n);
+    if (!status) status = sweep_store_number(s, plan, NULL);
+    if (!status) status = sweep_sql(s, "write the store", "COMMIT");
+    sweep_sql(s, "close the damaged store", "DETACH source");
+    return status;
+}
