@@ -733,6 +733,7 @@ static void test_columns(void)
         size_t n = 0;
         for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) names[n++] = taken[i];
         for (size_t i = 0; (*p)->schema[i].name && n < 200; i++) names[n++] = (*p)->schema[i].name;
+        for (const rp_param *q = (*p)->schema; q->name; q++) CU_ASSERT_PTR_NOT_NULL(q->fallback);
         size_t outputs = 0;
         for (; (*p)->outputs[outputs].name && n < 256; outputs++) names[n++] = (*p)->outputs[outputs].name;
         CU_ASSERT(outputs > 0 && outputs <= SWEEP_MAX_OUTPUTS);

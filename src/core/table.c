@@ -141,7 +141,7 @@ rp_status rp_make_directory(const char *path)
     return RP_OK;
 }
 
-static rp_status read_all(const char *path, char **text)
+rp_status rp_file_read(const char *path, char **text)
 {
     FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
     if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
@@ -176,7 +176,7 @@ static void split_cells(char *line, const char *blanks, char **cells)
 static rp_status read_table(const char *path, const char *blanks, rp_table *table)
 {
     *table = (rp_table){.path = path};
-    rp_status status = read_all(path, &table->text);
+    rp_status status = rp_file_read(path, &table->text);
     if (status) return status;
     size_t n_lines = 1;
     for (const char *p = table->text; *p; p++) n_lines += *p == '\n';

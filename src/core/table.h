@@ -35,6 +35,10 @@ rp_status rp_table_finish(FILE *out, const char *name);
 rp_status rp_file_open(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 
+/* The whole text of a file ("-": standard input); *text is NULL at first; free it, also after an error.
+ * Errors: RP_BAD_INPUT (cannot read), RP_NO_MEMORY. */
+rp_status rp_file_read(const char *path, char **text);
+
 /* Make a directory and its parents. Errors: RP_IO. */
 rp_status rp_make_directory(const char *path);
 

@@ -84,6 +84,26 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
+/* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
+ * wall, whose slot is NULL of a pair. */
+#define DEM_NOBODY SIZE_MAX
+typedef struct {
+    size_t i, j;
+    dem_wall_slot *slot;
+} dem_ends;
+
+static inline size_t dem_contact_numbers(const dem_sim *sim)
+{
+    return sim->pairs.n + sim->walls.n_slots;
+}
+
+static inline dem_ends dem_contact_ends(const dem_sim *sim, size_t k)
+{
+    if (k < sim->pairs.n) return (dem_ends){sim->pairs.i[k], sim->pairs.j[k], NULL};
+    dem_wall_slot *slot = &sim->walls.slot[k - sim->pairs.n];
+    return (dem_ends){slot->grain, DEM_NOBODY, slot};
+}
+
 /* Put fixed grains back to where they were at the last rebuilding, at rest. */
 static inline void dem_hold_fixed(dem_sim *sim)
 {

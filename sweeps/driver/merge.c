@@ -26,7 +26,6 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
 /* Two results under one key differ: one of the machines is wrong, and nothing says which. */
 static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const char *path)
 {
-    sqlite3_stmt *q = NULL;
     sqlite3_str *sql = sqlite3_str_new(s->db);
     sqlite3_str_appendall(sql, "SELECT s.key, s.parameters, s.pile FROM source.runs s JOIN temp.runs r USING (key) "
                                "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
@@ -34,17 +33,15 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
         sqlite3_str_appendf(sql, " OR s.\"%w\" IS NOT r.\"%w\"", o->name, o->name);
     sqlite3_str_appendall(sql, ") LIMIT 1");
-    rp_status status = sweep_sql_prepare(s, "compare the stores", sql, &q);
-    const int rc = status ? SQLITE_DONE : sqlite3_step(q);
-    if (rc == SQLITE_ROW)
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
+    rp_status status = RP_OK;
+    if (sqlite3_step(q) == SQLITE_ROW)
         status = rp_fail(RP_BAD_INPUT,
                          "%s: another result than in the stores before it, for %s, pile %lld (key %s); "
                          "nothing is merged",
                          path, sqlite3_column_text(q, 1), sqlite3_column_int64(q, 2), sqlite3_column_text(q, 0));
-    else if (rc != SQLITE_DONE)
-        status = sweep_sql_fail(s, "compare the stores");
-    sqlite3_finalize(q);
-    return status;
+    rp_status read = sweep_sql_finish(s, "compare the stores", q);
+    return status ? status : read;
 }
 
 /* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word. */
@@ -113,19 +110,17 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
 static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, size_t *n)
 {
     enum { MOST_IN_A_ROW = 200000 }; /* row numbers without a row: the end */
-    sqlite3_stmt *from = NULL, *into = NULL;
     sqlite3_str *select = sqlite3_str_new(s->db);
     sqlite3_str_appendall(select, "SELECT ");
     sweep_store_columns(select, plan->protocol);
     sqlite3_str_appendall(select, " FROM source.runs WHERE rowid = ?");
-    rp_status status = sweep_sql_prepare(s, "read the rows", select, &from);
-    if (!status) status = sweep_store_prepare_insert(s, plan->protocol, &into);
-    const int n_columns = status ? 0 : sqlite3_column_count(from);
+    sqlite3_stmt *from = sweep_sql_query_text(s, select), *into = sweep_store_query_insert(s, plan->protocol);
+    if (!from || !into) return sweep_sql_fail(s, "read the rows");
     *n = 0;
-    for (sqlite3_int64 id = 1, last = 0; !status && id - last < MOST_IN_A_ROW; id++) {
+    for (sqlite3_int64 id = 1, last = 0; id - last < MOST_IN_A_ROW; id++) {
         sqlite3_bind_int64(from, 1, id);
         if (sqlite3_step(from) == SQLITE_ROW && sweep_store_row_is_whole(from, plan->protocol)) {
-            for (int c = 0; c < n_columns; c++) sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
+            for (int c = 0; c < sqlite3_column_count(from); c++) sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
             sqlite3_bind_null(into, 2); /* its number comes from the plan */
             if (sqlite3_step(into) == SQLITE_DONE) ++*n;
             sqlite3_reset(into);
@@ -135,7 +130,7 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, size_t 
     }
     sqlite3_finalize(from);
     sqlite3_finalize(into);
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char *damaged, size_t *n)

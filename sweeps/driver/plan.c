@@ -1,11 +1,11 @@
 /* From a sweep file to its grid points and runs; see sweep.h for the file and the order. */
 #include "sweeps/driver/private.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/config.h"
+#include "core/table.h"
 #include "core/version.h"
 
 enum { MAX_RUNS = 10000000 };
@@ -43,28 +43,16 @@ static rp_status read_head(const char *file, const config_setting_t *root,
 }
 
 /* A sweep's folder keeps one file that says everything. */
-static rp_status refuse_includes(const char *file)
+static rp_status refuse_includes(const char *file, const char *text)
 {
-    FILE *in = fopen(file, "r");
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", file, strerror(errno));
-    char *line = NULL;
-    size_t room = 0;
-    rp_status status = RP_OK;
-    for (int number = 1; !status && getline(&line, &room, in) >= 0; number++)
+    int number = 1;
+    for (const char *line = text; *line; number++) {
         if (strncmp(line + strspn(line, " \t"), "@include", 8) == 0)
-            status =
-                rp_fail(RP_BAD_INPUT, "%s:%d: @include: a sweep file must be whole in itself", file, number);
-    free(line);
-    fclose(in);
-    return status;
-}
-
-/* The group called `name`, or NULL. */
-static rp_status find_group(const config_setting_t *root, const char *name, const config_setting_t **group)
-{
-    *group = config_setting_get_member(root, name);
-    if (*group && !config_setting_is_group(*group))
-        return rp_config_fail(*group, "%s: a group { key = ...; } expected", name);
+            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: a sweep file must be whole in itself", file,
+                           number);
+        line += strcspn(line, "\n");
+        line += *line == '\n';
+    }
     return RP_OK;
 }
 
@@ -90,6 +78,8 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
 static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixed, void *values)
 {
     rp_params_defaults(plan->protocol->schema, values);
+    if (fixed && !config_setting_is_group(fixed))
+        return rp_config_fail(fixed, "fixed: a group { key = ...; } expected");
     for (int i = 0; i < length(fixed); i++) {
         const rp_param *param;
         const config_setting_t *setting = element(fixed, (size_t)i);
@@ -113,7 +103,8 @@ static rp_status find_lists(const head *h, const config_setting_t *grid, sweep_a
     for (int g = 0; g < (bundles ? length(grid) : 1); g++) {
         const config_setting_t *group = bundles ? element(grid, (size_t)g) : grid;
         if (group && !config_setting_is_group(group))
-            return rp_config_fail(group, "grid: groups { key = [ ... ]; } expected");
+            return rp_config_fail(group, "grid: %s { key = [ ... ]; } expected",
+                                  bundles ? "groups" : "a group");
         for (int i = 0; i < length(group); i++) {
             if (*n == MAX_AXES) return rp_config_fail(group, "grid: more than %d lists", MAX_AXES);
             size_t bundle = bundles ? (size_t)g : h->zip ? 0 : *n;
@@ -163,18 +154,6 @@ static rp_status read_axes(sweep_plan *plan, const config_setting_t *fixed)
         if (plan->n_points > MAX_RUNS / plan->replicas)
             return rp_config_fail(plan->axes[a].list, "%s: the grid has too many runs, allowed: %d",
                                   plan->axes[a].param->name, MAX_RUNS);
-    }
-    return RP_OK;
-}
-
-static rp_status check_required(const char *file, const sweep_plan *plan, const config_setting_t *fixed)
-{
-    for (const rp_param *p = plan->protocol->schema; p->name; p++) {
-        bool given = p->fallback || (fixed && config_setting_get_member(fixed, p->name));
-        for (size_t a = 0; a < plan->n_axes && !given; a++) given = plan->axes[a].param == p;
-        if (!given)
-            return rp_fail(RP_BAD_INPUT, "%s: %s: missing (%s), allowed: %s", file, p->name, p->meaning,
-                           p->range);
     }
     return RP_OK;
 }
@@ -313,15 +292,14 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
 {
     *plan = (sweep_plan){0};
     head h;
-    const config_setting_t *root, *fixed, *grid;
     rp_status status = rp_config_read(file, &plan->config);
-    if (!status) status = refuse_includes(file);
+    if (!status) status = rp_file_read(file, &plan->text);
+    if (!status) status = refuse_includes(file, plan->text);
     if (status) return status;
-    root = config_root_setting(&plan->config);
+    const config_setting_t *root = config_root_setting(&plan->config),
+                           *fixed = config_setting_get_member(root, "fixed"),
+                           *grid = config_setting_get_member(root, "grid");
     status = read_head(file, root, protocols, &h);
-    if (!status) status = find_group(root, "fixed", &fixed);
-    grid = config_setting_get_member(root, "grid");
-    if (!status && grid && !config_setting_is_list(grid)) status = find_group(root, "grid", &grid);
     if (status) return status;
     plan->protocol = protocols[h.protocol];
     plan->replicas = (size_t)h.replicas;
@@ -334,7 +312,6 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     status = find_lists(&h, grid, plan->axes, &plan->n_axes);
     if (!status) status = read_axes(plan, fixed);
     if (!status) status = read_fixed(plan, fixed, plan->at->values);
-    if (!status) status = check_required(file, plan, fixed);
     if (!status) status = find_model(plan);
     if (status) return status;
     sum_fixed(plan, fixed);
@@ -358,6 +335,7 @@ void sweep_plan_free(sweep_plan *plan)
 {
     free(plan->axes);
     free(plan->at);
+    free(plan->text);
     config_destroy(&plan->config);
 }
 

@@ -33,6 +33,7 @@ typedef struct {
     sweep_position *at;
     XXH128_hash_t fixed_hash; /* sum over the parameters that no axis varies */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
+    char *text;      /* of the file */
     config_t config; /* owns the texts among the parameters */
 } sweep_plan;
 
@@ -91,8 +92,8 @@ const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buff
 /* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is at least 8192; returns `buffer`. */
 const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
-/* Open a store. Afterwards sweep_store_close, also after an error. All functions of the store fail with
- * RP_IO, and what is committed stays. */
+/* Open a store: to read it; to write; to write, made if there is none. Afterwards sweep_store_close, also
+ * after an error. All functions of the store fail with RP_IO, and what is committed stays. */
 rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store);
 void sweep_store_close(sweep_store *store);
 
@@ -140,15 +141,17 @@ rp_status sweep_store_count(sweep_store *store, const sweep_plan *plan, sweep_co
 rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
-/* Statements, for store.c and merge.c. prepare takes `text` over; number is the first column of the first
- * row; columns are those of a row in the order in which it is bound and read. */
+/* Statements, for store.c and merge.c. A query that cannot be prepared is NULL: its first step fails, and
+ * finish says why; query_text frees its text; number is the first column of the first row; columns are those
+ * of a row in the order in which it is bound and read. */
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
-rp_status sweep_sql_prepare(sweep_store *store, const char *what, sqlite3_str *text, sqlite3_stmt **statement);
 sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
+sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
+rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);
 rp_status sweep_sql_number(sweep_store *store, const char *sql, long long *number);
 void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol);
-rp_status sweep_store_prepare_insert(sweep_store *store, const sweep_protocol *protocol, sqlite3_stmt **insert);
+sqlite3_stmt *sweep_store_query_insert(sweep_store *store, const sweep_protocol *protocol);
 bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol);
 rp_status sweep_store_make_runs(sweep_store *store, const char *schema, const sweep_protocol *protocol);
 

@@ -51,7 +51,7 @@ typedef struct {
 typedef struct {
     const char *name;
     const char *about;           /* one line */
-    const rp_param *schema;      /* of the structure below */
+    const rp_param *schema;      /* of the structure below; each parameter has a default */
     size_t params_size;          /* bytes of the structure that the schema fills */
     const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
 

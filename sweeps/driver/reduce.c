@@ -92,7 +92,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     double seconds = 0.0;
     size_t rows;
     sweep_counts counts;
-    rp_status status = sweep_store_origin(store, text, sizeof text);
+    rp_status status = sweep_store_note(store, "file", text, sizeof text);
     if (!status) status = sweep_store_count(store, plan, &counts);
     if (!status) status = sweep_store_visit(store, plan, add_seconds, &seconds);
     if (!status) status = find_digest(plan, store, digest, &rows);

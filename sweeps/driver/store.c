@@ -38,28 +38,32 @@ rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
     return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
 }
 
-rp_status sweep_sql_prepare(sweep_store *s, const char *what, sqlite3_str *text, sqlite3_stmt **statement)
-{
-    char *sql = sqlite3_str_finish(text);
-    int rc = sql ? sqlite3_prepare_v2(s->db, sql, -1, statement, NULL) : SQLITE_NOMEM;
-    sqlite3_free(sql);
-    return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
-}
-
 sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
 {
     sqlite3_stmt *statement = NULL;
     sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
-    return statement; /* NULL fails in the first step, and says so */
+    return statement;
+}
+
+sqlite3_stmt *sweep_sql_query_text(sweep_store *s, sqlite3_str *text)
+{
+    char *sql = sqlite3_str_finish(text);
+    sqlite3_stmt *statement = sweep_sql_query(s, sql);
+    sqlite3_free(sql);
+    return statement;
+}
+
+rp_status sweep_sql_finish(sweep_store *s, const char *what, sqlite3_stmt *q)
+{
+    const bool prepared = q != NULL;
+    return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : sweep_sql_fail(s, what);
 }
 
 rp_status sweep_sql_number(sweep_store *s, const char *sql, long long *number)
 {
     sqlite3_stmt *q = sweep_sql_query(s, sql);
-    const int rc = sqlite3_step(q);
-    *number = rc == SQLITE_ROW ? sqlite3_column_int64(q, 0) : 0;
-    sqlite3_finalize(q);
-    return rc == SQLITE_ROW || rc == SQLITE_DONE ? RP_OK : sweep_sql_fail(s, "read the store");
+    *number = sqlite3_step(q) == SQLITE_ROW ? sqlite3_column_int64(q, 0) : 0;
+    return sweep_sql_finish(s, "read the store", q);
 }
 
 bool sweep_is_result(const char *status)
@@ -157,29 +161,14 @@ rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name,
     snprintf(sql, sizeof sql, "SELECT value, sum FROM %s.sweep WHERE name = ?", schema);
     sqlite3_stmt *q = sweep_sql_query(s, sql);
     sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
-    const int rc = sqlite3_step(q);
     bool damaged = false;
-    if (rc == SQLITE_ROW) {
+    if (sqlite3_step(q) == SQLITE_ROW) {
         const char *value = (const char *)sqlite3_column_text(q, 0);
         damaged = !value || note_sum(name, value) != sqlite3_column_int64(q, 1);
         snprintf(buffer, size, "%s", value ? value : "");
     }
-    sqlite3_finalize(q);
-    if (damaged) return rp_fail(RP_IO, "%s: the note \"%s\" is damaged (checksum)", s->path, name);
-    return rc == SQLITE_ROW || rc == SQLITE_DONE ? RP_OK : sweep_sql_fail(s, "read the store");
-}
-
-rp_status sweep_store_origin(sweep_store *store, char *buffer, size_t size)
-{
-    return sweep_store_note(store, "main", "file", buffer, size);
-}
-
-rp_status sweep_store_replicas(sweep_store *store, size_t *replicas)
-{
-    char text[32];
-    rp_status status = sweep_store_note(store, "main", "replicas", text, sizeof text);
-    *replicas = strtoul(text, NULL, 10);
-    return status;
+    rp_status status = sweep_sql_finish(s, "read the store", q);
+    return damaged ? rp_fail(RP_IO, "%s: the note \"%s\" is damaged (checksum)", s->path, name) : status;
 }
 
 /* ---- the plan ---- */
@@ -204,22 +193,18 @@ rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_
 /* What users read: with the parameters as columns. */
 static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
 {
-    sqlite3_stmt *q = NULL;
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "CREATE VIEW results AS SELECT run, status, message, seconds, pile");
+    sqlite3_str_appendall(sql, "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
     for (const rp_param *p = protocol->schema; p->name; p++)
         sqlite3_str_appendf(sql, ", coalesce(parameters ->> %Q, %Q) AS \"%w\"", p->name,
                             p->fallback ? p->fallback : "", p->name);
     for (const sweep_output *o = protocol->outputs; o->name; o++)
         sqlite3_str_appendf(sql, ", \"%w\"", o->name);
     sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
-    rp_status status = sweep_sql(s, "write the store", "DROP VIEW IF EXISTS results");
-    if (!status)
-        status = sweep_sql_prepare(s, "write the store", sql, &q);
-    else
-        sqlite3_free(sqlite3_str_finish(sql));
-    if (!status && sqlite3_step(q) != SQLITE_DONE) status = sweep_sql_fail(s, "write the store");
-    sqlite3_finalize(q);
+    char *text = sqlite3_str_finish(sql);
+    rp_status status = text ? sweep_sql(s, "write the store", "%s", text)
+                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    sqlite3_free(text);
     return status;
 }
 
@@ -241,16 +226,15 @@ rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep
     if (status || rows == 0) return status;
     sqlite3_stmt *q = sweep_sql_query(s, "UPDATE runs SET run = ? WHERE key = ?");
     char key[33];
-    for (size_t r = 0; !status && r < plan->n_runs; r++) {
+    for (size_t r = 0; r < plan->n_runs; r++) {
         sweep_plan_key(plan, r, key);
         sqlite3_bind_int64(q, 1, (sqlite3_int64)r);
         sqlite3_bind_text(q, 2, key, -1, SQLITE_STATIC);
-        if (sqlite3_step(q) != SQLITE_DONE) status = sweep_sql_fail(s, "write the store");
+        if (sqlite3_step(q) != SQLITE_DONE) break;
         sqlite3_reset(q);
         if (watch && watch->call) watch->call("rows looked up", r + 1, plan->n_runs, watch->context);
     }
-    sqlite3_finalize(q);
-    return status;
+    return sweep_sql_finish(s, "write the store", q);
 }
 
 static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
@@ -340,7 +324,7 @@ void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
 
 enum { N_COLUMNS = 11 };
 
-rp_status sweep_store_prepare_insert(sweep_store *s, const sweep_protocol *protocol, sqlite3_stmt **insert)
+sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
     sqlite3_str_appendall(sql, "INSERT OR IGNORE INTO main.runs (");
@@ -348,7 +332,7 @@ rp_status sweep_store_prepare_insert(sweep_store *s, const sweep_protocol *proto
     sqlite3_str_appendall(sql, ") VALUES (?");
     for (size_t n = N_COLUMNS + count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
-    return sweep_sql_prepare(s, "write the store", sql, insert);
+    return sweep_sql_query_text(s, sql);
 }
 
 static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_values)
@@ -370,8 +354,8 @@ static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_v
 
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
-    rp_status status = s->insert ? RP_OK : sweep_store_prepare_insert(s, plan->protocol, &s->insert);
-    if (!status && !s->pending) status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
+    if (!s->insert) s->insert = sweep_store_query_insert(s, plan->protocol);
+    rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
     char key[33], program[256], parameters[8192];
     const sweep_stream stream = sweep_plan_stream(plan, row->run);
@@ -442,11 +426,9 @@ rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, 
                              void *context)
 {
     sqlite3_stmt *q = sweep_sql_query(s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW)
+    while (sqlite3_step(q) == SQLITE_ROW)
         visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : sweep_sql_fail(s, "read the rows");
+    return sweep_sql_finish(s, "read the rows", q);
 }
 
 rp_status sweep_store_drop_crashed(sweep_store *s)
@@ -457,13 +439,11 @@ rp_status sweep_store_drop_crashed(sweep_store *s)
 rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 {
     sqlite3_stmt *q = sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW) {
+    while (sqlite3_step(q) == SQLITE_ROW) {
         const size_t run = (size_t)sqlite3_column_int64(q, 0);
         if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);
     }
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : sweep_sql_fail(s, "read the store");
+    return sweep_sql_finish(s, "read the store", q);
 }
 
 rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
@@ -471,8 +451,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
     *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
     sqlite3_stmt *q =
         sweep_sql_query(s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
-    int rc;
-    while ((rc = sqlite3_step(q)) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
+    while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
         size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
         snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
                  (const char *)sqlite3_column_text(q, 0));
@@ -480,8 +459,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
         counts->stored += runs;
         if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
     }
-    sqlite3_finalize(q);
-    return rc == SQLITE_DONE ? RP_OK : sweep_sql_fail(s, "count the rows");
+    return sweep_sql_finish(s, "count the rows", q);
 }
 
 static double column_number(sqlite3_stmt *q, int column)
@@ -542,20 +520,18 @@ static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *
 rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
-    sqlite3_stmt *q = NULL;
     sqlite3_str *sql = sqlite3_str_new(s->db);
     const size_t n_values = count_outputs(plan->protocol);
     sqlite3_str_appendall(sql, "SELECT ");
     sweep_store_columns(sql, plan->protocol);
     sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
-    rp_status status = sweep_sql_prepare(s, "read the rows", sql, &q);
-    int rc = SQLITE_DONE;
-    while (!status && (rc = sqlite3_step(q)) == SQLITE_ROW) {
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
+    rp_status status = RP_OK;
+    while (!status && sqlite3_step(q) == SQLITE_ROW) {
         sweep_row row = {0};
         status = read_row(s, plan, q, n_values, &row);
         if (!status) status = visit(&row, context);
     }
-    if (!status && rc != SQLITE_DONE) status = sweep_sql_fail(s, "read the rows");
-    sqlite3_finalize(q);
-    return status;
+    rp_status read = sweep_sql_finish(s, "read the rows", q);
+    return status ? status : read;
 }

@@ -28,16 +28,15 @@ static rp_status take_lock(const char *dir, int *lock)
 rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protocols, bool write,
                             sweep_folder *folder)
 {
-    char path[4096];
+    char path[4096], text[32];
     *folder = (sweep_folder){.lock = -1};
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
     rp_status status = write ? take_lock(dir, &folder->lock) : RP_OK;
     if (!status) status = sweep_plan_read(path, protocols, &folder->plan);
-    if (!status) status = sweep_store_open(dir, false, &folder->store);
-    if (!status && !write) status = sweep_store_freeze(folder->store);
-    size_t replicas = 0;
-    if (!status) status = sweep_store_replicas(folder->store, &replicas);
-    if (!status && replicas > 0 && replicas != folder->plan.replicas)
+    if (!status) status = sweep_store_open(dir, write ? SWEEP_STORE_WRITE : SWEEP_STORE_READ, &folder->store);
+    if (!status) status = sweep_store_note(folder->store, "replicas", text, sizeof text);
+    const size_t replicas = status ? 0 : strtoul(text, NULL, 10);
+    if (replicas > 0 && replicas != folder->plan.replicas)
         status = sweep_plan_replicate(&folder->plan, replicas);
     return status ? status : sweep_store_check_plan(folder->store, &folder->plan);
 }
@@ -49,34 +48,24 @@ void sweep_folder_close(sweep_folder *folder)
     if (folder->lock >= 0) close(folder->lock);
 }
 
-static rp_status copy_file(const char *from, const char *to)
-{
-    char bytes[8192];
-    FILE *in = fopen(from, "r"), *out;
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", from, strerror(errno));
-    rp_status status = rp_file_open(to, &out);
-    if (!status) {
-        for (size_t n; (n = fread(bytes, 1, sizeof bytes, in)) > 0;) fwrite(bytes, 1, n, out);
-        if (ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read", from);
-        status = rp_file_close(to, out, status);
-    }
-    fclose(in);
-    return status;
-}
-
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_counts *counts)
 {
     sweep_folder f = {.lock = -1};
     char path[4096];
+    FILE *out = NULL;
     rp_status status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = take_lock(dir, &f.lock);
-    if (!status) status = sweep_store_open(dir, true, &f.store);
+    if (!status) status = sweep_store_open(dir, SWEEP_STORE_CREATE, &f.store);
     if (!status) status = sweep_store_write_plan(f.store, &f.plan, file);
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    if (!status) status = copy_file(file, path);
+    if (!status) status = rp_file_open(path, &out);
+    if (!status) {
+        fputs(f.plan.text, out);
+        status = rp_file_close(path, out, RP_OK);
+    }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     sweep_folder_close(&f);
     return status;
@@ -90,9 +79,8 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (options->workers < 1)
         return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
     rp_status status = sweep_folder_open(dir, protocols, true, &f);
-    if (!status) status = sweep_store_drop_crashed(f.store);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     free(todo);
