@@ -33,6 +33,7 @@ rp_status cli_run(const cli_command *command, int argc, char **argv);
 
 /* Argument number i of the command line that was parsed last, NULL beyond their end. */
 const char *cli_argument(int i);
+char *const *cli_arguments(void);
 
 /* Whether option `name` was on the command line that was parsed last. */
 bool cli_given(const char *name);
@@ -42,7 +43,10 @@ bool cli_given(const char *name);
 rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
 
 /* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
+rp_status cli_sweep_run(const char *dir, long workers, int shard, int shards, sweep_counts *counts);
+
+/* For long preparations: progress on a terminal. */
+const sweep_watch *cli_watch(void);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);

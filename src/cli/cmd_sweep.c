@@ -1,7 +1,8 @@
-/* repose sweep plan|run|status|export|digest|make */
+/* repose sweep plan|run|status|merge|export|digest|make|slurm|salvage */
 
 #include <errno.h>
 #include <glob.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -20,8 +21,8 @@ static void print_counts(const sweep_counts *counts)
 }
 
 typedef struct {
-    const char *o, *tables;
-    long j, replicas;
+    const char *o, *tables, *shard, *time, *mem;
+    long j, replicas, shards;
     bool reduce, study;
 } options;
 
@@ -36,7 +37,7 @@ static rp_status act_plan(const void *values)
     const options *o = values;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                                     sweep_protocols, &counts);
+                                     sweep_protocols, cli_watch(), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -59,13 +60,28 @@ static const cli_command plan = {
     plan_options,
     .act = act_plan};
 
-static const rp_param run_options[] = {CLI_WORKERS(options), {0}};
+static const rp_param run_options[] = {CLI_WORKERS(options),
+                                       {"shard", "", RP_TEXT, offsetof(options, shard), "", "",
+                                        "part of the runs, I/N with I from 1 to N, in a store of its own"},
+                                       {0}};
+
+/* "3/8" */
+static rp_status read_shard(const char *text, int *shard, int *shards)
+{
+    int used = 0;
+    *shard = *shards = 0;
+    if (!*text || (sscanf(text, "%6d/%6d%n", shard, shards, &used) == 2 && !text[used] && *shards > 0))
+        return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--shard %s: I/N expected, as in 3/8", text);
+}
 
 static rp_status act_run(const void *values)
 {
     const options *o = values;
     sweep_counts counts;
-    rp_status status = cli_sweep_run(cli_argument(0), o->j, &counts);
+    int shard, shards;
+    rp_status status = read_shard(o->shard, &shard, &shards);
+    if (!status) status = cli_sweep_run(cli_argument(0), o->j, shard, shards, &counts);
     if (!status) print_counts(&counts);
     return status;
 }
@@ -73,10 +89,11 @@ static rp_status act_run(const void *values)
 static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
-    "DIR [-j N]",
+    "DIR [-j N] [--shard I/N]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
     "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-    "if every run is stored, whatever its status; 75 if stopped.",
+    "if every run is stored, whatever its status; 75 if stopped. With --shard, machines that share the\n"
+    "folder, or have copies of it, each make a part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_options,
     .act = act_run};
@@ -86,18 +103,145 @@ static rp_status act_status_of(const void *values)
     (void)values;
     sweep_counts counts;
     rp_status status = sweep_status(cli_argument(0), sweep_protocols, &counts);
-    if (!status) print_counts(&counts);
-    return status;
+    if (status) return status;
+    const double left = counts.seconds * (double)(counts.planned - counts.stored);
+    rp_table_note(stdout, "running", "%zu", counts.running);
+    if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
+    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
+    print_counts(&counts);
+    return RP_OK;
 }
 
 static const cli_command status_of = {
     "sweep status",
     "numbers of stored runs and of each status",
     "DIR",
-    "Numbers of planned, stored and missing runs, and of runs with each status.",
+    "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the\n"
+    "folder; processes that write to it, the time left, and the shards with missing runs as a list for\n"
+    "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
     .act = act_status_of};
+
+static rp_status act_merge(const void *values)
+{
+    (void)values;
+    sweep_counts counts;
+    sweep_merged merged = {0};
+    int n = 0;
+    while (cli_argument(n + 1)) n++;
+    rp_status status =
+        sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts);
+    if (status) return status;
+    rp_table_note(stdout, "merged",
+                  "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
+                  merged.stores, merged.duplicates, merged.foreign);
+    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
+    print_counts(&counts);
+    return counts.stored < counts.planned
+               ? rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", cli_argument(0),
+                         counts.planned - counts.stored, counts.planned)
+               : RP_OK;
+}
+
+static const cli_command merge = {
+    "sweep merge",
+    "take the rows of shards and of other stores",
+    "DIR...",
+    "Take the rows of the shards of the first folder, or of the further folders and stores, into its\n"
+    "store. Refused, with nothing taken: two results of the same run that differ; a store of another "
+    "protocol\n"
+    "or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
+    "repose sweep merge build/sweeps/lh3",
+    NULL,
+    .act = act_merge};
+
+static const rp_param slurm_options[] = {
+    {"shards", "", RP_INT, offsetof(options, shards), NULL, "[1, 100000]", "jobs of the array"},
+    {"j", "", RP_INT, offsetof(options, j), "1", "[1, 4096]", "processors of each job, and its workers"},
+    {"time", "", RP_TEXT, offsetof(options, time), "1:00:00", "",
+     "longest time of a job, as sbatch takes it"},
+    {"mem", "", RP_TEXT, offsetof(options, mem), "1G", "", "memory of each processor"},
+    {0}};
+
+static const char array_script[] =
+    "#!/bin/bash\n"
+    "# Runs what is missing of a sweep; submit again to resume. A job that is about to run out of time is "
+    "told\n"
+    "# two minutes before, stores what is done, and is queued again.\n"
+    "#SBATCH --job-name=repose\n"
+    "#SBATCH --array=1-%ld\n"
+    "#SBATCH --cpus-per-task=%ld\n"
+    "#SBATCH --time=%s\n"
+    "#SBATCH --mem-per-cpu=%s\n"
+    "#SBATCH --signal=B:TERM@120\n"
+    "#SBATCH --requeue\n"
+    "#SBATCH --open-mode=append\n"
+    "#SBATCH --output=%s/shards/%%a-of-%ld.log\n"
+    "'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
+    "trap 'kill -TERM %%1' TERM\n"
+    "wait %%1; status=$?\n"
+    "if [ $status -gt 128 ]; then wait %%1; status=$?; fi # the signal ended the first wait\n"
+    "if [ $status = 75 ]; then scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
+    "exit $status\n";
+
+static rp_status act_slurm(const void *values)
+{
+    const options *o = values;
+    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL), path[4096];
+    FILE *out = NULL;
+    rp_status status = dir && self ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
+    if (!status && (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") ||
+                    o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")]))
+        status = rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
+    snprintf(path, sizeof path, "%s/shards", status ? "" : dir);
+    if (!status) status = rp_make_directory(path);
+    snprintf(path, sizeof path, "%s/array.sh", status ? "" : dir);
+    if (!status) status = rp_file_open(path, &out);
+    if (!status) {
+        fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards,
+                o->j);
+        status = rp_file_close(path, out, RP_OK);
+    }
+    if (!status)
+        printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq "
+               "%ld)\n"
+               "repose sweep merge %s\n",
+               path, self, dir, o->shards, o->j, o->shards, dir);
+    free(dir);
+    free(self);
+    return status;
+}
+
+static const cli_command slurm = {
+    "sweep slurm",
+    "write a job array for Slurm",
+    "DIR --shards N [-j N] [--time T] [--mem M]",
+    "Write DIR/array.sh, a job array for Slurm with a shard a job, and print the commands that submit it,\n"
+    "that do the same by GNU parallel over ssh, and that unite the shards. The folder is one that all\n"
+    "machines share.",
+    "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
+    slurm_options,
+    .act = act_slurm};
+
+static rp_status act_salvage(const void *values)
+{
+    (void)values;
+    size_t n = 0;
+    rp_status status = sweep_salvage(cli_argument(0), sweep_protocols, &n);
+    if (!status) printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
+    return status;
+}
+
+static const cli_command salvage = {
+    "sweep salvage",
+    "get the whole rows out of a damaged store",
+    "DIR",
+    "Put a new store in place of a damaged or truncated one, with all rows whose checksum is right. The\n"
+    "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
+    "repose sweep salvage build/sweeps/lh3",
+    NULL,
+    .act = act_salvage};
 
 static const rp_param export_options[] = {
     {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
@@ -196,8 +340,8 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, &counts);
-    if (!status) status = cli_sweep_run(o->o, o->j, &counts);
+    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    if (!status) status = cli_sweep_run(o->o, o->j, 0, 0, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);
     if (!status) status = export_to(o, recipe->name, "", true);
     return status;
@@ -240,5 +384,6 @@ static const cli_command make = {
     make_options,
     .act = act_make};
 
-static const cli_command *const commands[] = {&plan, &run, &status_of, &export, &make, &digest, NULL};
+static const cli_command *const commands[] = {&plan,   &run,  &status_of, &merge,   &export,
+                                              &digest, &make, &slurm,     &salvage, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

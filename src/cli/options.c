@@ -115,6 +115,11 @@ const char *cli_argument(int i)
     return i < n_arguments ? arguments[i] : NULL;
 }
 
+char *const *cli_arguments(void)
+{
+    return arguments;
+}
+
 bool cli_given(const char *name)
 {
     int index = 0;

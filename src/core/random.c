@@ -8,20 +8,19 @@
 
 typedef struct {
     philox4x32_ctr_t counter; /* block number (64 bits), run, purpose */
-    philox4x32_key_t key;     /* seed (64 bits) */
+    philox4x32_key_t key;     /* campaign seed, 0 */
     philox4x32_ctr_t block;
     unsigned used; /* 32-bit words of the block already given */
 } philox_state;
 
-static void philox_name(philox_state *s, uint64_t seed, uint32_t run, uint32_t purpose)
+static void philox_name(philox_state *s, uint32_t seed, uint32_t run, uint32_t purpose)
 {
-    const uint32_t low = (uint32_t)seed, high = (uint32_t)(seed >> 32);
-    *s = (philox_state){.counter.v = {0, 0, run, purpose}, .key.v = {low, high}, .used = 4};
+    *s = (philox_state){.counter.v = {0, 0, run, purpose}, .key.v = {seed, 0}, .used = 4};
 }
 
 static void philox_set(void *state, unsigned long seed)
 {
-    philox_name(state, seed, 0, 0);
+    philox_name(state, (uint32_t)seed, 0, 0);
 }
 
 static unsigned long philox_get(void *state)
@@ -49,7 +48,7 @@ const gsl_rng_type *rp_rng_philox = &philox_type;
 gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose)
 {
     gsl_rng *r = gsl_rng_alloc(rp_rng_philox);
-    if (r) philox_name(gsl_rng_state(r), seed, (uint32_t)run, (uint32_t)purpose);
+    if (r) philox_name(gsl_rng_state(r), (uint32_t)seed, (uint32_t)run, (uint32_t)purpose);
     return r;
 }
 

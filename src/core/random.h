@@ -1,7 +1,7 @@
 /* Counter-based random streams (Philox4x32-10 of Random123) as a GSL generator.
  *
- * A stream is named by (seed, run, purpose): no two runs share a stream, and the order of the runs does not
- * matter. Salmon, Moraes, Dror & Shaw 2011. */
+ * A stream is named by (campaign seed, run, purpose): no two runs share a stream, and the order of the runs
+ * does not matter. Salmon, Moraes, Dror & Shaw 2011. */
 #ifndef RP_RANDOM_H
 #define RP_RANDOM_H
 
@@ -19,7 +19,7 @@ typedef enum {
 /* The generator type. gsl_rng_set(r, seed) gives stream (seed, 0, 0). */
 extern const gsl_rng_type *rp_rng_philox;
 
-/* New stream (seed, run, purpose); run and purpose below 2^32; free with gsl_rng_free. NULL when out of memory. */
+/* New stream (seed, run, purpose), each below 2^32; free with gsl_rng_free. NULL when out of memory. */
 gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose);
 
 /* Normal deviate of the given mean and standard deviation `width`, drawn again until it lies in [lo, hi], lo

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* The attached store belongs to the plan's protocol and model, and has its columns. */
 static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char *path)
@@ -18,8 +19,8 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
         return rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"", path, owner,
                        plan->protocol->name);
     if (!status && strcmp(model, plan->model) != 0)
-        return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)", path,
-                       model, plan->model);
+        return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
+                       path, model, plan->model);
     return status ? rp_prefix(status, "%s: ", path) : RP_OK;
 }
 
@@ -27,24 +28,27 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
 static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const char *path)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "SELECT s.key, s.parameters, s.pile FROM source.runs s JOIN temp.runs r USING (key) "
-                               "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
-                               " AND (s.status IS NOT r.status");
+    sqlite3_str_appendall(
+        sql, "SELECT s.key, s.parameters, s.pile FROM source.runs s JOIN temp.runs r USING (key) "
+             "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
+             " AND (s.status IS NOT r.status");
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
         sqlite3_str_appendf(sql, " OR s.\"%w\" IS NOT r.\"%w\"", o->name, o->name);
     sqlite3_str_appendall(sql, ") LIMIT 1");
     sqlite3_stmt *q = sweep_sql_query_text(s, sql);
     rp_status status = RP_OK;
     if (sqlite3_step(q) == SQLITE_ROW)
-        status = rp_fail(RP_BAD_INPUT,
-                         "%s: another result than in the stores before it, for %s, pile %lld (key %s); "
-                         "nothing is merged",
-                         path, sqlite3_column_text(q, 1), sqlite3_column_int64(q, 2), sqlite3_column_text(q, 0));
+        status =
+            rp_fail(RP_BAD_INPUT,
+                    "%s: another result than in the stores before it, for %s, pile %lld (key %s); "
+                    "nothing is merged",
+                    path, sqlite3_column_text(q, 1), sqlite3_column_int64(q, 2), sqlite3_column_text(q, 0));
     rp_status read = sweep_sql_finish(s, "compare the stores", q);
     return status ? status : read;
 }
 
-/* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word. */
+/* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word.
+ */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
     sqlite3_str *columns = sqlite3_str_new(s->db);
@@ -61,14 +65,21 @@ static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *s
     return status;
 }
 
-static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char *path, bool verify, bool *same,
-                             sweep_union *found)
+/* A sign of life is given every ten seconds. */
+static bool is_running(const char *beat)
 {
-    char hash[33];
+    return *beat && labs((long)time(NULL) - strtol(beat, NULL, 10)) < 60;
+}
+
+static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char *path, bool verify,
+                             bool *same, sweep_union *found)
+{
+    char hash[33], beat[32];
     long long before, rows, after;
     rp_status status = check_source(s, plan, path);
     if (!status && verify) status = sweep_store_verify(s, "source", path);
     if (!status) status = sweep_store_note(s, "source", "plan", hash, sizeof hash);
+    if (!status) status = sweep_store_note(s, "source", "beat", beat, sizeof beat);
     if (!status) status = find_conflict(s, plan, path);
     if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &before);
     if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM source.runs", &rows);
@@ -80,17 +91,21 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
     if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after);
     if (status) return status;
     found->sources++;
+    found->running += is_running(beat);
     found->duplicates += (size_t)(before + rows - after);
     return RP_OK;
 }
 
-rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[], bool verify,
-                            sweep_union *found)
+rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[],
+                            bool verify, sweep_union *found)
 {
     bool same = true;
     long long foreign = 0;
     *found = (sweep_union){0};
-    rp_status status = sweep_store_make_runs(s, "temp", plan->protocol);
+    char beat[32];
+    rp_status status = sweep_store_note(s, "main", "beat", beat, sizeof beat);
+    if (!status) found->running = is_running(beat);
+    if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
     if (!status) status = take_rows(s, plan, "main");
     for (size_t i = 0; !status && i < n; i++) {
         status = sweep_sql(s, "open a store", "ATTACH %Q AS source", paths[i]);
@@ -106,21 +121,50 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     return status;
 }
 
-/* Copy the rows of source.runs that are whole, one by one; those of damaged pages fail by themselves. */
-static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, size_t *n)
+rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[],
+                            sweep_union *found, size_t *taken)
 {
-    enum { MOST_IN_A_ROW = 200000 }; /* row numbers without a row: the end */
+    long long before, after;
+    rp_status status = sweep_store_unite(s, plan, n, paths, true, found);
+    if (!status)
+        status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before);
+    sqlite3_str *columns = sqlite3_str_new(s->db);
+    sweep_store_columns(columns, plan->protocol);
+    char *names = sqlite3_str_finish(columns);
+    if (!status)
+        status =
+            sweep_sql(s, "merge the stores",
+                      "BEGIN IMMEDIATE;"
+                      "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL;"
+                      "INSERT OR IGNORE INTO main.runs (%s) SELECT %s FROM temp.runs WHERE run IS NOT NULL;"
+                      "COMMIT",
+                      names, names);
+    if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
+    sqlite3_free(names);
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after);
+    if (!status) *taken = (size_t)(after - before);
+    return status;
+}
+
+/* Copy the whole rows of a damaged store, one by one; those of damaged pages fail by themselves. */
+static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, sweep_store *damaged, size_t *n)
+{
+    enum {
+        MOST_IN_A_ROW = 20000
+    }; /* row numbers without a row: the end. A lost inner page holds some 4000 rows */
     sqlite3_str *select = sqlite3_str_new(s->db);
     sqlite3_str_appendall(select, "SELECT ");
     sweep_store_columns(select, plan->protocol);
-    sqlite3_str_appendall(select, " FROM source.runs WHERE rowid = ?");
-    sqlite3_stmt *from = sweep_sql_query_text(s, select), *into = sweep_store_query_insert(s, plan->protocol);
-    if (!from || !into) return sweep_sql_fail(s, "read the rows");
+    sqlite3_str_appendall(select, " FROM runs WHERE rowid = ?");
+    sqlite3_stmt *from = sweep_sql_query_text(damaged, select),
+                 *into = sweep_store_query_insert(s, plan->protocol);
+    rp_status status = from && into ? RP_OK : sweep_sql_fail(from ? s : damaged, "read the rows");
     *n = 0;
-    for (sqlite3_int64 id = 1, last = 0; id - last < MOST_IN_A_ROW; id++) {
+    for (sqlite3_int64 id = 1, last = 0; !status && id - last < MOST_IN_A_ROW; id++) {
         sqlite3_bind_int64(from, 1, id);
         if (sqlite3_step(from) == SQLITE_ROW && sweep_store_row_is_whole(from, plan->protocol)) {
-            for (int c = 0; c < sqlite3_column_count(from); c++) sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
+            for (int c = 0; c < sqlite3_column_count(from); c++)
+                sqlite3_bind_value(into, c + 1, sqlite3_column_value(from, c));
             sqlite3_bind_null(into, 2); /* its number comes from the plan */
             if (sqlite3_step(into) == SQLITE_DONE) ++*n;
             sqlite3_reset(into);
@@ -130,17 +174,22 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, size_t 
     }
     sqlite3_finalize(from);
     sqlite3_finalize(into);
-    return RP_OK;
+    return status;
 }
 
-rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char *damaged, size_t *n)
+rp_status sweep_store_salvage(sweep_store *s, const sweep_plan *plan, const char *path, size_t *n)
 {
-    rp_status status = sweep_sql(s, "open the damaged store", "ATTACH %Q AS source", damaged);
-    if (status) return status;
-    status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
-    if (!status) status = copy_whole_rows(s, plan, n);
+    sweep_store damaged = {0};
+    snprintf(damaged.path, sizeof damaged.path, "%s", path);
+    rp_status status = sqlite3_open_v2(path, &damaged.db, SQLITE_OPEN_READWRITE, NULL) == SQLITE_OK
+                           ? RP_OK
+                           : sweep_sql_fail(&damaged, "open the damaged store");
+    /* so told, SQLite reads a file that is shorter than its header says */
+    if (!status) status = sweep_sql(&damaged, "open the damaged store", "PRAGMA writable_schema = ON");
+    if (!status) status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
+    if (!status) status = copy_whole_rows(s, plan, &damaged, n);
     if (!status) status = sweep_store_number(s, plan, NULL);
     if (!status) status = sweep_sql(s, "write the store", "COMMIT");
-    sweep_sql(s, "close the damaged store", "DETACH source");
+    sqlite3_close(damaged.db);
     return status;
 }

@@ -248,8 +248,8 @@ static void append_json(const rp_param *param, const void *values, char *buffer,
     char text[256];
     size_t used = strlen(buffer);
     rp_params_text(param, values, text, sizeof text);
-    const bool number = (param->type == RP_REAL || param->type == RP_INT) &&
-                        strspn(text, "+-.0123456789e") == strlen(text);
+    const bool number =
+        (param->type == RP_REAL || param->type == RP_INT) && strspn(text, "+-.0123456789e") == strlen(text);
     for (char *c = text; *c; c++)
         if (*c == '"' || *c == '\\' || *c < ' ') *c = '_'; /* in file names only */
     used += (size_t)snprintf(buffer + used, size - used, number ? "%s\"%s\":%s" : "%s\"%s\":\"%s\"",
@@ -361,8 +361,9 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
     if (plan->shared_piles) return (sweep_stream){plan->seed, replica, replica};
     char text[64];
     snprintf(text, sizeof text, "streams %lu", plan->seed);
-    const unsigned long seed = hash_point(plan, run / plan->replicas, text).low64;
-    return (sweep_stream){seed, replica, (seed >> 12) + replica};
+    /* numbers of 31 bits, as scene files have them */
+    const unsigned long most = 0x7fffffff, hash = hash_point(plan, run / plan->replicas, text).low64;
+    return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
 }
 
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])

@@ -31,10 +31,10 @@ typedef struct {
     size_t replicas, n_points, n_runs, n_axes;
     sweep_axis *axes; /* in the order of the file */
     sweep_position *at;
-    XXH128_hash_t fixed_hash; /* sum over the parameters that no axis varies */
+    XXH128_hash_t fixed_hash;                    /* sum over the parameters that no axis varies */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
-    char *text;      /* of the file */
-    config_t config; /* owns the texts among the parameters */
+    char *text;                                  /* of the file */
+    config_t config;                             /* owns the texts among the parameters */
 } sweep_plan;
 
 /* The random streams of a run; `pile` is one number that stands for them. */
@@ -89,7 +89,8 @@ void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33]);
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
-/* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is at least 8192; returns `buffer`. */
+/* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is at least 8192; returns `buffer`.
+ */
 const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
 /* Open a store: to read it; to write; to write, made if there is none. Afterwards sweep_store_close, also
@@ -161,6 +162,7 @@ rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, const s
 /* What a union found; see sweep_store_unite. */
 typedef struct {
     size_t sources, duplicates, foreign; /* foreign: rows of no run of the plan, left out */
+    size_t running;                      /* stores whose writer has given a sign of life lately */
 } sweep_union;
 
 /* From now on the table `runs` of `store` is, for this process alone, its own rows with those of the stores
@@ -169,6 +171,13 @@ typedef struct {
 rp_status sweep_store_unite(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
                             bool verify, sweep_union *found);
 
+/* Unite, and add to the store itself what the others have of the plan. *taken is how many rows. */
+rp_status sweep_store_merge(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
+                            sweep_union *found, size_t *taken);
+
+/* Mean processor time of the latest rows, s; NaN without a row. */
+rp_status sweep_store_pace(sweep_store *store, double *seconds);
+
 /* Copy the whole rows of a damaged store, and number them. *n is how many there are. Errors: RP_IO. */
 rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const char *damaged, size_t *n);
 
@@ -176,16 +185,17 @@ rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const 
 rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t *todo, size_t n,
                          const sweep_options *options, const sweep_counts *counts);
 
-/* A sweep's folder, opened for reading or, under its lock, for writing. */
+/* A sweep's folder, opened for reading or, under a lock, for writing. */
 typedef struct {
     sweep_plan plan;
     sweep_store *store;
-    int lock; /* descriptor, or -1 */
+    sweep_union found; /* of the shards */
+    int lock;          /* descriptor, or -1 */
 } sweep_folder;
 
-/* Read the plan of a sweep's folder and open its store. Afterwards sweep_folder_close, also after an error.
- */
-rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protocols, bool write,
+/* Read the plan of a sweep's folder and open its store, with its shards as one. Afterwards
+ * sweep_folder_close, also after an error. */
+rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
 

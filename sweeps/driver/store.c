@@ -88,10 +88,11 @@ static int wait_for_others(void *context, int tries)
 /* File systems of several machines, where SQLite's shared memory for WAL does not work: statfs(2). */
 static bool is_shared(const char *dir)
 {
-    static const unsigned magic[] = {0x6969 /* NFS */,       0xff534d42 /* CIFS */, 0xfe534d42 /* SMB2 */,
-                                     0x0bd00bd0 /* Lustre */, 0x47504653 /* GPFS */, 0x65735546 /* FUSE */,
-                                     0x00c36400 /* Ceph */,   0x5346414f /* AFS */,  0x01021997 /* 9P */,
-                                     0x19830326 /* BeeGFS */};
+    static const unsigned magic[] = {0x6969 /* NFS */,      0xff534d42 /* CIFS */,
+                                     0xfe534d42 /* SMB2 */, 0x0bd00bd0 /* Lustre */,
+                                     0x47504653 /* GPFS */, 0x65735546 /* FUSE */,
+                                     0x00c36400 /* Ceph */, 0x5346414f /* AFS */,
+                                     0x01021997 /* 9P */,   0x19830326 /* BeeGFS */};
     struct statfs info;
     if (statfs(dir, &info) != 0) return false;
     for (size_t i = 0; i < sizeof magic / sizeof *magic; i++)
@@ -125,7 +126,7 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
     rp_status status = check_format(s);
     if (!status && s->writes)
         status = sweep_sql(s, "write the store", "PRAGMA journal_mode = %s; PRAGMA synchronous = FULL",
-                         is_shared(path) ? "DELETE" : "WAL");
+                           is_shared(path) ? "DELETE" : "WAL");
     return status;
 }
 
@@ -151,7 +152,7 @@ static sqlite3_int64 note_sum(const char *name, const char *value)
 static rp_status set_note(sweep_store *s, const char *name, const char *value)
 {
     return sweep_sql(s, "write the store", "REPLACE INTO sweep VALUES (%Q, %Q, %lld)", name, value,
-                   (long long)note_sum(name, value));
+                     (long long)note_sum(name, value));
 }
 
 rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name, char *buffer, size_t size)
@@ -185,8 +186,8 @@ rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_
         schema, schema, schema);
     for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
         if (sqlite3_table_column_metadata(s->db, schema, "runs", o->name, NULL, NULL, NULL, NULL, NULL))
-            status =
-                sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema, o->name);
+            status = sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
+                               o->name);
     return status;
 }
 
@@ -194,7 +195,9 @@ rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_
 static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
+    sqlite3_str_appendall(
+        sql,
+        "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
     for (const rp_param *p = protocol->schema; p->name; p++)
         sqlite3_str_appendf(sql, ", coalesce(parameters ->> %Q, %Q) AS \"%w\"", p->name,
                             p->fallback ? p->fallback : "", p->name);
@@ -242,9 +245,12 @@ static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char 
     char replicas[32], seed[32];
     snprintf(replicas, sizeof replicas, "%zu", plan->replicas);
     snprintf(seed, sizeof seed, "%lu", plan->seed);
-    const char *const notes[][2] = {{"protocol", plan->protocol->name}, {"file", file},
-                                    {"seed", seed},                     {"replicas", replicas},
-                                    {"model", plan->model},             {"plan", plan->hash}};
+    const char *const notes[][2] = {{"protocol", plan->protocol->name},
+                                    {"file", file},
+                                    {"seed", seed},
+                                    {"replicas", replicas},
+                                    {"model", plan->model},
+                                    {"plan", plan->hash}};
     rp_status status = RP_OK;
     for (size_t i = 0; !status && i < sizeof notes / sizeof *notes; i++)
         status = set_note(s, notes[i][0], notes[i][1]);
@@ -317,9 +323,10 @@ static size_t count_outputs(const sweep_protocol *protocol)
 
 void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
 {
-    sqlite3_str_appendall(
-        sql, "key, run, status, message, seconds, seed, model, program, pile, parameters, sum");
-    for (const sweep_output *o = protocol->outputs; o->name; o++) sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+    sqlite3_str_appendall(sql,
+                          "key, run, status, message, seconds, seed, model, program, pile, parameters, sum");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
 }
 
 enum { N_COLUMNS = 11 };
@@ -354,7 +361,8 @@ static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_v
 
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
-    if (!s->insert) s->insert = sweep_store_query_insert(s, plan->protocol);
+    if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
+        return sweep_sql_fail(s, "write the store");
     rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
     char key[33], program[256], parameters[8192];
@@ -362,17 +370,17 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     sweep_plan_key(plan, row->run, key);
     snprintf(program, sizeof program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit(),
              rp_build_compiler());
-    const record r = {.key = key,
-                      .status = row->result.status,
-                      .message = row->result.message,
-                      .program = program,
-                      .parameters = sweep_plan_parameters(plan, row->run / plan->replicas, parameters,
-                                                          sizeof parameters),
-                      .seconds = row->seconds,
-                      .seed = (sqlite3_int64)stream.seed,
-                      .model = RP_MODEL_VERSION,
-                      .pile = (sqlite3_int64)stream.pile,
-                      .values = row->result.values};
+    const record r = {
+        .key = key,
+        .status = row->result.status,
+        .message = row->result.message,
+        .program = program,
+        .parameters = sweep_plan_parameters(plan, row->run / plan->replicas, parameters, sizeof parameters),
+        .seconds = row->seconds,
+        .seed = (sqlite3_int64)stream.seed,
+        .model = RP_MODEL_VERSION,
+        .pile = (sqlite3_int64)stream.pile,
+        .values = row->result.values};
     s->pending = true;
     bind_record(s->insert, &r, row->run, count_outputs(plan->protocol));
     if (sqlite3_step(s->insert) != SQLITE_DONE)
@@ -425,7 +433,8 @@ rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *pat
 rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, size_t runs, void *context),
                              void *context)
 {
-    sqlite3_stmt *q = sweep_sql_query(s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
     while (sqlite3_step(q) == SQLITE_ROW)
         visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
     return sweep_sql_finish(s, "read the rows", q);
@@ -433,12 +442,14 @@ rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, 
 
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
-    return sweep_sql(s, "write the store", "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
+    return sweep_sql(s, "write the store",
+                     "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
 }
 
 rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 {
-    sqlite3_stmt *q = sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
+    sqlite3_stmt *q =
+        sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
     while (sqlite3_step(q) == SQLITE_ROW) {
         const size_t run = (size_t)sqlite3_column_int64(q, 0);
         if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);
@@ -449,8 +460,8 @@ rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
 {
     *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
-    sqlite3_stmt *q =
-        sweep_sql_query(s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
     while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
         size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
         snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
@@ -465,6 +476,14 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
 static double column_number(sqlite3_stmt *q, int column)
 {
     return sqlite3_column_type(q, column) == SQLITE_NULL ? NAN : sqlite3_column_double(q, column);
+}
+
+rp_status sweep_store_pace(sweep_store *s, double *seconds)
+{
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT avg(seconds) FROM (SELECT seconds FROM runs ORDER BY rowid DESC LIMIT 1000)");
+    *seconds = sqlite3_step(q) == SQLITE_ROW ? column_number(q, 0) : NAN;
+    return sweep_sql_finish(s, "read the store", q);
 }
 
 static const char *column_text(sqlite3_stmt *q, int column)
