@@ -11,104 +11,78 @@
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
-typedef struct {
-    rp_texts set;
-    long every, row;
-    bool ledger;
-    const char *directory;
-} run_options;
+#define RUN_OPTIONS(X)                                                                                       \
+    X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
+    X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
+      "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)")  \
+    X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
+    X(BOOL, ledger, "", "false", "",                                                                         \
+      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")
 
-static const rp_param options[] = {
-    {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
-     "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated"},
-    {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
-     "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)"},
-    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
-     "folder for tables, instead of standard output"},
-    {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
-     "add the terms of the energy ledger to the energies; as `ledger = true` in a scene"},
-    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
-     "number of the sweep's run, from 0"},
-    {0}};
+CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
-    const char *directory; /* NULL: standard output */
-    FILE *states, *energy;
-    char states_path[4096], energy_path[4096];
+    sweep_tables tables; /* no folder: standard output */
+    sweep_file states, energy;
 } outputs;
-
-static void write_header(FILE *out)
-{
-    cli_table(out, NULL, NULL);
-}
-
-static rp_status open_in(const char *directory, const char *name, char path[4096], FILE **out)
-{
-    snprintf(path, 4096, "%s/%s", directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (!status) write_header(*out);
-    return status;
-}
 
 static rp_status outputs_open(outputs *o, const dem_scene *scene, const dem_sim *sim)
 {
     rp_status status = RP_OK;
-    if (o->directory) {
-        status = rp_make_directory(o->directory);
-        if (!status) status = open_in(o->directory, "states.tsv", o->states_path, &o->states);
-        if (!status) status = open_in(o->directory, "energy.tsv", o->energy_path, &o->energy);
+    if (*o->tables.directory) {
+        status = rp_make_directory(o->tables.directory);
+        if (!status) status = sweep_table_open(&o->tables, "states.tsv", &o->states);
+        if (!status) status = sweep_table_open(&o->tables, "energy.tsv", &o->energy);
         if (status) return status;
-        dem_write_energy_columns(scene->def.ledger, o->energy);
+        dem_write_energy_columns(scene->def.ledger, o->energy.out);
     } else {
-        o->states = stdout;
-        write_header(stdout);
+        o->states = (sweep_file){"-", stdout};
+        cli_provenance(stdout);
     }
-    dem_write_notes(sim, o->states);
-    dem_write_state_columns(o->states);
+    dem_write_notes(sim, o->states.out);
+    dem_write_state_columns(o->states.out);
     return RP_OK;
 }
 
-static rp_status outputs_write(outputs *o, const dem_sim *sim)
+static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy) dem_write_energy(sim, o->energy);
-    return dem_write_states(sim, o->states);
+    if (o->energy.out) dem_write_energy(sim, o->energy.out);
+    return dem_write_states(sim, o->states.out);
 }
 
-static rp_status write_contacts(const char *directory, const dem_sim *sim)
+static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
 {
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "contacts.tsv", path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
+    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
 }
 
-static rp_status write_walls(const char *directory, const dem_scene *scene, const dem_sim *sim)
+static rp_status write_walls(const sweep_tables *tables, const dem_scene *scene, const dem_sim *sim)
 {
     double forces[2 * DEM_MAX_WALLS];
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "walls.tsv", path, &out);
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
     if (status) return status;
     dem_wall_forces(sim, forces);
-    rp_table_header(out, "wall, fx [dyn], fy [dyn]");
+    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < scene->def.n_walls; w++)
-        rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return rp_file_close(path, out, RP_OK);
+        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    return sweep_table_close(&file, RP_OK);
 }
 
 /* What was computed before a failure is kept. */
-static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
+static rp_status outputs_close(const outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    rp_status status = RP_OK;
-    if (o->energy) status = rp_file_close(o->energy_path, o->energy, RP_OK);
-    if (o->directory && o->states) {
-        rp_status closed = rp_file_close(o->states_path, o->states, RP_OK);
+    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
+    if (*o->tables.directory && o->states.out) {
+        rp_status closed = sweep_table_close(&o->states, RP_OK);
         if (!status) status = closed;
-        if (!status) status = write_contacts(o->directory, sim);
-        if (!status) status = write_walls(o->directory, scene, sim);
+        if (!status) status = write_contacts(&o->tables, sim);
+        if (!status) status = write_walls(&o->tables, scene, sim);
     }
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -135,7 +109,7 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     signal(SIGTERM, note_stop);
     /* some tenths of a second: often enough to show progress and to notice a signal */
     const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
-    outputs out = {.directory = *o->directory ? o->directory : NULL};
+    outputs out = {.tables = {.directory = o->o, .header = cli_provenance}};
     rp_status status = outputs_open(&out, scene, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
     while (!status && dem_step(sim) < scene->steps) {
@@ -161,13 +135,12 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
 
 static rp_status run_row(const char *path, const run_options *o)
 {
-    if (!*o->directory)
-        return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
+    if (!*o->o) return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    const sweep_tables tables = {o->directory, o->every > 0 ? o->every : 100, write_header, o->ledger};
+    const sweep_tables tables = {o->o, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
     rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
@@ -178,7 +151,7 @@ static rp_status run_row(const char *path, const run_options *o)
     }
     columns[n][0] = "status";
     columns[n][1] = "";
-    cli_table(stdout, NULL, NULL);
+    cli_provenance(stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
@@ -210,7 +183,7 @@ static rp_status run_file(const char *path, const run_options *o)
     return status;
 }
 
-static rp_status run_any(const void *values)
+static rp_status run_any(void *values)
 {
     const char *path = cli_argument(0);
     bool sweep;
@@ -233,5 +206,5 @@ const cli_command cmd_run = {
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
-    options,
+    run_params,
     .act = run_any};

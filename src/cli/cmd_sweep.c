@@ -1,4 +1,4 @@
-/* repose sweep plan|run|status|merge|export|digest|make|slurm|salvage */
+/* repose sweep plan|run|status|export|digest|make */
 
 #include <errno.h>
 #include <glob.h>
@@ -10,7 +10,7 @@
 
 #include "cli/cli.h"
 
-static void print_counts(const sweep_counts *counts)
+void cli_print_counts(const sweep_counts *counts)
 {
     rp_table_note(stdout, "planned", "%zu", counts->planned);
     rp_table_note(stdout, "stored", "%zu", counts->stored);
@@ -20,21 +20,15 @@ static void print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
-typedef struct {
-    const char *o, *tables, *shard, *time, *mem;
-    long j, replicas, shards;
-    bool reduce, study;
-} options;
+#define PLAN_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file")
 
-static const rp_param plan_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: the number in the file"},
-    {0}};
+CLI_OPTIONS(plan, PLAN_OPTIONS)
 
-static rp_status act_plan(const void *values)
+static rp_status act_plan(void *values)
 {
-    const options *o = values;
+    const plan_options *o = values;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                      sweep_protocols, cli_watch(), &counts);
@@ -57,13 +51,14 @@ static const cli_command plan = {
     "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
     "  piles = \"own\";                                      # shared: the same piles at every grid point",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
-    plan_options,
+    plan_params,
     .act = act_plan};
 
-static const rp_param run_options[] = {CLI_WORKERS(options),
-                                       {"shard", "", RP_TEXT, offsetof(options, shard), "", "",
-                                        "part of the runs, I/N with I from 1 to N, in a store of its own"},
-                                       {0}};
+#define RUN_OPTIONS(X)                                                                                       \
+    CLI_WORKERS(X)                                                                                           \
+    X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")
+
+CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* "3/8" */
 static rp_status read_shard(const char *text, int *shard, int *shards)
@@ -75,14 +70,14 @@ static rp_status read_shard(const char *text, int *shard, int *shards)
     return rp_fail(RP_BAD_INPUT, "--shard %s: I/N expected, as in 3/8", text);
 }
 
-static rp_status act_run(const void *values)
+static rp_status act_run(void *values)
 {
-    const options *o = values;
+    const run_options *o = values;
     sweep_counts counts;
     int shard, shards;
     rp_status status = read_shard(o->shard, &shard, &shards);
     if (!status) status = cli_sweep_run(cli_argument(0), o->j, shard, shards, &counts);
-    if (!status) print_counts(&counts);
+    if (!status) cli_print_counts(&counts);
     return status;
 }
 
@@ -95,10 +90,10 @@ static const cli_command run = {
     "if every run is stored, whatever its status; 75 if stopped. With --shard, machines that share the\n"
     "folder, or have copies of it, each make a part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
-    run_options,
+    run_params,
     .act = act_run};
 
-static rp_status act_status_of(const void *values)
+static rp_status act_status_of(void *values)
 {
     (void)values;
     sweep_counts counts;
@@ -108,7 +103,7 @@ static rp_status act_status_of(const void *values)
     rp_table_note(stdout, "running", "%zu", counts.running);
     if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
     if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
-    print_counts(&counts);
+    cli_print_counts(&counts);
     return RP_OK;
 }
 
@@ -123,137 +118,19 @@ static const cli_command status_of = {
     NULL,
     .act = act_status_of};
 
-static rp_status act_merge(const void *values)
+#define EXPORT_OPTIONS(X)                                                                                    \
+    X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
+    X(BOOL, reduce, "", "false", "",                                                                         \
+      "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output")
+
+CLI_OPTIONS(export, EXPORT_OPTIONS)
+
+static rp_status act_export(void *values)
 {
-    (void)values;
-    sweep_counts counts;
-    sweep_merged merged = {0};
-    int n = 0;
-    while (cli_argument(n + 1)) n++;
-    rp_status status =
-        sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts);
-    if (status) return status;
-    rp_table_note(stdout, "merged",
-                  "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
-                  merged.stores, merged.duplicates, merged.foreign);
-    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
-    print_counts(&counts);
-    return counts.stored < counts.planned
-               ? rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", cli_argument(0),
-                         counts.planned - counts.stored, counts.planned)
-               : RP_OK;
-}
-
-static const cli_command merge = {
-    "sweep merge",
-    "take the rows of shards and of other stores",
-    "DIR...",
-    "Take the rows of the shards of the first folder, or of the further folders and stores, into its\n"
-    "store. Refused, with nothing taken: two results of the same run that differ; a store of another "
-    "protocol\n"
-    "or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
-    "repose sweep merge build/sweeps/lh3",
-    NULL,
-    .act = act_merge};
-
-static const rp_param slurm_options[] = {
-    {"shards", "", RP_INT, offsetof(options, shards), NULL, "[1, 100000]", "jobs of the array"},
-    {"j", "", RP_INT, offsetof(options, j), "1", "[1, 4096]", "processors of each job, and its workers"},
-    {"time", "", RP_TEXT, offsetof(options, time), "1:00:00", "",
-     "longest time of a job, as sbatch takes it"},
-    {"mem", "", RP_TEXT, offsetof(options, mem), "1G", "", "memory of each processor"},
-    {0}};
-
-static const char array_script[] =
-    "#!/bin/bash\n"
-    "# Runs what is missing of a sweep; submit again to resume. A job that is about to run out of time is "
-    "told\n"
-    "# two minutes before, stores what is done, and is queued again.\n"
-    "#SBATCH --job-name=repose\n"
-    "#SBATCH --array=1-%ld\n"
-    "#SBATCH --cpus-per-task=%ld\n"
-    "#SBATCH --time=%s\n"
-    "#SBATCH --mem-per-cpu=%s\n"
-    "#SBATCH --signal=B:TERM@120\n"
-    "#SBATCH --requeue\n"
-    "#SBATCH --open-mode=append\n"
-    "#SBATCH --output=%s/shards/%%a-of-%ld.log\n"
-    "'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
-    "trap 'kill -TERM %%1' TERM\n"
-    "wait %%1; status=$?\n"
-    "if [ $status -gt 128 ]; then wait %%1; status=$?; fi # the signal ended the first wait\n"
-    "if [ $status = 75 ]; then scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
-    "exit $status\n";
-
-static rp_status act_slurm(const void *values)
-{
-    const options *o = values;
-    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL), path[4096];
-    FILE *out = NULL;
-    rp_status status = dir && self ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
-    if (!status && (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") ||
-                    o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")]))
-        status = rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
-    snprintf(path, sizeof path, "%s/shards", status ? "" : dir);
-    if (!status) status = rp_make_directory(path);
-    snprintf(path, sizeof path, "%s/array.sh", status ? "" : dir);
-    if (!status) status = rp_file_open(path, &out);
-    if (!status) {
-        fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards,
-                o->j);
-        status = rp_file_close(path, out, RP_OK);
-    }
-    if (!status)
-        printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq "
-               "%ld)\n"
-               "repose sweep merge %s\n",
-               path, self, dir, o->shards, o->j, o->shards, dir);
-    free(dir);
-    free(self);
-    return status;
-}
-
-static const cli_command slurm = {
-    "sweep slurm",
-    "write a job array for Slurm",
-    "DIR --shards N [-j N] [--time T] [--mem M]",
-    "Write DIR/array.sh, a job array for Slurm with a shard a job, and print the commands that submit it,\n"
-    "that do the same by GNU parallel over ssh, and that unite the shards. The folder is one that all\n"
-    "machines share.",
-    "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
-    slurm_options,
-    .act = act_slurm};
-
-static rp_status act_salvage(const void *values)
-{
-    (void)values;
-    size_t n = 0;
-    rp_status status = sweep_salvage(cli_argument(0), sweep_protocols, &n);
-    if (!status) printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
-    return status;
-}
-
-static const cli_command salvage = {
-    "sweep salvage",
-    "get the whole rows out of a damaged store",
-    "DIR",
-    "Put a new store in place of a damaged or truncated one, with all rows whose checksum is right. The\n"
-    "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
-    "repose sweep salvage build/sweeps/lh3",
-    NULL,
-    .act = act_salvage};
-
-static const rp_param export_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
-    {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
-     "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
-    {0}};
-
-static rp_status act_export(const void *values)
-{
-    const options *o = values;
+    const export_options *o = values;
     FILE *out;
-    rp_status status = rp_file_open(o->o, &out);
+    rp_status status = sweep_check_output(cli_argument(0), o->o);
+    if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
     status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
     return rp_file_close(o->o, out, status);
@@ -266,10 +143,10 @@ static const cli_command export = {
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
     "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
-    export_options,
+    export_params,
     .act = act_export};
 
-static rp_status act_digest(const void *values)
+static rp_status act_digest(void *values)
 {
     (void)values;
     char text[33];
@@ -326,7 +203,16 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     return rp_file_close(path, out, status);
 }
 
-static rp_status export_to(const options *o, const char *name, const char *suffix, bool reduce)
+#define MAKE_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
+    X(TEXT, tables, "", "build/tables", "", "folder of the tables")                                          \
+    CLI_WORKERS(X)                                                                                           \
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")
+
+CLI_OPTIONS(make, MAKE_OPTIONS)
+
+static rp_status export_to(const make_options *o, const char *name, const char *suffix, bool reduce)
 {
     char path[4096];
     FILE *out;
@@ -336,7 +222,7 @@ static rp_status export_to(const options *o, const char *name, const char *suffi
     return out ? rp_file_close(path, out, status) : status;
 }
 
-static rp_status make_runs(const options *o, const sweep_recipe *recipe)
+static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
@@ -347,19 +233,9 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
     return status;
 }
 
-static const rp_param make_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-    {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
-    CLI_WORKERS(options),
-    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: the number in the file"},
-    {"study", "", RP_BOOL, offsetof(options, study), "false", "",
-     "runs per grid point: the number `study` of the file"},
-    {0}};
-
-static rp_status act_make(const void *values)
+static rp_status act_make(void *values)
 {
-    const options *o = values;
+    const make_options *o = values;
     sweep_recipe recipe;
     rp_status status = sweep_recipe_read(cli_argument(0), &recipe);
     if (!status) status = rp_make_directory(o->tables);
@@ -381,9 +257,9 @@ static const cli_command make = {
     "\n"
     "A file without a protocol has tables alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
-    make_options,
+    make_params,
     .act = act_make};
 
-static const cli_command *const commands[] = {&plan,   &run,  &status_of, &merge,   &export,
-                                              &digest, &make, &slurm,     &salvage, NULL};
+static const cli_command *const commands[] = {&plan,   &run,  &status_of,       &cmd_sweep_merge,   &export,
+                                              &digest, &make, &cmd_sweep_slurm, &cmd_sweep_salvage, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

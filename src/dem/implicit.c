@@ -23,13 +23,9 @@
 #include <string.h>
 
 #include "core/stiffness.h"
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/ledger.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
-#include "dem/step.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
 typedef struct {

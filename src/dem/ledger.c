@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/observe.h"
 

@@ -1,10 +1,8 @@
 /* The largest stable time step of a definition, from the rates of its quickest contacts. */
-#include "dem/limits.h"
 
 #include <math.h>
 
 #include "dem/definition.h"
-#include "dem/integrator.h"
 #include "dem/observe.h"
 
 /* Overlap that an impact at speed v reaches without damping. */

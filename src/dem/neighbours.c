@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/neighbours.h"
 #include "dem/sim.h"
-#include "dem/step.h"
 
 /* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
 struct dem_list_work {

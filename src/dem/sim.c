@@ -6,13 +6,7 @@
 #include <string.h>
 
 #include "dem/definition.h"
-#include "dem/gravity.h"
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/ledger.h"
-#include "dem/limits.h"
-#include "dem/neighbours.h"
-#include "dem/step.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };

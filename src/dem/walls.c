@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/gravity.h"
-#include "dem/ground.h"
 #include "dem/observe.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])

@@ -103,14 +103,12 @@ static rp_status crashed(pool *p, worker *w, sweep_row *row)
 {
     *row = (sweep_row){.run = w->run, .seconds = NAN};
     sweep_result_clear(&row->result);
-    strcpy(row->result.status, "crashed");
     int end = end_worker(w);
     if (WIFSIGNALED(end))
-        snprintf(row->result.message, sizeof row->result.message, "worker ended by signal %d (%s)",
-                 WTERMSIG(end), strsignal(WTERMSIG(end)));
+        sweep_conclude(&row->result, "crashed", "worker ended by signal %d (%s)", WTERMSIG(end),
+                       strsignal(WTERMSIG(end)));
     else
-        snprintf(row->result.message, sizeof row->result.message, "worker ended with exit status %d",
-                 WEXITSTATUS(end));
+        sweep_conclude(&row->result, "crashed", "worker ended with exit status %d", WEXITSTATUS(end));
     return p->handed_out < p->n_todo ? start_worker(p, w) : RP_OK;
 }
 

@@ -199,7 +199,4 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
 
-/* Is this the status of a result? */
-bool sweep_is_result(const char *status);
-
 #endif

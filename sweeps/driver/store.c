@@ -66,11 +66,6 @@ rp_status sweep_sql_number(sweep_store *s, const char *sql, long long *number)
     return sweep_sql_finish(s, "read the store", q);
 }
 
-bool sweep_is_result(const char *status)
-{
-    return strncmp(status, "ok", 2) == 0;
-}
-
 /* ---- opening ---- */
 
 /* Whoever reads or writes is waited for, unless this process is told to stop. */
