@@ -45,25 +45,29 @@ const cli_command cmd_sweep_merge = {
 
 CLI_OPTIONS(slurm, SLURM_OPTIONS)
 
+/* The job is told before its time is out, and then ends its processes and queues again; a cancelled one ends.
+ */
 static const char array_script[] =
     "#!/bin/bash\n"
-    "# Runs what is missing of a sweep; submit again to resume. A job that is about to run out of time is "
-    "told\n"
-    "# two minutes before, stores what is done, and is queued again.\n"
+    "# Makes what is missing of a sweep; submit it again to resume.\n"
     "#SBATCH --job-name=repose\n"
     "#SBATCH --array=1-%ld\n"
     "#SBATCH --cpus-per-task=%ld\n"
     "#SBATCH --time=%s\n"
     "#SBATCH --mem-per-cpu=%s\n"
-    "#SBATCH --signal=B:TERM@120\n"
+    "#SBATCH --signal=B:USR1@120\n"
     "#SBATCH --requeue\n"
     "#SBATCH --open-mode=append\n"
     "#SBATCH --output=%s/shards/%%a-of-%ld.log\n"
     "'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
+    "late=\n"
+    "trap 'late=yes; kill -TERM %%1' USR1\n"
     "trap 'kill -TERM %%1' TERM\n"
     "wait %%1; status=$?\n"
-    "if [ $status -gt 128 ]; then wait %%1; status=$?; fi # the signal ended the first wait\n"
-    "if [ $status = 75 ]; then scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
+    "while [ $status -gt 128 ]; do wait %%1; status=$?; done # a signal ends a wait, not the process\n"
+    "if [ \"$late\" ] && [ $status = 75 ]; then\n"
+    "  scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
+    "fi\n"
     "exit $status\n";
 
 static rp_status act_slurm(void *values)
