@@ -26,6 +26,9 @@
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_keys)                                                                                            \
+    X(suite_options)                                                                                         \
+    X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
