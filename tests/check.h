@@ -38,7 +38,8 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
-    X(suite_property)
+    X(suite_property)                                                                                        \
+    X(suite_fuzz)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_scaling)                                                                                         \
     X(suite_models)                                                                                          \
