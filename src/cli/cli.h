@@ -99,6 +99,9 @@ const sweep_watch *cli_watch(void);
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 
+/* Another one, that started what this process continues. */
+void cli_command_line_set(const char *text);
+
 /* Zeroed memory for n objects, a generator of resamples, a table: all freed after the command, and those
  * since a mark by cli_release. Without memory the program ends. */
 void *cli_memory(size_t n, size_t size);
