@@ -12,7 +12,7 @@
 /* Another commit may keep other variables: its snapshots are refused, and their runs start anew. */
 static uint64_t layout(void)
 {
-    return XXH3_64bits_withSeed(rp_build_commit(), strlen(rp_build_commit()), dem_keep_layout());
+    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), dem_keep_layout());
 }
 
 static double processor_time(void)

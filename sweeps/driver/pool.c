@@ -38,26 +38,39 @@ typedef struct {
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
-/* The file that run `run` goes on from after its worker has died; it stays until the row is stored. */
-static const char *snapshot_of(const pool *p, size_t run, char path[4096])
+/* The file that a run goes on from after its worker has died; it stays until the row is stored. */
+static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096])
 {
-    snprintf(path, 4096, "%s/%s", p->options->snapshots, p->plan->keys[run]);
-    return path;
+    sweep_plan_key(p->plan, run, key);
+    snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
+}
+
+/* A stored run needs no snapshot, once its row is committed. */
+static rp_status remove_snapshot(const pool *p, size_t run)
+{
+    char key[33], path[4096];
+    snapshot_of(p, run, key, path);
+    if (access(path, F_OK) != 0) return RP_OK;
+    rp_status status = sweep_store_commit(p->store);
+    if (!status) sweep_keep_remove(path);
+    return status;
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
 static rp_status make(const pool *p, size_t run, sweep_result *result)
 {
     const sweep_plan *plan = p->plan;
-    char path[4096], why[sizeof result->message] = "";
+    char key[33], path[4096], why[sizeof result->message] = "";
     sweep_keep keep;
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->options->snapshots != NULL;
-    if (keeps)
-        sweep_keep_begin(&keep, snapshot_of(p, run, path), plan->keys[run], p->options->snapshot, why,
-                         sizeof why);
-    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
-                                           sweep_plan_pile(plan, run), keeps ? &kept : NULL, result);
+    if (keeps) {
+        snapshot_of(p, run, key, path);
+        sweep_keep_begin(&keep, path, key, p->options->snapshot, why, sizeof why);
+    }
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
+                                           stream.run, keeps ? &kept : NULL, result);
     if (keeps) sweep_keep_end(&keep, false);
     if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
     return status;
@@ -150,10 +163,11 @@ static rp_status collect(pool *p, worker *w)
         return rp_fail(row.status, "run %zu (%s): %s", row.run,
                        sweep_plan_describe(p->plan, point, where, sizeof where), row.result.message);
     rp_status stored = sweep_store_insert(p->store, p->plan, &row);
+    char word[32];
+    snprintf(word, sizeof word, "'%s'", row.result.status);
+    const bool again = strstr(SWEEP_MACHINE, word) != NULL;
+    if (!stored && p->options->snapshots && !again) stored = remove_snapshot(p, row.run);
     if (stored) return stored;
-    char path[4096];
-    if (p->options->snapshots && strcmp(row.result.status, "crashed") != 0)
-        sweep_keep_remove(snapshot_of(p, row.run, path));
     p->finished++;
     p->progress.stored++;
     if (!sweep_is_result(row.result.status)) p->progress.failed++;
@@ -175,8 +189,10 @@ static rp_status serve(pool *p, struct pollfd *polled)
     for (size_t i = 0; i < p->n_workers; i++)
         polled[i] = (struct pollfd){.fd = p->workers[i].busy ? p->workers[i].socket : -1, .events = POLLIN};
     polled[p->n_workers] = (struct pollfd){.fd = p->signals, .events = POLLIN};
-    if (poll(polled, p->n_workers + 1, p->options->watch ? 1000 : -1) < 0 && errno != EINTR)
+    if (poll(polled, p->n_workers + 1, p->store->pending ? 250 : 1000) < 0 && errno != EINTR)
         return rp_fail(RP_IO, "cannot wait for the workers: %s", strerror(errno));
+    rp_status written = sweep_store_tick(p->store);
+    if (written) return written;
     if (polled[p->n_workers].revents)
         return rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
                        p->progress.planned);
