@@ -41,8 +41,9 @@ bool cli_given(const char *name);
  * one. Free with rp_table_free, also after an error. Errors: those of rp_table_read and rp_table_where. */
 rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
 
-/* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
+/* sweep_run with the given number of workers, below 1: one per processor, and limits of a run (MB, s; 0:
+ * none); its progress on a terminal. */
+rp_status cli_sweep_run(const char *dir, long workers, double memory, double time, sweep_counts *counts);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);

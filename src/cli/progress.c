@@ -1,5 +1,6 @@
 /* Progress of a sweep on a terminal; see cli.h. */
 #include <math.h>
+#include <stdarg.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -31,12 +32,26 @@ static void draw(const sweep_progress *p, void *context)
     fflush(stderr);
 }
 
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts)
+static void report(void *context, const char *format, ...)
+{
+    va_list args;
+    fputs(*(bool *)context ? "\nrepose sweep: " : "repose sweep: ", stderr);
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputc('\n', stderr);
+    *(bool *)context = false;
+}
+
+rp_status cli_sweep_run(const char *dir, long workers, double memory, double time, sweep_counts *counts)
 {
     bool drawn = false;
     sweep_options options = {.workers = (int)(workers < 1 ? sysconf(_SC_NPROCESSORS_ONLN) : workers),
                              .watch = isatty(STDERR_FILENO) ? draw : NULL,
-                             .context = &drawn};
+                             .context = &drawn,
+                             .memory = memory,
+                             .time = time,
+                             .report = report};
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
     if (drawn) fputc('\n', stderr);
     return status;

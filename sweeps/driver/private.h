@@ -69,8 +69,7 @@ rp_status sweep_store_note(sweep_store *store, const char *name, char *buffer, s
 rp_status sweep_store_makers(sweep_store *store,
                              void (*visit)(const char *program, size_t runs, void *context), void *context);
 
-/* Numbers of the planned runs that are not stored, in order; free *missing. Runs whose worker died are
- * forgotten: it may have been the machine's fault. */
+/* Numbers of the planned runs that are not stored, in order; free *missing. Aborted runs are forgotten. */
 rp_status sweep_store_missing(sweep_store *store, const sweep_plan *plan, size_t **missing, size_t *n);
 
 rp_status sweep_store_insert(sweep_store *store, const sweep_plan *plan, const sweep_row *row);
@@ -81,8 +80,9 @@ rp_status sweep_store_count(sweep_store *store, const sweep_plan *plan, sweep_co
 rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
-/* Make the runs todo[0..n) and store them. `counts` is what was stored before. */
-rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t *todo, size_t n,
+/* Make the runs todo[0..n) and store them; `todo` is left in another order. `lock` is the lock file, in
+ * which drives that failed are counted, `counts` what was stored before. */
+rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *todo, size_t n, int lock,
                          const sweep_options *options, const sweep_counts *counts);
 
 /* A sweep's folder, opened for reading or, under its lock, for writing. */
@@ -100,5 +100,11 @@ void sweep_folder_close(sweep_folder *folder);
 
 /* Is this the status of a result? */
 bool sweep_is_result(const char *status);
+
+/* Is this the status of a run that the machine ended, or a limit? It has no outcome, and the next drive tries
+ * it again. Errors of sweep_check_aborted: RP_NO_RESULT while there is such a run. */
+#define SWEEP_ABORTED "'crashed', 'no_memory', 'time_limit'"
+bool sweep_is_aborted(const char *status);
+rp_status sweep_check_aborted(const sweep_counts *counts);
 
 #endif

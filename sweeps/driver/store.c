@@ -192,8 +192,9 @@ rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **m
     *n = 0;
     *missing = malloc(plan->n_runs * sizeof **missing);
     if (!*missing) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
-    rp_status status = execute(s, "write the store",
-                               "DELETE FROM runs WHERE status = 'crashed' AND key IN (SELECT key FROM plan)");
+    rp_status status =
+        execute(s, "write the store",
+                "DELETE FROM runs WHERE status IN (" SWEEP_ABORTED ") AND key IN (SELECT key FROM plan)");
     if (status) return status;
     sqlite3_stmt *q = query(s, "SELECT run FROM plan WHERE key NOT IN (SELECT key FROM runs) ORDER BY run");
     while (sqlite3_step(q) == SQLITE_ROW && *n < plan->n_runs)

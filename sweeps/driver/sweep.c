@@ -81,8 +81,9 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     rp_status status = sweep_folder_open(dir, protocols, true, &f);
     if (!status) status = sweep_store_missing(f.store, &f.plan, &todo, &n);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, options, counts);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = sweep_check_aborted(counts);
     free(todo);
     sweep_folder_close(&f);
     return status;
