@@ -1358,12 +1358,17 @@ static void test_broken_run(void)
     rp_table_free(&t);
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
-    CU_ASSERT(equal_tables("out", "d/states.tsv"));
-    /* an overlap beyond the radius is a broken invariant */
+    CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
+    CU_ASSERT(shell("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'") == 0);
+    /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
+     * program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
-    FAILS(70, "overlap at step ", "run crush.cfg");
+    FAILS(1, "overlap at step ", "run crush.cfg");
+    write_text("fast.cfg",
+               "gravity = [1.0e9, 0.0]; dt = 1.0e-5; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    FAILS(1, "too_fast at step ", "run fast.cfg");
     /* a step that the implicit integrator can't solve in one iteration fails */
     static const char *const solvers[] = {"direct", "sor"};
     for (int k = 0; k < 2; k++) {
@@ -1558,19 +1563,39 @@ static void test_stopped(void)
     leave();
 }
 
-/* A stopped scene keeps its output, without incomplete files. */
-static void test_scene_stopped(void)
+/* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
+ * tables apart; a whole run replaces both. */
+static void test_run_stopped(void)
 {
     enter();
     write_text("s.cfg",
-               "steps = 2000000000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
-    int status = shell(
-        "\"$REPOSE\" run s.cfg --every 100000 -o d >out 2>err & p=$!; sleep 0.7; kill -TERM $p; wait $p");
-    CU_ASSERT(failed(__LINE__, status, 75, "stopped at step"));
-    rp_table t = read_table("d/states.tsv");
-    CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-    rp_table_free(&t);
-    CU_ASSERT(shell("! ls d | grep -q tmp") == 0);
+               "steps = 2000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
+    write_text("r.cfg",
+               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+               "grid = { relax_steps = [100, 1000000000]; };\n");
+    GOOD("run s.cfg --every 10 -o d");
+    GOOD("run r.cfg --row 0 -o r");
+    CU_ASSERT(shell("cat d/*.tsv r/* >before") == 0);
+    static const char *const signals[] = {"TERM", "INT", "HUP"};
+    for (int k = 0; k < 3; k++) {
+        char line[512];
+        snprintf(line, sizeof line,
+                 "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d >out 2>err & p=$!\n"
+                 "sleep 0.5; kill -%s $p; wait $p",
+                 signals[k]);
+        CU_ASSERT(failed(__LINE__, shell(line), 75, "of 2000000000; the tables so far are in d/unfinished"));
+        rp_table t = read_table("d/unfinished/states.tsv");
+        CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
+        rp_table_free(&t);
+        CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
+        snprintf(line, sizeof line,
+                 "\"$REPOSE\" run r.cfg --row 20 -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
+                 signals[k]);
+        CU_ASSERT(failed(__LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
+    }
+    CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    GOOD("run s.cfg --every 10 -o d");
+    CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
     leave();
 }
 
@@ -1600,12 +1625,12 @@ void suite_cli(void)
                                        {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},
                                        {"run: tables in a folder", test_output_folder},
-                                       {"run: broken, 70", test_broken_run},
+                                       {"run: no result, 1", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
                                        {"sweep: runs and tables", test_make},
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
-                                       {"run: stopped", test_scene_stopped},
+                                       {"run: stopped", test_run_stopped},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

@@ -45,6 +45,17 @@ rp_status cli_table_read(const cli_command *command, const void *values, const c
  * none); its progress on a terminal. */
 rp_status cli_sweep_run(const char *dir, long workers, double memory, double time, sweep_counts *counts);
 
+/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first. A whole
+ * result moves into the directory, in place of what is there; any other one stays, and the message of `run`,
+ * which is returned, names its folder. Errors: RP_IO, RP_BAD_INPUT. */
+rp_status cli_stage_open(const char *directory, char stage[4096]);
+rp_status cli_stage_close(const char *directory, const char *stage, rp_status run);
+
+/* SIGINT, SIGTERM and SIGHUP call `handler`, or end this process with RP_STOPPED and a message that names the
+ * stage. */
+void cli_on_stop(void (*handler)(int));
+void cli_stage_stops(const char *stage);
+
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 

@@ -97,15 +97,22 @@ static rp_status write_walls(const char *directory, const dem_scene *scene, cons
     return rp_file_close(path, out, RP_OK);
 }
 
+/* Unless the run is whole, its tables say so in their last line. */
+static rp_status close_table(const char *path, FILE *out, rp_status run)
+{
+    if (run) rp_table_note(out, "unfinished", "%s", rp_message());
+    return rp_file_close(path, out, RP_OK);
+}
+
 /* What was computed before a failure is kept. */
 static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
     rp_status status = RP_OK;
-    if (o->energy) status = rp_file_close(o->energy_path, o->energy, RP_OK);
+    if (o->energy) status = close_table(o->energy_path, o->energy, run);
     if (o->directory && o->states) {
-        rp_status closed = rp_file_close(o->states_path, o->states, RP_OK);
+        rp_status closed = close_table(o->states_path, o->states, run);
         if (!status) status = closed;
         if (!status) status = write_contacts(o->directory, sim);
         if (!status) status = write_walls(o->directory, scene, sim);
@@ -131,12 +138,14 @@ static void note_stop(int signal_number)
 
 static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim *sim)
 {
-    signal(SIGINT, note_stop);
-    signal(SIGTERM, note_stop);
+    cli_on_stop(note_stop);
     /* some tenths of a second: often enough to show progress and to notice a signal */
     const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
-    outputs out = {.directory = *o->directory ? o->directory : NULL};
-    rp_status status = outputs_open(&out, scene, sim);
+    char stage[4096];
+    outputs out = {.directory = *o->directory ? stage : NULL};
+    rp_status status = out.directory ? cli_stage_open(o->directory, stage) : RP_OK;
+    if (status) return status;
+    status = outputs_open(&out, scene, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
     while (!status && dem_step(sim) < scene->steps) {
         long part = scene->steps - dem_step(sim);
@@ -144,19 +153,17 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
         if (to_next < part) part = to_next;
         if (part > most) part = most;
         status = dem_run(sim, part);
-        /* a grain that got away, or a step too hard to solve, is no result, not a program gone wrong */
-        const dem_fault fault = dem_sim_fault(sim);
-        if (status == RP_BROKEN && (fault == DEM_FAULT_LEAKED || fault == DEM_FAULT_NOT_SOLVED))
-            status = RP_NO_RESULT;
+        /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
+        if (status == RP_BROKEN && dem_sim_fault(sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         show_progress(sim, scene->steps);
         if (!status && stop_signal)
-            status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
-                             dem_step(sim), scene->steps);
+            status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld", dem_step(sim), scene->steps);
         if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
             status = outputs_write(&out, sim);
     }
     if (!status && (o->every <= 0 || scene->steps > 0)) status = outputs_write(&out, sim);
-    return outputs_close(&out, scene, sim, status);
+    status = outputs_close(&out, scene, sim, status);
+    return out.directory ? cli_stage_close(o->directory, stage, status) : status;
 }
 
 static rp_status run_row(const char *path, const run_options *o)
@@ -167,8 +174,13 @@ static rp_status run_row(const char *path, const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    const sweep_tables tables = {o->directory, o->every > 0 ? o->every : 100, write_header, o->ledger};
-    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    char stage[4096];
+    rp_status status = cli_stage_open(o->directory, stage);
+    if (status) return status;
+    cli_stage_stops(stage);
+    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, write_header, o->ledger};
+    status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    status = cli_stage_close(o->directory, stage, status);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
@@ -226,7 +238,8 @@ const cli_command cmd_run = {
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
-    "lists the keys of a scene file.\n"
+    "lists the keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
+    "only a whole result replaces the one in DIR.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
     "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"
