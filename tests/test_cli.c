@@ -1563,6 +1563,24 @@ static void test_stopped(void)
     leave();
 }
 
+/* At 0.98 of the largest step allowed, 60 grains without damping heat up; at a fifth of it, or with damping,
+ * their energy does not grow. */
+static void test_energy_growth(void)
+{
+    enter();
+    write_text("s.cfg",
+               "steps = 50000; dt = 1.097e-4; normal = { k_n = 1.0e6; gamma_n = 0.0; };\n"
+               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
+               "          { point = [2.0, 0.0]; direction = [-1.0, 0.0]; } );\n"
+               "fill = { N = 60; W = 2.0; H = 3.0; seed = 5; radius_mean = 0.1; radius_width = 0.0; };\n");
+    CU_ASSERT(run("run s.cfg") == 0 && strstr(err, "warning: energy grew by "));
+    CU_ASSERT(strstr(out, "\n# warning: energy grew by ") != NULL);
+    GOOD("run s.cfg --set dt=2e-5");
+    GOOD("run s.cfg --set normal.gamma_n=50");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1631,6 +1649,7 @@ void suite_cli(void)
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},
+                                       {"run: energy grows without damping", test_energy_growth},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

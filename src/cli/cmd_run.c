@@ -120,6 +120,52 @@ static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim
     return run ? rp_fail(run, "%s", why) : status;
 }
 
+/* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
+ * compared: a step near the limit of stability heats a scene with little damping, slowly and without an end.
+ */
+enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
+static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
+
+typedef struct {
+    long every; /* steps; 0: no such scene */
+    size_t n, grains;
+    double first, last, scale;
+} growth;
+
+static growth growth_of(const dem_scene *scene, const dem_sim *sim)
+{
+    bool driven =
+        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) driven |= scene->def.walls[w].open_at_step >= 0;
+    return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
+}
+
+static void growth_sample(growth *g, const dem_sim *sim)
+{
+    dem_energy e;
+    if (g->every == 0 || dem_step(sim) % g->every != 0) return;
+    dem_energies(sim, &e);
+    const double free = e.kinetic + e.elastic + e.rotational;
+    g->scale = fmax(g->scale, free);
+    if (g->n < SAMPLES / 4) g->first += free + e.gravity;
+    if (g->n >= SAMPLES - SAMPLES / 4 && g->n < SAMPLES) g->last += free + e.gravity;
+    g->n++;
+}
+
+/* No grain may have left with its energy. */
+static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
+{
+    const double grown = (g->last - g->first) / (SAMPLES / 4) / g->scale;
+    char text[160];
+    if (g->n < SAMPLES || dem_count(sim) != g->grains || !(grown > MOST_GROWTH)) return;
+    snprintf(text, sizeof text,
+             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
+             "damping",
+             100.0 * grown);
+    rp_table_note(states, "warning", "%s", text);
+    fprintf(stderr, "repose run: warning: %s\n", text);
+}
+
 static void show_progress(const dem_sim *sim, long steps)
 {
     static int last = -1;
@@ -136,6 +182,13 @@ static void note_stop(int signal_number)
     stop_signal = signal_number;
 }
 
+/* Steps to the next multiple of `every`, at most `part`. */
+static long to_next(long every, const dem_sim *sim, long part)
+{
+    const long steps = every - dem_step(sim) % every;
+    return steps < part ? steps : part;
+}
+
 static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim *sim)
 {
     cli_on_stop(note_stop);
@@ -147,21 +200,24 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     if (status) return status;
     status = outputs_open(&out, scene, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
+    growth energy = growth_of(scene, sim);
     while (!status && dem_step(sim) < scene->steps) {
         long part = scene->steps - dem_step(sim);
-        long to_next = o->every > 0 ? o->every - dem_step(sim) % o->every : part;
-        if (to_next < part) part = to_next;
+        if (o->every > 0) part = to_next(o->every, sim, part);
+        if (energy.every > 0) part = to_next(energy.every, sim, part);
         if (part > most) part = most;
         status = dem_run(sim, part);
         /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
         if (status == RP_BROKEN && dem_sim_fault(sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         show_progress(sim, scene->steps);
+        if (!status) growth_sample(&energy, sim);
         if (!status && stop_signal)
             status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld", dem_step(sim), scene->steps);
         if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
             status = outputs_write(&out, sim);
     }
     if (!status && (o->every <= 0 || scene->steps > 0)) status = outputs_write(&out, sim);
+    if (!status) growth_report(&energy, sim, out.states);
     status = outputs_close(&out, scene, sim, status);
     return out.directory ? cli_stage_close(o->directory, stage, status) : status;
 }
