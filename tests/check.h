@@ -29,6 +29,7 @@
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
+    X(suite_drill)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \

@@ -114,9 +114,9 @@ static int end_worker(worker *w)
     return wait_status;
 }
 
-static void hand_out(pool *p, worker *w)
+static rp_status hand_out(pool *p, worker *w)
 {
-    if (w->busy || p->waiting == 0) return;
+    if (w->busy || p->waiting == 0) return RP_OK;
     w->run = p->todo[p->next];
     w->tries = p->tries[p->next];
     w->start = rp_clock();
@@ -124,7 +124,10 @@ static void hand_out(pool *p, worker *w)
     w->busy = true;
     p->next = (p->next + 1) % p->n_todo;
     p->waiting--;
-    send(w->socket, &w->run, sizeof w->run, MSG_NOSIGNAL); /* a dead worker is noticed by its closed socket */
+    /* a dead worker is noticed by its closed socket */
+    if (send(w->socket, &w->run, sizeof w->run, MSG_NOSIGNAL) < 0 && errno != EPIPE && errno != ECONNRESET)
+        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->run, strerror(errno));
+    return RP_OK;
 }
 
 static rp_status store_row(pool *p, const sweep_row *row)
@@ -272,8 +275,8 @@ static rp_status run_all(pool *p)
     for (size_t i = 0; !status && i < p->n_workers; i++) status = start_worker(p, &p->workers[i]);
     show(p);
     while (!status && p->finished < p->n_todo) {
-        for (size_t i = 0; i < p->n_workers; i++) hand_out(p, &p->workers[i]);
-        status = serve(p, polled);
+        for (size_t i = 0; !status && i < p->n_workers; i++) status = hand_out(p, &p->workers[i]);
+        if (!status) status = serve(p, polled);
         show(p);
     }
     for (size_t i = 0; p->workers && i < p->n_workers; i++)
