@@ -342,6 +342,7 @@ static bool inject(fault kind, long call, bool persistent)
     CU_ASSERT(end == RP_OK || end == RP_NO_RESULT || end == RP_NO_MEMORY || end == RP_IO ||
               end == RP_BAD_INPUT || end == 128 + SIGSEGV || end == 128 + SIGABRT);
     conclude();
+    return end != RP_OK;
 }
 
 static void test_faults(void)
