@@ -297,6 +297,61 @@ static void test_unidentified(void)
     CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
 }
 
+/* An interval far narrower than the scanned values are apart, at different parts of their distance. */
+static void test_narrow(void)
+{
+    stats_calibration c;
+    start(1, 1);
+    for (int g = 0; g < 6; g++) add_four(0.2 * g, 0.0, 10.0 + 20.0 * 0.2 * g, 1e-3);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    for (int k = 1; k < 10; k++) {
+        stats_calibrated r[STATS_MAX_PARAMS];
+        const double x = (200.0 + 0.1 * k) / 400.0;
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{10.0 + 20.0 * x}, {1e-4}}, r));
+        CU_ASSERT(r[0].status == STATS_CALIBRATED_OK &&
+                  r[0].solutions[0].upper - r[0].solutions[0].lower < 4e-4);
+        CHECK_NEAR(r[0].value, x, search_error);
+    }
+    stats_calibration_free(&c);
+}
+
+/* Any table of piles has an answer or an error of its own, and never a broken invariant. */
+static void test_random_tables(void)
+{
+    const int n = check_fast() ? 40 : 250;
+    gsl_rng *rng = rp_random_alloc(2214, 0, RP_PURPOSE_TEST);
+    int found = 0;
+    for (int table = 0; table < n; table++) {
+        const size_t n_points = 4 + gsl_rng_uniform_int(rng, 7), n_each = 2 + gsl_rng_uniform_int(rng, 6);
+        const double unit = pow(10.0, gsl_ran_flat(rng, -2.0, 2.0)),
+                     sd = pow(10.0, gsl_ran_flat(rng, -2.0, 0.5));
+        const double slope = gsl_ran_flat(rng, -30.0, 40.0), bend = gsl_ran_flat(rng, 0.1, 1.5);
+        start(1, 1 + gsl_rng_uniform_int(rng, 2));
+        for (size_t g = 1; g <= n_points; g++)
+            for (size_t k = 0; k < n_each; k++) {
+                const double x = (double)g / (double)n_points, e = gsl_ran_gaussian(rng, sd);
+                const double other = gsl_rng_uniform(rng) < 0.5 ? e : gsl_ran_gaussian(rng, sd);
+                const double angle = table % 2 ? slope * tanh(x / bend) : gsl_ran_flat(rng, 0.0, 40.0);
+                add(x * unit, 0.0, angle + e, 5.0 + 14.0 * x + (table % 3 ? other : e));
+            }
+        stats_calibration c;
+        stats_calibrated r[STATS_MAX_PARAMS];
+        stats_case held[3];
+        const stats_measured m = measured(gsl_ran_flat(rng, 0.0, 40.0), 1.0, 12.0, 0.5);
+        rp_status status = stats_calibration_fit(&piles, &c);
+        if (!status) status = stats_calibration_invert(&c, &m, r);
+        if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, 2, rng, r);
+        CHECK_OK(status);
+        found += r[0].n_solutions > 0;
+        CU_ASSERT(r[0].n_solutions > 0 || r[0].status == STATS_CALIBRATED_NO_MATCH);
+        stats_calibration_free(&c);
+        status = stats_calibration_holdout(&piles, 3, rng, held);
+        CU_ASSERT(status == RP_OK || status == RP_BAD_INPUT);
+    }
+    CU_ASSERT(found > n / 2);
+    gsl_rng_free(rng);
+}
+
 /* ---- coverage ---- */
 
 static double truth_r(double x)
@@ -445,6 +500,8 @@ void suite_calibrate(void)
                                        {"saturating responses", test_saturating},
                                        {"two parameters, two angles", test_two_parameters},
                                        {"parameters not identified", test_unidentified},
+                                       {"an interval narrower than the scan", test_narrow},
+                                       {"random tables", test_random_tables},
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
                                        {"errors", test_errors},

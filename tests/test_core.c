@@ -1,6 +1,6 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
-#include <gsl/gsl_cdf.h>
 #include <fcntl.h>
+#include <gsl/gsl_cdf.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -11,6 +11,7 @@
 #include "core/table.h"
 #include "core/version.h"
 #include "tests/check.h"
+#include "tests/faults.h"
 
 typedef struct {
     double a, b;
@@ -169,6 +170,81 @@ static void files(void)
     config_destroy(&config);
 }
 
+/* What libconfig would wrap or read for minutes is refused, and comments and texts hold no numbers. */
+static void whole_numbers(void)
+{
+    static const struct {
+        const char *text, *refused;
+    } list[] = {
+        {"n = 0x7fffffffff;", ":1: 0x7fffffffff: whole numbers go up to"},
+        {"n = 0X80000000;", ":1: 0X80000000: "},
+        {"n = -3000000000;", ":1: -3000000000: "},
+        {"n = 5;\r\n\tm\f=[1,2,+2147483648];", ":2: +2147483648: "},
+        {"n = 99999999999999999999L;", "99999999999999999999L: "},
+        {"n = 0xffffffffffffffffL;", "0xffffffffffffffffL: "},
+        {"/**/n=/*\n*/2147483648", ":2: 2147483648: "},
+        {"text = \"\\\"\";n = 2147483648;", "2147483648: "},
+        {"n = 10#3000000000\n;", NULL},
+        {"n = 10//3000000000\n;", NULL},
+        {"n = 0x1f;", NULL},
+        {"n = 99L;", NULL},
+        {"a = 3000000000e-9; // 1\nb = 3000000000.0; n = 5;", NULL},
+        {"a = .3000000000; b = 0.3E+1;", NULL},
+        {"text = \"\\\\\"; # 3000000000 \"\nn = 6; /* * 3000000000 **/", NULL},
+        {"@include \"/no/such.cfg\"\n", "/no/such.cfg: cannot read"},
+        {"  @include  \"repose-included.cfg\"\nn = 5;", "repose-included.cfg:2: 3000000000: "},
+        {"@include \"repose-endless.cfg\"\n", "more than 10 files within one another"},
+    };
+    values v;
+    FILE *more = fopen("/tmp/repose-included.cfg", "w");
+    fputs("# below\nn = 3000000000;", more);
+    fclose(more);
+    more = fopen("/tmp/repose-endless.cfg", "w");
+    fputs("@include \"repose-endless.cfg\"\n", more);
+    fclose(more);
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+        if (list[i].refused)
+            CHECK_FAILS(read_text(list[i].text, &v), RP_BAD_INPUT, list[i].refused);
+        else
+            CHECK_OK(read_text(list[i].text, &v));
+    unlink("/tmp/repose-included.cfg");
+    unlink("/tmp/repose-endless.cfg");
+}
+
+/* `before`, n times `part`, `after`. */
+static rp_status read_long(const char *before, const char *part, size_t n, const char *after)
+{
+    values v;
+    char *text = malloc(strlen(before) + n * strlen(part) + strlen(after) + 1), *end = stpcpy(text, before);
+    while (n--) end = stpcpy(end, part);
+    strcpy(end, after);
+    rp_status status = read_text(text, &v);
+    free(text);
+    return status;
+}
+
+static void large_files(void)
+{
+    config_t config;
+    CHECK_OK(read_long("n = 5;", " ", 65536, ""));
+    CHECK_FAILS(read_long("n = 5;", " ", 65537, ""), RP_BAD_INPUT, ":1: a text, comment, gap");
+    CHECK_FAILS(read_long("\nn = 5; text = \"", "x", 65536, "\";"), RP_BAD_INPUT, ":2: a text, comment, gap");
+    CHECK_FAILS(read_long("/*", "\n", 65536, "*/"), RP_BAD_INPUT, ":1: a text, comment, gap");
+    CHECK_FAILS(read_long("n = ", "0", 65537, "5;"), RP_BAD_INPUT, "a text, comment, gap");
+    CHECK_FAILS(read_long("", "n = 1;\n", 1001, ""), RP_BAD_INPUT, ":1001: more than 1000 keys in one group");
+    CHECK_FAILS(read_long("m = ", "(", 32, ""), RP_BAD_INPUT, ":1: more than 31 groups and lists");
+    CHECK_FAILS(read_long("m = ( ", "{n = 1;},\n", 2000, "{} )"), RP_BAD_INPUT, ":1: m: unknown key");
+    CHECK_FAILS(rp_config_read("/dev/zero", &config), RP_BAD_INPUT, "is no regular file");
+    config_destroy(&config);
+    char path[] = "/tmp/repose-test-XXXXXX";
+    const int file = mkstemp(path);
+    CU_ASSERT(ftruncate(file, (64 << 20) + 1) == 0);
+    CHECK_FAILS(rp_config_read(path, &config), RP_BAD_INPUT, "more than 64 MB");
+    config_destroy(&config);
+    close(file);
+    unlink(path);
+}
+
 /* Philox4x32-10 of the key and counter 0: the known answer of its authors' test vectors. */
 static void random_known_answer(void)
 {
@@ -304,6 +380,49 @@ static void tables(void)
     fclose(out);
 }
 
+/* A file has its name once its bytes are on the disk; two that write it at a time do not mix. */
+static void written_files(void)
+{
+    char path[] = "/tmp/repose-table-XXXXXX", text[16] = "";
+    FILE *one, *two;
+    close(mkstemp(path));
+    CHECK_OK(rp_file_open(path, &one));
+    CHECK_OK(rp_file_open(path, &two));
+    fputs("one", one);
+    fputs("second", two);
+    CHECK_OK(rp_file_close(path, two, RP_OK));
+    CHECK_OK(rp_file_close(path, one, RP_OK));
+    CHECK_OK(rp_file_open(path, &two));
+    fputs("third", two);
+    fault_order(FAULT_SYNC, 1, true);
+    CHECK_FAILS(rp_file_close(path, two, RP_OK), RP_IO, "cannot write: Input/output error");
+    fault_order(FAULT_SYNC, 0, false);
+    one = fopen(path, "r");
+    CU_ASSERT(fread(text, 1, sizeof text - 1, one) == 3 && strcmp(text, "one") == 0);
+    fclose(one);
+    unlink(path);
+}
+
+/* One wide row asks for as many cells as there are bytes, not for cells of every line. */
+static void hostile_tables(void)
+{
+    enum { N = 1000000 };
+    char path[] = "/tmp/repose-table-XXXXXX", *text;
+    rp_table t;
+    FILE *out = fdopen(mkstemp(path), "w");
+    for (int i = 0; i < N; i++) fputs("1 ", out);
+    for (int i = 0; i < N; i++) fputs("\n1", out);
+    fclose(out);
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 1 cells where 1000000 are expected");
+    rp_table_free(&t);
+    CHECK_OK(rp_file_read(path, &text));
+    CU_ASSERT(strlen(text) == 4 * N);
+    free(text);
+    unlink(path);
+    CHECK_FAILS(rp_table_read("/dev/zero", &t), RP_BAD_INPUT, "/dev/zero: no text: holds a 0 byte");
+    rp_table_free(&t);
+}
+
 static void statuses(void)
 {
     CU_ASSERT(RP_USAGE == 64 && RP_BAD_INPUT == 65 && RP_BROKEN == 70 && RP_IO == 74 && RP_STOPPED == 75);
@@ -320,10 +439,14 @@ void suite_core(void)
                                        {"keys", keys},
                                        {"keys with inherited parameters", inherited},
                                        {"parameter files", files},
+                                       {"whole numbers in parameter files", whole_numbers},
+                                       {"large parameter files", large_files},
                                        {"random numbers: known answer", random_known_answer},
                                        {"random streams are distinct", random_streams},
                                        {"truncated normal deviates", cut_normal},
                                        {"tables", tables},
+                                       {"files are whole", written_files},
+                                       {"hostile tables", hostile_tables},
                                        {NULL, NULL}};
     check_register("core", cases);
 }

@@ -5,7 +5,6 @@
 
 #include "stress/dip.h"
 #include "core/random.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"

@@ -12,7 +12,7 @@
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "core/stiffness.h"
-#include "sweeps/driver/outline.h"
+#include "sweeps/driver/pile.h"
 #include "tests/check.h"
 
 static const double DEG = M_PI / 180;
@@ -1150,7 +1150,9 @@ static void check_summary(void)
     CHECK_NEAR(cell(&t, 0, "H_N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
     CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_outline_centre(K, N), ROUNDING);
     stress_base profile;
-    CHECK_OK(sweep_outline_base(K, x, N, &profile));
+    double radius[K];
+    for (int i = 0; i < K; i++) radius[i] = 0.5;
+    CHECK_OK(stress_base_profile(K, x, radius, N, &profile));
     CHECK_NEAR(cell(&t, 0, "D"), stress_dip(profile.N), ROUNDING);
     rp_table_free(&t);
     CU_ASSERT(run("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary") == 0);
@@ -1195,7 +1197,7 @@ static void check_ensemble(void)
         statics_pile *pile = NULL;
         statics_result r;
         statics_definition def = statics_definition_default();
-        CHECK_OK(sweep_outline_slope(&h, K, 0, 30 * DEG));
+        CHECK_OK(sweep_outline_make(&h, K, 0, 30 * DEG, 0, NULL));
         CHECK_OK(sweep_outline_disorder(&h, 1e-4, 5, p));
         def.n = h.n;
         def.disks = h.disks;

@@ -74,7 +74,7 @@ static void impacts(void)
     for (int law = 0; law < DEM_NORMAL_N; law++)
         for (int tension = 0; tension < 2; tension++)
             for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
-                const bool one_force = dem_schemes[integrator]->pair_parts; /* adds hardly any energy */
+                const bool one_force = dem_schemes[integrator]->parts; /* adds hardly any energy */
                 dem_grain grains[2];
                 dem_definition def = two_grains(grains, law, 900.0, tension);
                 def.integrator = integrator;

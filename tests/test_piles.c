@@ -100,7 +100,7 @@ static void friction_and_centre(void)
     for (long k = 2; k < 50; k += 9) {
         sweep_outline h = {0};
         double exact_N[50], exact_H[50];
-        CHECK_OK(sweep_outline_slope(&h, k, 0, 0));
+        CHECK_OK(sweep_outline_make(&h, k, 0, 0, 0, NULL));
         for (long i = 0; i < k; i++) {
             exact_N[i] = h.exact[i].N;
             exact_H[i] = h.exact[i].H;
@@ -117,8 +117,8 @@ static void sizes(void)
 {
     const double S = 0.02385;
     sweep_outline a = {0}, b = {0};
-    CHECK_OK(sweep_outline_slope(&a, 100, 0, 50 * DEG));
-    CHECK_OK(sweep_outline_slope(&b, 100, 0, 50 * DEG));
+    CHECK_OK(sweep_outline_make(&a, 100, 0, 50 * DEG, 0, NULL));
+    CHECK_OK(sweep_outline_make(&b, 100, 0, 50 * DEG, 0, NULL));
     CHECK_OK(sweep_outline_disorder(&a, S, 7, 3));
     CHECK_OK(sweep_outline_disorder(&b, S, 7, 4));
     double sum = 0, squares = 0;
@@ -154,7 +154,7 @@ static void unequal_piles_stand(void)
     static const double S[] = {1e-6, 1e-4, 1e-2}, eps[] = {1e-4, 1e-6};
     for (int c = 0; c < (check_fast() ? 2 : 6); c++) {
         sweep_outline h = {0};
-        CHECK_OK(sweep_outline_slope(&h, 24, 0, 30 * DEG));
+        CHECK_OK(sweep_outline_make(&h, 24, 0, 30 * DEG, 0, NULL));
         CHECK_OK(sweep_outline_disorder(&h, S[c / 2], 1992, (unsigned long)c));
         statics_definition def = statics_definition_default();
         def.n = h.n;
@@ -267,10 +267,7 @@ typedef struct {
 static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, statics_result *r)
 {
     *h = (sweep_outline){0};
-    if (c->n_corners)
-        CHECK_OK(sweep_outline_polygon(h, 22, c->gap, c->corners, c->n_corners));
-    else
-        CHECK_OK(sweep_outline_slope(h, 22, c->gap, c->alpha));
+    CHECK_OK(sweep_outline_make(h, 22, c->gap, c->alpha, c->n_corners, c->corners));
     if (c->disorder > 0) CHECK_OK(sweep_outline_disorder(h, c->disorder, 1992, 3));
     statics_definition def = statics_definition_default();
     def.n = h->n;

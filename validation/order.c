@@ -177,7 +177,7 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
     dem_grain grain;
     const double dt = exact->time / n;
     dem_definition def = flight(p, integrator, dt, phase, &grain);
-    def.ledger = !dem_schemes[integrator]->pair_parts; /* else its energy error has no order */
+    def.ledger = !dem_schemes[integrator]->parts; /* else its energy error has no order */
     dem_sim *sim = grains_start(&def);
     /* Gear's higher derivatives decay over some steps after the contact */
     CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));
@@ -388,7 +388,7 @@ static void orders(void)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             const scheme s = {dem_schemes[i]->name, simulate, i};
             double expected[N_ERRORS];
-            if (dem_schemes[i]->pair_parts) {
+            if (dem_schemes[i]->parts) {
                 check_implicit(p, &s, table, summary);
                 continue;
             }

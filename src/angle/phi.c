@@ -19,14 +19,12 @@
 #include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
-#include <nlopt.h>
 #include <stdlib.h>
 
 #include "angle/angle.h"
 
 static const double difference = 1e-4;        /* of the slope of (4), rad: error 1e-8 */
 static const double margin = 2e-4;            /* rad, between phi and where it ends */
-static const double tolerance = 1e-9;         /* of phi, rad */
 static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
 static const double root_tolerance = 1e-12;   /* of the interval's ends, rad */
 enum { SCAN = 48, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
@@ -41,6 +39,7 @@ typedef struct {
     size_t n_groups;
     ang_against against;
     moments *group;
+    double most; /* chi2 where the interval of phi ends */
 } problem;
 
 const char *ang_against_word(ang_against against)
@@ -73,12 +72,13 @@ static double t_squared(const moments *g, ang_against against, double phi)
     return g->n * e * e / (g->var_t - 2.0 * slope * g->cov + slope * slope * g->var_r);
 }
 
-static double misfit(const problem *q, double phi)
+static double misfit(const double phi[], void *data)
 {
+    const problem *q = data;
     double sum = 0.0;
     for (size_t i = 0; i < q->n_groups; i++) {
         const moments *g = &q->group[i];
-        sum += g->scale * g->n * log1p(t_squared(g, q->against, phi) / (g->n - 1.0));
+        sum += g->scale * g->n * log1p(t_squared(g, q->against, *phi) / (g->n - 1.0));
     }
     return sum;
 }
@@ -151,69 +151,42 @@ static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem 
     return lo < hi ? RP_OK : rp_fail(RP_NO_RESULT, "theta_r + theta_t = %g rad: steeper than any ray", lo);
 }
 
-static double objective(unsigned n, const double *x, double *gradient, void *data)
+/* The best phi: of several minima, as a sum of terms that saturate may have, the least. */
+static rp_status minimise(problem *q, double *phi, double *chi2)
 {
-    (void)n, (void)gradient;
-    return misfit(data, *x);
+    double lo[2] = {0.0}, hi[2] = {0.0}, x[2];
+    phi_range(q, lo, hi);
+    rp_status status = stats_least(misfit, q, lo, hi, SCAN, x, chi2);
+    *phi = x[0];
+    return status;
 }
-
-/* The best of a coarse scan, refined: a sum of terms that saturate may have several minima. */
-static rp_status minimise(problem *q, nlopt_opt optimiser, double *phi)
-{
-    double lo, hi, best = INFINITY, chi2;
-    phi_range(q, &lo, &hi);
-    const double step = (hi - lo) / SCAN;
-    for (int i = 0; i <= SCAN; i++) {
-        double at = lo + i * step, here = misfit(q, at);
-        if (here < best) {
-            best = here;
-            *phi = at;
-        }
-    }
-    nlopt_set_min_objective(optimiser, objective, q);
-    nlopt_set_lower_bounds1(optimiser, fmax(lo, *phi - step));
-    nlopt_set_upper_bounds1(optimiser, fmin(hi, *phi + step));
-    nlopt_set_initial_step1(optimiser, 0.3 * step);
-    nlopt_set_xtol_abs1(optimiser, tolerance);
-    nlopt_set_maxeval(optimiser, 1000);
-    nlopt_result result = nlopt_optimize(optimiser, phi, &chi2);
-    return result > 0 && result != NLOPT_MAXEVAL_REACHED
-               ? RP_OK
-               : rp_fail(RP_BROKEN, "phi: NLopt: %s", nlopt_result_to_string(result));
-}
-
-typedef struct {
-    const problem *q;
-    double most;
-} level_of_chi2;
 
 static double above_level(double phi, void *data)
 {
-    const level_of_chi2 *l = data;
-    return misfit(l->q, phi) - l->most;
+    const problem *q = data;
+    return misfit(&phi, data) - q->most;
 }
 
-/* Where chi2 has risen to `most` between the best phi and `end`; *open if it has not, and then `end`. */
-static rp_status profile_end(const problem *q, double phi, double end, double most, bool *open, double *at)
+/* Where chi2 has risen to q->most between the best phi and `end`; *open if it has not, and then `end`. */
+static rp_status profile_end(problem *q, double phi, double end, bool *open, double *at)
 {
-    level_of_chi2 l = {q, most};
     *at = end;
-    *open = above_level(end, &l) < 0.0;
+    *open = above_level(end, q) < 0.0;
     if (*open) return RP_OK;
-    return ang_root(above_level, &l, fmin(phi, end), fmax(phi, end), root_tolerance, 0.0, at);
+    return ang_root(above_level, q, fmin(phi, end), fmax(phi, end), root_tolerance, 0.0, at);
 }
 
-static rp_status fit_equation(problem *q, nlopt_opt optimiser, ang_phi *fit)
+static rp_status fit_equation(problem *q, ang_phi *fit)
 {
     double lo, hi;
-    rp_status status = minimise(q, optimiser, &fit->phi);
+    rp_status status = minimise(q, &fit->phi, &fit->chi2);
     if (status) return status;
     phi_range(q, &lo, &hi);
-    fit->chi2 = misfit(q, fit->phi);
+    q->most = fit->chi2 + rise;
     fit->dof = q->n_groups - 1;
     fit->p_value = fit->dof > 0 ? gsl_cdf_chisq_Q(fit->chi2, (double)fit->dof) : NAN;
-    status = profile_end(q, fit->phi, lo, fit->chi2 + rise, &fit->lo_open, &fit->lo);
-    if (!status) status = profile_end(q, fit->phi, hi, fit->chi2 + rise, &fit->hi_open, &fit->hi);
+    status = profile_end(q, fit->phi, lo, &fit->lo_open, &fit->lo);
+    if (!status) status = profile_end(q, fit->phi, hi, &fit->hi_open, &fit->hi);
     return status;
 }
 
@@ -245,18 +218,19 @@ static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST]
 }
 
 static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
-                         nlopt_opt optimiser, size_t pick[], double sample[], ang_phi fit[ANG_N_AGAINST])
+                         size_t pick[], double sample[], ang_phi fit[ANG_N_AGAINST])
 {
     rp_status status = RP_OK;
+    double chi2;
     for (int a = 0; a < N_EQUATIONS && !status; a++) {
         q->against = (ang_against)a;
-        status = fit_equation(q, optimiser, &fit[a]);
+        status = fit_equation(q, &fit[a]);
     }
     for (size_t k = 0; k < n_resamples && !status; k++) {
         resample(q, groups, rng, pick);
         for (int a = 0; a < N_EQUATIONS && !status; a++) {
             q->against = (ang_against)a;
-            status = minimise(q, optimiser, &sample[a * n_resamples + k]);
+            status = minimise(q, &sample[a * n_resamples + k], &chi2);
         }
     }
     if (!status) compare_samples(n_resamples, sample, fit);
@@ -274,14 +248,12 @@ rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamp
     status = set_problem(n_groups, groups, &q);
     size_t most = 1;
     for (size_t i = 0; i < n_groups; i++) most = groups[i].n > most ? groups[i].n : most;
-    nlopt_opt optimiser = nlopt_create(NLOPT_LN_COBYLA, 1);
     size_t *pick = malloc(most * sizeof *pick);
     double *sample = malloc(ANG_N_AGAINST * n_resamples * sizeof *sample);
-    if (!status && !(optimiser && pick && sample)) status = rp_fail(RP_NO_MEMORY, "phi: out of memory");
-    if (!status) status = fit_all(&q, groups, n_resamples, rng, optimiser, pick, sample, fit);
+    if (!status && !(pick && sample)) status = rp_fail(RP_NO_MEMORY, "phi: out of memory");
+    if (!status) status = fit_all(&q, groups, n_resamples, rng, pick, sample, fit);
     free(sample);
     free(pick);
-    nlopt_destroy(optimiser);
     free(q.group);
     return status;
 }

@@ -1,5 +1,6 @@
 /* Published claims and what our tables say of them; see claims.h. */
 #include "cli/claims.h"
+#include "cli/cli.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -325,8 +326,8 @@ rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, cons
 
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
 {
-    *judged = calloc(claims->n + 1, sizeof **judged);
-    rp_status status = *judged ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
+    *judged = cli_memory(claims->n, sizeof **judged);
+    rp_status status = RP_OK;
     for (size_t i = 0; i < claims->n && !status; i++)
         status = cli_claim_judge(claims, &claims->claims[i], folders, &(*judged)[i]);
     return status;
@@ -336,14 +337,12 @@ rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], 
                            char text[256])
 {
     size_t counts[STATS_VERDICTS], n = 0;
-    stats_verdict *verdicts = calloc(claims->n + 1, sizeof *verdicts);
+    stats_verdict *verdicts = cli_memory(claims->n, sizeof *verdicts);
     *text = '\0';
-    if (!verdicts) return rp_fail(RP_NO_MEMORY, "claims: out of memory");
     for (size_t i = 0; i < claims->n; i++)
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             verdicts[n++] = judged[i].verdict;
     stats_count_verdicts(n, verdicts, counts);
-    free(verdicts);
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
         snprintf(text + strlen(text), 256 - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
                  stats_verdict_text(v));

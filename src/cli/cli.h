@@ -2,6 +2,8 @@
 #ifndef CLI_H
 #define CLI_H
 
+#include <gsl/gsl_rng.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -9,6 +11,53 @@
 #include "core/status.h"
 #include "core/table.h"
 #include "sweeps/driver/sweep.h"
+
+/* One option of a command is X(type, name, unit, default, range, meaning), as in rp_param: type REAL, INT,
+ * BOOL, ..., name with underlines for dashes, default NULL for a required one. CLI_OPTIONS(name, LIST) makes
+ * of a list of options the structure name_options of their values and their schema name_params. */
+#define CLI_OPTIONS(name, LIST)                                                                              \
+    typedef struct {                                                                                         \
+        LIST(CLI_FIELD)                                                                                      \
+    } name##_options;                                                                                        \
+    static const rp_param *name##_params(void)                                                               \
+    {                                                                                                        \
+        typedef name##_options T;                                                                            \
+        static const rp_param rows[] = {LIST(CLI_PARAM){0}};                                                 \
+        return rows;                                                                                         \
+    }
+#define CLI_FIELD(type, name, ...) CLI_FIELD_##type name;
+#define CLI_FIELD_REAL             double
+#define CLI_FIELD_INT              long
+#define CLI_FIELD_BOOL             bool
+#define CLI_FIELD_CHOICE           int
+#define CLI_FIELD_TEXT             const char *
+#define CLI_FIELD_TEXTS            rp_texts
+#define CLI_PARAM(type, name, unit, fallback, range, meaning)                                                \
+    {#name, unit, RP_##type, offsetof(T, name), fallback, range, meaning},
+
+/* Options that several commands have. */
+#define CLI_WHERE(X)                                                                                         \
+    X(TEXTS, where, "", "", "",                                                                              \
+      "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold")
+#define CLI_SEED(X, fallback, meaning) X(INT, seed, "", fallback, "[0, 2147483647]", meaning)
+#define CLI_BOOTSTRAP(X, fallback)                                                                           \
+    X(INT, bootstrap, "", fallback, "[2, 10000000]", "resamples of the piles")                               \
+    CLI_SEED(X, "1993", "seed of the resamples")
+#define CLI_BY(X, fallback, what)                                                                            \
+    X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
+#define CLI_RANGE(X, what)                                                                                   \
+    X(REAL, from, "", "-1e308", "(-inf, inf)", "smallest " what " that is used")                             \
+    X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
+#define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
+#define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
+#define CLI_CLAIMS(X)                                                                                        \
+    X(TEXT, tables, "", "results,build/tables", "",                                                          \
+      "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
+    X(TEXT, claims, "", "figures/claims.tsv", "", "file of the claims")
+#define CLI_POSITIONS(X)                                                                                     \
+    X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
+      "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \
+    X(TEXT, at, "", "auto", "", "positions as fractions of B, as in 0.1,0.25")
 
 /* One command: text of --help, options of the parser, and the function that acts on their values. Options of
  * one letter take one dash. A first word of the synopsis in capitals is an argument, with three dots after it
@@ -19,11 +68,12 @@ typedef struct cli_command {
     const char *synopsis; /* arguments and options on the usage line */
     const char *about;    /* one or more lines */
     const char *example;
-    const rp_param *options; /* NULL: none */
-    rp_status (*act)(const void *values);
-    rp_status (*on_table)(rp_table *table, const void *values); /* the argument, read by cli_table_read */
-    const struct cli_command *const *group;                     /* subcommands, to NULL; no `act` */
-    rp_status (*run)(int argc, char **argv);                    /* parses by itself, in place of all */
+    const rp_param *(*options)(void); /* schema; NULL: none */
+    rp_status (*act)(void *values);
+    rp_status (*on_table)(rp_table *table, void *values); /* the argument, rows as --where has it */
+    const struct cli_command *const *group;               /* subcommands, to NULL; no `act` */
+    const rp_param *protocol; /* schema whose options come first, and the size of its values */
+    size_t protocol_size;
 } cli_command;
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
@@ -31,15 +81,10 @@ typedef struct cli_command {
  * value, required option or argument), RP_BAD_INPUT (a value), and the action's own. */
 rp_status cli_run(const cli_command *command, int argc, char **argv);
 
-/* Argument number i of the command line that was parsed last, NULL beyond their end. */
+/* Of the command line that was parsed last: argument number i, NULL beyond their end; whether option `name`
+ * was given. */
 const char *cli_argument(int i);
-
-/* Whether option `name` was on the command line that was parsed last. */
 bool cli_given(const char *name);
-
-/* Read a table, and keep the rows that meet the option --where of the command's options `values`, if it has
- * one. Free with rp_table_free, also after an error. Errors: those of rp_table_read and rp_table_where. */
-rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table);
 
 /* sweep_run with the given number of workers, below 1: one per processor, and limits of a run (MB, s; 0:
  * none); its progress on a terminal. */
@@ -59,33 +104,23 @@ void cli_stage_stops(const char *stage);
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 
-/* clang-format off */
-/* The option --where of commands on tables, in a field rp_texts `where` of the structure T. */
-#define CLI_WHERE(T)                                                                                         \
-    {"where", "", RP_TEXTS, offsetof(T, where), "", "",                                                      \
-     "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold"}
+/* Zeroed memory for n objects, a generator of resamples, a table: all freed after the command, and those
+ * since a mark by cli_release. Without memory the program ends. */
+void *cli_memory(size_t n, size_t size);
+gsl_rng *cli_random(long seed, unsigned long run);
 
-/* Options that several commands have, in fields of the structure T named like them. */
-#define CLI_TEXT(T, field, fallback, meaning) {#field, "", RP_TEXT, offsetof(T, field), fallback, "", meaning}
-#define CLI_BOOL(T, field, meaning) {#field, "", RP_BOOL, offsetof(T, field), "false", "", meaning}
-#define CLI_SEED(T, fallback, meaning)                                                                       \
-    {"seed", "", RP_INT, offsetof(T, seed), fallback, "[0, 2147483647]", meaning}
-#define CLI_BOOTSTRAP(T, fallback)                                                                           \
-    {"bootstrap", "", RP_INT, offsetof(T, bootstrap), fallback, "[2, 10000000]", "resamples of the piles"},  \
-    CLI_SEED(T, "1993", "seed of the resamples")
-#define CLI_BY(T, fallback, what)                                                                            \
-    CLI_TEXT(T, by, fallback, "columns (a or a,b,...) whose different cells make the " what)
-#define CLI_RANGE(T, what)                                                                                   \
-    {"from", "", RP_REAL, offsetof(T, from), "-1e308", "(-inf, inf)", "smallest " what " that is used"},     \
-    {"to", "", RP_REAL, offsetof(T, to), "1e308", "(-inf, inf)", "largest " what " that is used"}
-#define CLI_PHI(T)                                                                                           \
-    {"phi-deg", "deg", RP_REAL, offsetof(T, phi_deg), "60", "(0, 90)", "inclination of the rays of force"}
-#define CLI_WORKERS(T)                                                                                       \
-    {"j", "", RP_INT, offsetof(T, j), "auto", "[1, 4096] | auto", "worker processes; auto: one per processor"}
-/* clang-format on */
+rp_status cli_table_read(const char *path, rp_table **table); /* errors: those of rp_table_read */
+size_t cli_mark(void);
+void cli_release(size_t mark);
 
-/* Start a table on standard output: provenance, `schema` with its values as notes (may be NULL). */
-void cli_table(FILE *out, const rp_param *schema, const void *values);
+/* Start a table with provenance; cli_table notes the numbers and words among the values of the options too.
+ */
+void cli_provenance(FILE *out);
+void cli_table(FILE *out);
+
+/* One degree in radians, and the number of an array's elements. */
+static const double deg = M_PI / 180.0;
+#define N_OF(array) (sizeof(array) / sizeof *(array))
 
 /* One row of numbers, and one with a word in the last column. */
 #define CLI_NUMBERS(...)                                                                                     \
@@ -96,69 +131,57 @@ void cli_table(FILE *out, const rp_param *schema, const void *values);
 #define CLI_ROW(...)            rp_table_row(stdout, CLI_NUMBERS(__VA_ARGS__))
 #define CLI_ROW_WORD(word, ...) rp_table_row_word(stdout, CLI_NUMBERS(__VA_ARGS__), word)
 
-/* Read "0.1,0.25,..." into a new array (free it). Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n);
+/* Index of a column. Errors: RP_BAD_INPUT. */
+rp_status cli_find_column(const rp_table *table, const char *name, int *column);
 
-/* Numbers of the columns called names[n]. Errors: RP_BAD_INPUT. */
-rp_status cli_find_columns(const rp_table *table, size_t n, const char *const names[], int columns[]);
+/* Text of a cell. */
+const char *cli_text(const rp_table *table, size_t row, int column);
 
-/* The columns as new arrays of numbers, one after the other in one block (free it, also after an error). A
- * column of -1 is skipped and its part unset. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
-                           double **block);
+/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
+rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
 
-/* The columns of the list `names` ("a,b,...") in the same way, and of the table in a file.
- * Errors: RP_BAD_INPUT, RP_NO_MEMORY; those of rp_table_read. */
-rp_status cli_read_named(const rp_table *table, const char *names, int missing_ok, double **block);
-rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows);
-
-/* Rows with a result as columns of numbers: status, if there is such a column, starts with ok. */
+/* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
+ * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */
 enum { CLI_MOST_COLUMNS = 32 };
-typedef struct {
-    size_t n;
-    double *column[CLI_MOST_COLUMNS]; /* of the list of names; the first is all memory */
-} cli_rows;
-
-/* `grouped`: ordered by the first column, and without rows that have nan; else as in the table. Free with
- * cli_rows_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY; RP_NO_RESULT without such a row. */
-rp_status cli_rows_read(const rp_table *table, const char *names, bool grouped, cli_rows *rows);
-void cli_rows_free(cli_rows *rows);
-
-/* End of the rows with the same number in the first column as row `first`. */
-size_t cli_rows_end(const cli_rows *rows, size_t first);
-
-/* The header line that says how many rows count. */
-void cli_rows_note(const rp_table *table, const cli_rows *rows);
-
-/* Values of the options --points and --at. */
-typedef struct {
-    long points;    /* -1: not given */
-    const char *at; /* "auto": not given */
-} cli_positions;
-
-/* clang-format off */
-#define CLI_POSITIONS(type, field)                                                                           \
-    {"points", "", RP_INT, offsetof(type, field.points), "auto", "[2, 10000000] | auto",                     \
-     "number of equidistant positions from 0 to B; auto: 201 unless --at is given"},                                      \
-    {"at", "", RP_TEXT, offsetof(type, field.at), "auto", "", "positions as fractions of B, as in 0.1,0.25"}
-/* clang-format on */
-
-/* The positions as a new array (free it) of fractions of the base.
- * Errors: RP_USAGE (both given), RP_BAD_INPUT (not numbers in [0, 1]), RP_NO_MEMORY. */
-rp_status cli_positions_read(const cli_positions *asked, double **x, size_t *n);
+rp_status cli_read_columns(const rp_table *table, const char *names, double **block);
+rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows);
 
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
 typedef struct {
     size_t n_groups;
     size_t *of_row;
     const char *
-        *words; /* of the groups, in the order in which they appear: their cells, joined by the separator */
-    char *labels;
+        *words; /* in the order in which they appear: the cells of each group, joined by the separator */
 } cli_groups;
 
-/* Free with cli_groups_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+/* Errors: RP_BAD_INPUT. */
 rp_status cli_group_rows(const rp_table *table, const char *by, char separator, cli_groups *groups);
-void cli_groups_free(cli_groups *groups);
+
+/* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
+typedef struct {
+    bool any_status, any_number;
+    const double *range;      /* least and largest number in the first column; NULL: any */
+    const cli_groups *groups; /* ordered by these, */
+    bool grouped;             /* or by the numbers of the first column, each a group; else as in the table */
+} cli_choice;
+
+/* Rows as columns of numbers. */
+typedef struct {
+    size_t n, n_failed, n_nan, n_outside; /* rows that count; left out for status, nan, range */
+    double *column[CLI_MOST_COLUMNS];     /* of the list of names */
+    size_t *row;                          /* each row's index in the table */
+    size_t n_groups, *first;              /* first[g] <= i < first[g + 1] in group g */
+} cli_rows;
+
+/* Errors: RP_BAD_INPUT; RP_NO_RESULT without a row that counts. */
+rp_status cli_rows_read(const rp_table *table, const char *names, const cli_choice *choice, cli_rows *rows);
+
+/* The header line that says how many rows count. */
+void cli_rows_note(const rp_table *table, const cli_rows *rows);
+
+/* Values of CLI_POSITIONS as a new array of fractions of the base; points -1, at "auto": not given.
+ * Errors: RP_USAGE (both given), RP_BAD_INPUT (not numbers in [0, 1]). */
+rp_status cli_positions(long points, const char *at, double **x, size_t *n);
 
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void cli_column_unit(const rp_table *table, int column, char unit[32]);
@@ -166,9 +189,6 @@ void cli_column_unit(const rp_table *table, int column, char unit[32]);
 /* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
  * before its own. Errors: RP_BAD_INPUT. */
 rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
-
-/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
-rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
 
 /* The commands, in the order of the overview. */
 #define CLI_COMMANDS(X)                                                                                      \

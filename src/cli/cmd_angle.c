@@ -4,29 +4,23 @@
 #include "angle/angle.h"
 #include "cli/cli.h"
 
-static const double deg = M_PI / 180.0;
-
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-#define MU_PARAM(T)                                                                                          \
-    {                                                                                                        \
-        "mu", "", RP_REAL, offsetof(T, mu), NULL, "[0, inf) | infinite", "friction coefficient of the base"  \
-    }
 /* ---- marginal ---- */
 
-typedef struct {
-    double mu, phi_deg;
-} marginal_options;
+#define MU_PARAM(X) X(REAL, mu, "", NULL, "[0, inf) | infinite", "friction coefficient of the base")
+#define MARGINAL_OPTIONS(X)                                                                                  \
+    MU_PARAM(X)                                                                                              \
+    CLI_PHI(X)
 
-static const rp_param marginal_params[] = {MU_PARAM(marginal_options), CLI_PHI(marginal_options), {0}};
+CLI_OPTIONS(marginal, MARGINAL_OPTIONS)
 
-static rp_status print_marginal(const void *values)
+static rp_status print_marginal(void *values)
 {
     const marginal_options *o = values;
     bool extrapolated;
     double theta_ms;
     rp_status status = ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated);
     if (status) return status;
-    cli_table(stdout, marginal_params, o);
+    cli_table(stdout);
     rp_table_header(stdout, "theta_ms_deg [deg], status");
     CLI_ROW_WORD(extrapolated ? "extrapolated" : "ok", theta_ms / deg);
     return RP_OK;
@@ -44,26 +38,21 @@ static const cli_command marginal = {
 
 /* ---- tilt ---- */
 
-typedef struct {
-    double mu, theta_r_deg, phi_deg;
-    int form;
-} tilt_options;
+#define TILT_OPTIONS(X)                                                                                      \
+    MU_PARAM(X)                                                                                              \
+    X(REAL, theta_r_deg, "deg", NULL, "[0, 90)", "slope of the pile")                                        \
+    X(CHOICE, form, "", "balanced", ANG_FORM_WORDS, "form of (4)")                                           \
+    CLI_PHI(X)
 
-static const rp_param tilt_params[] = {
-    MU_PARAM(tilt_options),
-    {"theta-r-deg", "deg", RP_REAL, offsetof(tilt_options, theta_r_deg), NULL, "[0, 90)",
-     "slope of the pile"},
-    {"form", "", RP_CHOICE, offsetof(tilt_options, form), "balanced", ANG_FORM_WORDS, "form of (4)"},
-    CLI_PHI(tilt_options),
-    {0}};
+CLI_OPTIONS(tilt, TILT_OPTIONS)
 
-static rp_status print_tilt(const void *values)
+static rp_status print_tilt(void *values)
 {
     const tilt_options *o = values;
     ang_tilt_result r;
     rp_status status = ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r);
     if (status) return status;
-    cli_table(stdout, tilt_params, o);
+    cli_table(stdout);
     rp_table_header(stdout,
                     "theta_t_deg [deg], theta_ms_deg [deg], margin_deg [deg], limit_deg [deg], status");
     CLI_ROW_WORD(ang_tilt_word(r.status), r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg);

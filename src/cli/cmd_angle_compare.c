@@ -1,30 +1,21 @@
 /* repose angle compare, repose angle phi: measured piles against (3) and (4). */
-#include <math.h>
-#include <stdlib.h>
-
 #include "angle/angle.h"
 #include "cli/cli.h"
-#include "core/random.h"
-
-static const double deg = M_PI / 180.0;
-
-#define N_OF(array) (sizeof(array) / sizeof *(array))
 
 /* ---- compare ---- */
 
-typedef struct {
-    double phi_deg;
-    long bootstrap, seed;
-    rp_texts where;
-} compare_options;
+#define COMPARE_OPTIONS(X)                                                                                   \
+    CLI_PHI(X)                                                                                               \
+    CLI_BOOTSTRAP(X, "2000")                                                                                 \
+    CLI_WHERE(X)
 
-static const rp_param compare_params[] = {
-    CLI_PHI(compare_options), CLI_BOOTSTRAP(compare_options, "2000"), CLI_WHERE(compare_options), {0}};
+CLI_OPTIONS(compare, COMPARE_OPTIONS)
 
 /* Piles ordered by mu: mu, theta_r, theta_t. */
 static rp_status read_piles(const rp_table *table, cli_rows *piles)
 {
-    rp_status status = cli_rows_read(table, "mu,theta_r3_deg,theta_t_displacement_deg", true, piles);
+    rp_status status = cli_rows_read(table, "mu,theta_r3_deg,theta_t_displacement_deg",
+                                     &(cli_choice){.grouped = true}, piles);
     for (size_t i = 0; i < piles->n && !status; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
     return status;
 }
@@ -80,31 +71,28 @@ static void print_comparison(double mu, const ang_comparison *c)
     rp_table_row_word(stdout, N_OF(v), v, ang_tilt_word(worst));
 }
 
-static rp_status compare_table(rp_table *table, const void *values)
+static rp_status compare_table(rp_table *table, void *values)
 {
     const compare_options *o = values;
     cli_rows piles;
     rp_status status = read_piles(table, &piles);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "compare: out of memory");
+    gsl_rng *rng = cli_random(o->seed, 0);
     if (!status) {
-        cli_table(stdout, compare_params, o);
+        cli_table(stdout);
         cli_rows_note(table, &piles);
         print_compare_header();
     }
-    for (size_t first = 0, end; !status && first < piles.n; first = end) {
+    for (size_t g = 0; !status && g < piles.n_groups; g++) {
+        const size_t first = piles.first[g];
         const double mu = piles.column[0][first];
         ang_comparison c;
-        end = cli_rows_end(&piles, first);
-        status = ang_compare(end - first, piles.column[1] + first, piles.column[2] + first, mu,
+        status = ang_compare(piles.first[g + 1] - first, piles.column[1] + first, piles.column[2] + first, mu,
                              o->phi_deg * deg, (size_t)o->bootstrap, rng, &c);
         if (status)
             rp_prefix(status, "%s: mu = %g: ", table->path, mu);
         else
             print_comparison(mu, &c);
     }
-    if (rng) gsl_rng_free(rng);
-    cli_rows_free(&piles);
     return status;
 }
 
@@ -127,18 +115,13 @@ const cli_command cmd_angle_compare = {
 
 /* ---- phi ---- */
 
-typedef struct {
-    double from, to;
-    long bootstrap, seed;
-    rp_texts where;
-} phi_options;
+#define PHI_OPTIONS(X)                                                                                       \
+    X(REAL, from, "", "0", "[0, inf)", "smallest mu that is used")                                           \
+    X(REAL, to, "", "1e308", "(0, inf)", "largest mu that is used")                                          \
+    CLI_BOOTSTRAP(X, "1000")                                                                                 \
+    CLI_WHERE(X)
 
-static const rp_param phi_params[] = {
-    {"from", "", RP_REAL, offsetof(phi_options, from), "0", "[0, inf)", "smallest mu that is used"},
-    {"to", "", RP_REAL, offsetof(phi_options, to), "1e308", "(0, inf)", "largest mu that is used"},
-    CLI_BOOTSTRAP(phi_options, "1000"),
-    CLI_WHERE(phi_options),
-    {0}};
+CLI_OPTIONS(phi, PHI_OPTIONS)
 
 /* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
 static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
@@ -176,37 +159,33 @@ static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_o
     return status;
 }
 
-static rp_status phi_table(rp_table *table, const void *values)
+static rp_status phi_table(rp_table *table, void *values)
 {
     const phi_options *o = values;
     cli_rows piles;
     size_t n_groups = 0;
     rp_status status = read_piles(table, &piles);
-    ang_piles *groups = malloc((table->n_rows + 1) * sizeof *groups);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    if (!status && !(groups && rng)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    for (size_t first = 0, end; !status && first < piles.n; first = end) {
+    ang_piles *groups = cli_memory(piles.n_groups, sizeof *groups);
+    for (size_t g = 0; !status && g < piles.n_groups; g++) {
+        const size_t first = piles.first[g];
         const double mu = piles.column[0][first];
-        end = cli_rows_end(&piles, first);
         if (mu == 0.0 || mu < o->from || mu > o->to) continue;
-        groups[n_groups++] = (ang_piles){mu, end - first, piles.column[1] + first, piles.column[2] + first};
+        groups[n_groups++] =
+            (ang_piles){mu, piles.first[g + 1] - first, piles.column[1] + first, piles.column[2] + first};
     }
     if (!status && n_groups == 0)
         status =
             rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
     if (!status) {
-        cli_table(stdout, phi_params, o);
+        cli_table(stdout);
         cli_rows_note(table, &piles);
         rp_table_header(stdout,
                         "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
                         "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
                         "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
-        status = fit_phis(n_groups, groups, o, rng);
+        status = fit_phis(n_groups, groups, o, cli_random(o->seed, 0));
         if (status) rp_prefix(status, "%s: ", table->path);
     }
-    if (rng) gsl_rng_free(rng);
-    free(groups);
-    cli_rows_free(&piles);
     return status;
 }
 

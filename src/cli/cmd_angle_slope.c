@@ -1,73 +1,51 @@
 /* repose angle slope: the slope of a pile's surface. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
 
-static const double deg = M_PI / 180.0;
+#define SLOPE_OPTIONS(X)                                                                                     \
+    X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
+    X(REAL, cell, "cm", "0.2", "(0, inf)", "nominal diameter d of a grain; round(W/d) cells")                \
+    X(CHOICE, height, "", "centre", ANG_HEIGHT_WORDS,                                                        \
+      "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point")               \
+    X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty cells have height 0, or are left out")              \
+    X(CHOICE, parabola, "", "free", ANG_PARABOLA_WORDS,                                                      \
+      "parabola of method 3: three coefficients, or through the origin")                                     \
+    CLI_WHERE(X)
 
-#define N_OF(array) (sizeof(array) / sizeof *(array))
+CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
-typedef struct {
-    double width, cell;
-    int height, empty, parabola;
-    rp_texts where;
-} slope_options;
-
-static const rp_param slope_params[] = {
-    {"width", "cm", RP_REAL, offsetof(slope_options, width), NULL, "(0, inf)",
-     "width W of the box, from x = 0"},
-    {"cell", "cm", RP_REAL, offsetof(slope_options, cell), "0.2", "(0, inf)",
-     "nominal diameter d of a grain; round(W/d) cells"},
-    {"height", "", RP_CHOICE, offsetof(slope_options, height), "centre", ANG_HEIGHT_WORDS,
-     "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point"},
-    {"empty", "", RP_CHOICE, offsetof(slope_options, empty), "zero", ANG_EMPTY_WORDS,
-     "empty cells have height 0, or are left out"},
-    {"parabola", "", RP_CHOICE, offsetof(slope_options, parabola), "free", ANG_PARABOLA_WORDS,
-     "parabola of method 3: three coefficients, or through the origin"},
-    CLI_WHERE(slope_options),
-    {0}};
-
-static rp_status place_columns(const rp_table *table, bool with_r, int columns[3])
+/* Columns by name, if the table has one of the names, else the first ones. */
+static rp_status read_grains(rp_table *t, bool with_r, double **block)
 {
-    static const char *const names[] = {"x", "y", "r"};
+    static char *first[] = {"x", "y", "r"};
+    const size_t n = with_r ? 3 : 2;
     bool named = false;
-    for (int c = 0; c < 3; c++) {
-        columns[c] = table->n_columns > 0 ? rp_table_column(table, names[c]) : -1;
-        named = named || columns[c] >= 0;
-    }
-    int n = with_r ? 3 : 2;
-    if (named) {
-        rp_status status = cli_find_columns(table, (size_t)n, names, columns);
-        if (status) return status;
-    } else if (table->n_columns < (size_t)n) {
-        return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %d (%s) needed", table->path,
-                       table->n_columns, n, with_r ? "x y r" : "x y");
-    } else {
-        for (int c = 0; c < 3; c++) columns[c] = c;
-    }
-    if (!with_r) columns[2] = -1;
-    return RP_OK;
+    for (size_t c = 0; c < N_OF(first); c++) named |= rp_table_column(t, first[c]) >= 0;
+    if (!named && t->n_columns < n)
+        return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
+                       with_r ? "x y r" : "x y");
+    for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
+    return cli_read_columns(t, with_r ? "x,y,r" : "x,y", block);
 }
 
 /* A table of states may hold a pile at several times. */
 static rp_status refuse_several_steps(const rp_table *table)
 {
     int column = rp_table_column(table, "step");
-    for (size_t i = 1; table->names[0] && column >= 0 && i < table->n_rows; i++)
-        if (strcmp(table->cells[i * table->n_columns + (size_t)column], table->cells[column]) != 0)
+    for (size_t i = 1; column >= 0 && i < table->n_rows; i++)
+        if (strcmp(cli_text(table, i, column), cli_text(table, 0, column)) != 0)
             return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
-                           table->path, table->lines[i], table->cells[i * table->n_columns + (size_t)column],
-                           table->cells[column]);
+                           table->path, table->lines[i], cli_text(table, i, column),
+                           cli_text(table, 0, column));
     return RP_OK;
 }
 
 /* Without slopes: rows without result. */
-static void print_slopes(const slope_options *o, const ang_surface *surface, const ang_slope *slopes)
+static void print_slopes(const ang_surface *surface, const ang_slope *slopes)
 {
-    cli_table(stdout, slope_params, o);
+    cli_table(stdout);
     rp_table_header(stdout,
                     "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     for (int i = 0; i < ANG_N_METHODS; i++) {
@@ -77,19 +55,17 @@ static void print_slopes(const slope_options *o, const ang_surface *surface, con
     }
 }
 
-static rp_status slope_of_table(rp_table *table, const void *values)
+static rp_status slope_of_table(rp_table *table, void *values)
 {
     const slope_options *o = values;
-    int columns[3];
     double *block = NULL;
     size_t n = table->n_rows;
     ang_options options = {o->cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
     ang_surface surface = {0};
     ang_slope slopes[ANG_N_METHODS];
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
-    rp_status status = place_columns(table, options.height == ANG_TOP, columns);
-    if (!status) status = refuse_several_steps(table);
-    if (!status) status = cli_read_columns(table, 3, columns, 0, &block);
+    rp_status status = refuse_several_steps(table);
+    if (!status) status = read_grains(table, options.height == ANG_TOP, &block);
     if (!status) {
         status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
                                   o->width, &options, &surface);
@@ -97,9 +73,8 @@ static rp_status slope_of_table(rp_table *table, const void *values)
     }
     if (!status)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-    if (!status || status == RP_NO_RESULT) print_slopes(o, &surface, status ? NULL : slopes);
+    if (!status || status == RP_NO_RESULT) print_slopes(&surface, status ? NULL : slopes);
     ang_surface_free(&surface);
-    free(block);
     return status;
 }
 

@@ -1,8 +1,7 @@
 /* `repose bench`: particle-steps per second on this machine, and the share of each phase, for the box scene.
  */
+#include <gsl/gsl_sort.h>
 #include <malloc.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
@@ -13,92 +12,74 @@ enum { SETTLED, FLOWING, SAMPLE };
 enum { EXTENDS, ABSORBS };
 enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
 
-typedef struct {
-    long n, steps, repeat;
-    double width;
-    int state, floor, kernel;
-    const char *start, *final;
-} bench_options;
+#define BENCH_OPTIONS(X)                                                                                     \
+    X(INT, n, "", "400", "[1, 10000000]", "grains")                                                          \
+    X(REAL, width, "cm", "auto", "(0, inf) | auto", "width of the box; auto: square when settled")           \
+    X(INT, steps, "", "auto", "[1, 1000000000] | auto",                                                      \
+      "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps")              \
+    X(CHOICE, state, "", "settled", "settled | flowing | sample",                                            \
+      "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "     \
+      "slopes, with input, 30000 steps closed, 50000 open, and output")                                      \
+    X(CHOICE, floor, "", "extends", "extends | absorbs",                                                     \
+      "floor beyond the opening: extends to 3 W, or absorbs grains at W")                                    \
+    X(CHOICE, kernel, "", "fast", "fast | reference | baseline | avx2 | avx512",                             \
+      "kernel of the pair loop: the fastest here, the reference, or an instruction set")                     \
+    X(INT, repeat, "", "5", "[1, 100]",                                                                      \
+      "timed runs, for the best and the median; 1: no extra run for the phases")                             \
+    X(TEXT, start, "", "", "",                                                                               \
+      "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and "      \
+      "sample: "                                                                                             \
+      "the first 2000 steps are not timed")                                                                  \
+    X(TEXT, o, "", "", "", "table for the final grains of a sample")
 
-static const rp_param options[] = {
-    {"n", "", RP_INT, offsetof(bench_options, n), "400", "[1, 10000000]", "grains"},
-    {"width", "cm", RP_REAL, offsetof(bench_options, width), "auto", "(0, inf) | auto",
-     "width of the box; auto: square when settled"},
-    {"steps", "", RP_INT, offsetof(bench_options, steps), "auto", "[1, 1000000000] | auto",
-     "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps"},
-    {"state", "", RP_CHOICE, offsetof(bench_options, state), "settled", "settled | flowing | sample",
-     "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "
-     "slopes, with input, 30000 steps closed, 50000 open, and output"},
-    {"floor", "", RP_CHOICE, offsetof(bench_options, floor), "extends", "extends | absorbs",
-     "floor beyond the opening: extends to 3 W, or absorbs grains at W"},
-    {"kernel", "", RP_CHOICE, offsetof(bench_options, kernel), "fast",
-     "fast | reference | baseline | avx2 | avx512",
-     "kernel of the pair loop: the fastest here, the reference, or an instruction set"},
-    {"repeat", "", RP_INT, offsetof(bench_options, repeat), "5", "[1, 100]",
-     "timed runs, for the best and the median; 1: no extra run for the phases"},
-    {"start", "", RP_TEXT, offsetof(bench_options, start), "", "",
-     "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and sample: "
-     "the first 2000 steps are not timed"},
-    {"o", "", RP_TEXT, offsetof(bench_options, final), "", "", "table for the final grains of a sample"},
-    {0}};
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
+CLI_OPTIONS(bench, BENCH_OPTIONS)
 
 /* The grains of a table as a new array, with velocity 0. */
 static rp_status read_start(const char *path, dem_grain **grains, long *n)
 {
-    double *values = NULL;
+    double *values;
     size_t rows;
     rp_status status = cli_read_file(path, "x,y,r", &values, &rows);
-    if (!status && rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no grains", path);
-    if (!status && !(*grains = calloc(rows, sizeof **grains)))
-        status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    for (size_t i = 0; !status && i < rows; i++) {
+    if (status) return status;
+    if (rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", path);
+    *grains = cli_memory(rows, sizeof **grains);
+    for (size_t i = 0; i < rows; i++) {
         const double r = values[2 * rows + i];
         (*grains)[i] =
             (dem_grain){.x = values[i], .y = values[rows + i], .r = r, .m = dem_mass(DEM_SPHERE, 1.0, r)};
     }
     *n = (long)rows;
-    free(values);
-    return status;
+    return RP_OK;
 }
 
 static rp_status fill(long n, double width, dem_grain **grains)
 {
     dem_fill dilute = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
-    *grains = malloc((size_t)n * sizeof **grains);
-    return *grains ? dem_fill_random(&dilute, *grains)
-                   : rp_fail(RP_NO_MEMORY, "%ld grains: out of memory", n);
+    *grains = cli_memory((size_t)n, sizeof **grains);
+    return dem_fill_random(&dilute, *grains);
 }
 
 /* The closed box with its grains, at step 0; o->n becomes their number, o->width that of the box. */
 static rp_status begin(bench_options *o, dem_sim **sim)
 {
     dem_grain *grains = NULL;
+    const size_t mark = cli_mark(); /* memory counts */
     rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : RP_OK;
     if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
     if (!status && !grains) status = fill(o->n, o->width, &grains);
-    if (!status) {
-        const double width = o->width;
-        dem_definition def = dem_definition_default();
-        dem_material wall = def.material;
-        wall.k_n *= 2.0;
-        dem_box_walls(&def, width, &wall);
-        def.x_max = o->floor == ABSORBS ? width : 3.0 * width;
-        def.grains = grains;
-        def.n_grains = (size_t)o->n;
-        def.kernel = o->kernel;
-        def.dt = fmin(
-            def.dt,
-            dem_time_step_limit(
-                &def, NULL)); /* smaller from some 50 000 grains on: the grains fall from a great height */
-        status = dem_create(&def, sim);
-    }
-    free(grains);
+    if (status) return status;
+    dem_definition def = dem_definition_default();
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, o->width, &wall);
+    def.x_max = o->floor == ABSORBS ? o->width : 3.0 * o->width;
+    def.grains = grains;
+    def.n_grains = (size_t)o->n;
+    def.kernel = o->kernel;
+    /* smaller from some 50 000 grains on: the grains fall from a great height */
+    def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
+    status = dem_create(&def, sim);
+    cli_release(mark);
     return status;
 }
 
@@ -118,15 +99,14 @@ static rp_status measure_slopes(const bench_options *o, const dem_sim *sim)
     const ang_options how = ANG_OPTIONS_DEFAULT;
     ang_surface surface = {0};
     ang_slope slopes[ANG_N_METHODS];
-    dem_state *states = malloc((n + 1) * sizeof *states);
-    double *x = malloc((n + 1) * sizeof *x), *y = malloc((n + 1) * sizeof *y);
-    rp_status status = states && x && y ? dem_states(sim, states) : rp_fail(RP_NO_MEMORY, "out of memory");
-    for (size_t i = 0; !status && i < n; i++) x[i] = states[i].x, y[i] = states[i].y;
+    dem_state *states = cli_memory(n, sizeof *states);
+    double *x = cli_memory(2 * n, sizeof *x), *y = x + n;
+    rp_status status = dem_states(sim, states);
+    for (size_t i = 0; i < n; i++) x[i] = states[i].x, y[i] = states[i].y;
     if (!status) status = ang_surface_make(n, x, y, NULL, o->width, &how, &surface);
     if (!status)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
     ang_surface_free(&surface);
-    free(states), free(x), free(y);
     return status;
 }
 
@@ -135,7 +115,7 @@ static rp_status write_final(const char *path, const dem_sim *sim)
     FILE *out;
     rp_status status = rp_file_open(path, &out);
     if (status) return status;
-    cli_table(out, NULL, NULL);
+    cli_provenance(out);
     dem_write_state_columns(out);
     return rp_file_close(path, out, dem_write_states(sim, out));
 }
@@ -154,7 +134,7 @@ static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
     status = advance(*sim, RELAX_STEPS, times);
     if (!status) status = measure_slopes(o, *sim);
-    return !status && *o->final ? write_final(o->final, *sim) : status;
+    return !status && *o->o ? write_final(o->o, *sim) : status;
 }
 
 typedef struct {
@@ -197,7 +177,7 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
     const double steps = o->state == SAMPLE ? FILL_STEPS + RELAX_STEPS : (double)o->steps;
     const double all = times->contacts + times->lists + times->integration + times->walls;
     const double inner = times->contacts + times->integration;
-    qsort(rates, (size_t)o->repeat, sizeof *rates, ascending);
+    gsl_sort(rates, 1, (size_t)o->repeat);
     const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
     rp_table_header(stdout,
                     "grains, steps, best [1e6/s], median [1e6/s], bound [1e6/s], seconds [s], contacts "
@@ -210,32 +190,32 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
             times->walls / all, memory[0] / n, memory[1] / n);
 }
 
-static rp_status measure(const void *values)
+static rp_status measure(void *values)
 {
-    bench_options o = *(const bench_options *)values;
+    bench_options *o = values;
     const double begun = rp_clock(), heap_before = heap(), peak_before = rp_peak_memory();
     dem_sim *sim = NULL;
     dem_phases times = {0};
     bench_run run = {0};
     double rates[MOST];
-    rp_status status = begin(&o, &sim);
-    if (o.steps <= 0) {
-        o.steps = (long)fmax(100.0, 2e7 / (double)o.n);
-        if (o.state == FLOWING && o.steps > 10000) o.steps = 10000; /* later the pile is at rest */
+    rp_status status = begin(o, &sim);
+    if (o->steps <= 0) {
+        o->steps = (long)fmax(100.0, 2e7 / (double)o->n);
+        if (o->state == FLOWING && o->steps > 10000) o->steps = 10000; /* later the pile is at rest */
     }
-    if (!status && o.state != SAMPLE) status = prepare(&o, sim);
+    if (!status && o->state != SAMPLE) status = prepare(o, sim);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
-    const dem_sim *from = o.state == SAMPLE ? NULL : sim;
-    for (int k = 0; !status && k < o.repeat; k++) {
-        status = run_once(&o, from, NULL, &run);
+    const dem_sim *from = o->state == SAMPLE ? NULL : sim;
+    for (int k = 0; !status && k < o->repeat; k++) {
+        status = run_once(o, from, NULL, &run);
         rates[k] = run.rate;
     }
     bench_run timed;
-    if (!status && o.repeat > 1) status = run_once(&o, from, &times, &timed);
+    if (!status && o->repeat > 1) status = run_once(o, from, &times, &timed);
     if (!status) {
-        cli_table(stdout, options, &o);
+        cli_table(stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
-        write_row(&o, rates, &run, &times, memory, rp_clock() - begun);
+        write_row(o, rates, &run, &times, memory, rp_clock() - begun);
     }
     dem_free(sim);
     return status;
@@ -253,5 +233,5 @@ const cli_command cmd_bench = {
     "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain,\n"
     "`peak_bytes` the largest memory of the process so far.",
     "repose bench --n 1600 --state flowing --floor absorbs",
-    options,
+    bench_params,
     .act = measure};

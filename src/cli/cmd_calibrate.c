@@ -1,45 +1,29 @@
 /* repose calibrate: from a measured angle of repose, and a tilting angle, to the friction that gives it. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/calibrate.h"
 #include "cli/cli.h"
-#include "core/random.h"
 
-typedef struct {
-    double theta_r_deg, error_deg, theta_t_deg, theta_t_error_deg;
-    const char *fit, *sweep, *o, *runs, *planted;
-    long j, bootstrap, seed, verify;
-} options;
+#define CALIBRATE_OPTIONS(X)                                                                                 \
+    X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \
+    X(REAL, error_deg, "deg", "none", "[0, 90) | none", "its standard error")                                \
+    X(REAL, theta_t_deg, "deg", "none", "[0, 90) | none", "measured tilt at which the pile moves")           \
+    X(REAL, theta_t_error_deg, "deg", "none", "[0, 90) | none", "its standard error")                        \
+    X(TEXT, fit, "", "mu", "",                                                                               \
+      "parameter sought, or two (mu,mu_roll); the piles must vary these and no others")                      \
+    X(TEXT, sweep, "", "sweeps/studies/calibrate.cfg", "", "sweep file of the piles that give the response") \
+    X(TEXT, o, "", "build/sweeps/calibrate", "",                                                             \
+      "folder of that sweep; runs that it holds are not made again")                                         \
+    X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
+    CLI_WORKERS(X)                                                                                           \
+    X(INT, bootstrap, "", "500", "[2, 100000]", "resamples of the piles, to check error and interval")       \
+    X(INT, verify, "", "0", "[0, 100000]", "in place of a measurement, so many cases whose truth is known")  \
+    X(TEXT, planted, "", "sweeps/studies/calibrate_planted.cfg", "",                                         \
+      "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "   \
+      "half of the response's own")                                                                          \
+    CLI_SEED(X, "1993", "seed of the resamples and of hold-out")
 
-static const rp_param params[] = {
-    {"theta-r-deg", "deg", RP_REAL, offsetof(options, theta_r_deg), "none", "(-90, 90) | none",
-     "measured angle of repose, by method 3"},
-    {"error-deg", "deg", RP_REAL, offsetof(options, error_deg), "none", "[0, 90) | none",
-     "its standard error"},
-    {"theta-t-deg", "deg", RP_REAL, offsetof(options, theta_t_deg), "none", "[0, 90) | none",
-     "measured tilt at which the pile moves"},
-    {"theta-t-error-deg", "deg", RP_REAL, offsetof(options, theta_t_error_deg), "none", "[0, 90) | none",
-     "its standard error"},
-    {"fit", "", RP_TEXT, offsetof(options, fit), "mu", "",
-     "parameter sought, or two (mu,mu_roll); the piles must vary these and no others"},
-    {"sweep", "", RP_TEXT, offsetof(options, sweep), "sweeps/studies/calibrate.cfg", "",
-     "sweep file of the piles that give the response"},
-    {"o", "", RP_TEXT, offsetof(options, o), "build/sweeps/calibrate", "",
-     "folder of that sweep; runs that it holds are not made again"},
-    {"runs", "", RP_TEXT, offsetof(options, runs), "", "",
-     "table of piles in place of a sweep, as repose sweep export writes"},
-    CLI_WORKERS(options),
-    {"bootstrap", "", RP_INT, offsetof(options, bootstrap), "500", "[2, 100000]",
-     "resamples of the piles, to check error and interval"},
-    {"verify", "", RP_INT, offsetof(options, verify), "0", "[0, 100000]",
-     "in place of a measurement, so many cases whose truth is known"},
-    {"planted", "", RP_TEXT, offsetof(options, planted), "sweeps/studies/calibrate_planted.cfg", "",
-     "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "
-     "half of the response's own"},
-    CLI_SEED(options, "1993", "seed of the resamples and of hold-out"),
-    {0}};
+CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
 
 enum { N_ANGLES = 2 };
 static const char *const angle_names[N_ANGLES] = {"theta_r", "theta_t"};
@@ -48,18 +32,12 @@ static const char *const angle_columns[N_ANGLES] = {"theta_r3_deg", "theta_t_dis
 /* ---- piles ---- */
 
 typedef struct {
-    rp_table table;
+    rp_table *table;
     char path[4096];
     cli_rows rows;
     size_t n_angles, angle[N_ANGLES]; /* angles that there are */
     stats_ensemble piles;             /* all of them, with result */
 } source;
-
-static void source_free(source *s)
-{
-    rp_table_free(&s->table);
-    cli_rows_free(&s->rows);
-}
 
 /* Run what is missing of a sweep and leave its rows as a table in its folder. */
 static rp_status run_sweep(const char *file, const char *folder, long workers, char path[4096])
@@ -95,7 +73,7 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
         int c = rp_table_column(t, p->name);
         if (c < 0 || c == columns[0] || (n > 1 && c == columns[1])) continue;
         for (size_t i = 1; i < t->n_rows; i++)
-            if (strcmp(t->cells[i * t->n_columns + (size_t)c], t->cells[c]) != 0)
+            if (strcmp(cli_text(t, i, c), cli_text(t, 0, c)) != 0)
                 return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit", t->path,
                                t->lines[i], p->name);
     }
@@ -105,7 +83,7 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
 /* Columns of the rows with result: parameters first, then the angles that there are. */
 static rp_status read_piles(source *s, const char *fit)
 {
-    const rp_table *t = &s->table;
+    const rp_table *t = s->table;
     char names[256];
     int columns[STATS_MAX_PARAMS];
     size_t n_params, used = (size_t)snprintf(names, sizeof names, "%.128s", fit);
@@ -117,7 +95,7 @@ static rp_status read_piles(source *s, const char *fit)
         s->angle[s->n_angles++] = a;
         used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
     }
-    status = cli_rows_read(t, names, false, &s->rows);
+    status = cli_rows_read(t, names, &(cli_choice){.any_number = true}, &s->rows);
     s->piles.n = s->rows.n;
     s->piles.n_params = n_params;
     s->piles.n_angles = s->n_angles;
@@ -147,15 +125,15 @@ static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
     return mask == 0 && piles->n_angles > 0;
 }
 
-static rp_status open_source(const char *sweep, const char *folder, const char *table, const options *o,
-                             source *s)
+static rp_status open_source(const char *sweep, const char *folder, const char *table,
+                             const calibrate_options *o, source *s)
 {
     rp_status status = RP_OK;
     if (table)
         snprintf(s->path, sizeof s->path, "%s", table);
     else
         status = run_sweep(sweep, folder, o->j, s->path);
-    if (!status) status = rp_table_read(s->path, &s->table);
+    if (!status) status = cli_table_read(s->path, &s->table);
     return status ? status : read_piles(s, o->fit);
 }
 
@@ -163,25 +141,25 @@ static rp_status open_source(const char *sweep, const char *folder, const char *
 
 static void note_piles(const char *key, const source *s)
 {
-    const char *sweep = rp_table_find_note(&s->table, "sweep");
+    const char *sweep = rp_table_find_note(s->table, "sweep");
     rp_table_note(stdout, key, "%s; %zu piles used, %zu rows without result", sweep ? sweep : s->path,
-                  s->piles.n, s->table.n_rows - s->piles.n);
+                  s->piles.n, s->table->n_rows - s->piles.n);
 }
 
 /* Model and protocol from the header of the piles' table. */
 static void note_scope(const source *s)
 {
-    const char *rotation = rp_table_find_note(&s->table, "rotation"), *text;
+    const char *rotation = rp_table_find_note(s->table, "rotation"), *text;
     size_t known = 0;
     rp_table_note(
         stdout, "holds for",
         "two-dimensional piles in a box whose right wall is removed; grains %s; theta_r by method 3, "
         "theta_t by displacement; the parameters that follow",
-        rp_table_column(&s->table, "rotation") >= 0 || (rotation && strcmp(rotation, "true") == 0)
+        rp_table_column(s->table, "rotation") >= 0 || (rotation && strcmp(rotation, "true") == 0)
             ? "rotate"
             : "do not rotate");
     for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++)
-        if ((text = rp_table_find_note(&s->table, p->name))) {
+        if ((text = rp_table_find_note(s->table, p->name))) {
             rp_table_note(stdout, p->name, "%s", text);
             known++;
         }
@@ -230,7 +208,7 @@ static double upper_limit(const stats_calibrated *f)
     return f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
 }
 
-static void print_found(const options *o, size_t n_params, const stats_calibrated found[])
+static void print_found(const calibrate_options *o, size_t n_params, const stats_calibrated found[])
 {
     char name[64];
     rp_table_header(stdout, "parameter, value, se, lower, upper, boot_se, boot_lower, boot_upper, status");
@@ -246,7 +224,7 @@ static void print_found(const options *o, size_t n_params, const stats_calibrate
 }
 
 /* Exit status 1 and what is known, for the first parameter that is not found. */
-static rp_status conclude(const options *o, size_t n_params, const stats_calibrated found[])
+static rp_status conclude(const calibrate_options *o, size_t n_params, const stats_calibrated found[])
 {
     char name[64], text[128] = "";
     for (size_t p = 0; p < n_params; p++) {
@@ -276,7 +254,7 @@ static rp_status fail_angle(const source *s, unsigned mask)
     return RP_OK;
 }
 
-static rp_status calibrate(const source *s, const options *o)
+static rp_status calibrate(const source *s, const calibrate_options *o)
 {
     const double angles[N_ANGLES] = {o->theta_r_deg, o->theta_t_deg};
     const double errors[N_ANGLES] = {o->error_deg, o->theta_t_error_deg};
@@ -296,18 +274,17 @@ static rp_status calibrate(const source *s, const options *o)
     rp_status status = stats_calibration_fit(&piles, &c);
     if (status) rp_prefix(status, "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    if (!status && !rng) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, rng, found);
+    if (!status)
+        status =
+            stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(o->seed, 0), found);
     if (!status) {
-        cli_table(stdout, params, o);
+        cli_table(stdout);
         note_piles("piles", s);
         note_responses(&c, mask);
         note_scope(s);
         print_found(o, piles.n_params, found);
         status = conclude(o, piles.n_params, found);
     }
-    gsl_rng_free(rng);
     stats_calibration_free(&c);
     return status;
 }
@@ -325,34 +302,30 @@ static const char *mask_word(unsigned mask)
     return mask == 3 ? "both" : angle_names[mask == 2];
 }
 
-static rp_status make_trial(const source *response, const source *planted, const options *o, unsigned mask,
-                            trial *t)
+static rp_status make_trial(const source *response, const source *planted, const calibrate_options *o,
+                            unsigned mask, trial *t)
 {
     stats_ensemble fit, piles;
     stats_calibration c = {0};
     *t = (trial){.mask = mask, .n_params = response->piles.n_params};
     bool whole = choose_angles(response, mask, &fit) && (!planted || choose_angles(planted, mask, &piles));
     if (!whole || t->n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
-    t->cases = calloc((size_t)o->verify, sizeof *t->cases);
-    if (!t->cases) return rp_fail(RP_NO_MEMORY, "verify: out of memory");
+    t->cases = cli_memory((size_t)o->verify, sizeof *t->cases);
     rp_status status;
     if (planted) {
         status = stats_calibration_fit(&fit, &c);
         if (!status) note_responses(&c, mask);
         if (!status) status = stats_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
     } else {
-        gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, mask, RP_PURPOSE_BOOTSTRAP);
-        status = rng ? stats_calibration_holdout(&fit, (size_t)o->verify, rng, t->cases)
-                     : rp_fail(RP_NO_MEMORY, "verify: out of memory");
+        status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(o->seed, mask), t->cases);
         t->n = (size_t)o->verify;
-        gsl_rng_free(rng);
     }
     stats_calibration_free(&c);
     return status;
 }
 
 /* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
-static bool note_coverage(const trial *t, const options *o)
+static bool note_coverage(const trial *t, const calibrate_options *o)
 {
     bool good = true;
     char name[64], key[128];
@@ -384,7 +357,7 @@ static bool note_coverage(const trial *t, const options *o)
     return good;
 }
 
-static void print_cases(const trial *t, const options *o)
+static void print_cases(const trial *t, const calibrate_options *o)
 {
     char name[64];
     for (size_t k = 0; k < t->n; k++)
@@ -400,13 +373,13 @@ static void print_cases(const trial *t, const options *o)
         }
 }
 
-static rp_status verify(const source *response, const source *planted, const options *o)
+static rp_status verify(const source *response, const source *planted, const calibrate_options *o)
 {
     trial trials[3] = {{0}};
     bool good = true;
     size_t n = 0;
     rp_status status = RP_OK;
-    cli_table(stdout, params, o);
+    cli_table(stdout);
     note_piles("piles", response);
     if (planted) note_piles("planted piles", planted);
     note_scope(response);
@@ -426,13 +399,12 @@ static rp_status verify(const source *response, const source *planted, const opt
         else if (!good)
             status = rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
     }
-    for (int i = 0; i < 3; i++) free(trials[i].cases);
     return status;
 }
 
 /* ---- command ---- */
 
-static rp_status check_options(const options *o)
+static rp_status check_options(const calibrate_options *o)
 {
     const struct {
         const char *angle, *error;
@@ -454,7 +426,7 @@ static rp_status check_options(const options *o)
     return RP_OK;
 }
 
-static rp_status verify_sources(const source *response, const options *o)
+static rp_status verify_sources(const source *response, const calibrate_options *o)
 {
     source planted = {0};
     char folder[4096];
@@ -464,18 +436,16 @@ static rp_status verify_sources(const source *response, const options *o)
     snprintf(folder, sizeof folder, "%s_planted", o->o);
     rp_status status = open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted);
     if (!status) status = verify(response, &planted, o);
-    source_free(&planted);
     return status;
 }
 
-static rp_status answer(const void *values)
+static rp_status answer(void *values)
 {
-    const options *o = values;
+    const calibrate_options *o = values;
     source response = {0};
     rp_status status = check_options(o);
     if (!status) status = open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response);
     if (!status) status = o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
-    source_free(&response);
     return status;
 }
 
@@ -496,5 +466,5 @@ const cli_command cmd_calibrate = {
     "opened on one side. It does not carry over to another model, protocol or size.\n"
     "--verify: one row a case; exit status 1 if fewer than 90 % of the intervals hold the truth.",
     "repose calibrate --theta-r-deg 25 --error-deg 1",
-    params,
+    calibrate_params,
     .act = answer};

@@ -7,24 +7,15 @@
 #include "cli/claims.h"
 #include "cli/cli.h"
 
-typedef struct {
-    const char *tables, *claims, *id;
-    int paper;
-    bool published, variants;
-} claims_options;
+#define CLAIMS_OPTIONS(X)                                                                                    \
+    CLI_CLAIMS(X)                                                                                            \
+    X(CHOICE, paper, "", "all", "all | lh | li | ours", "claims of one paper")                               \
+    X(TEXT, id, "", "all", "", "one claim, with its variants")                                               \
+    X(BOOL, variants, "", "false", "",                                                                       \
+      "also the claims under other choices that a paper leaves open; the header does not count them")        \
+    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")
 
-static const rp_param options[] = {
-    {"tables", "", RP_TEXT, offsetof(claims_options, tables), "results,build/tables", "",
-     "folders of tables, joined by commas; a table is read from the first folder that holds it"},
-    {"claims", "", RP_TEXT, offsetof(claims_options, claims), "figures/claims.tsv", "", "file of the claims"},
-    {"paper", "", RP_CHOICE, offsetof(claims_options, paper), "all", "all | lh | li | ours",
-     "claims of one paper"},
-    {"id", "", RP_TEXT, offsetof(claims_options, id), "all", "", "one claim, with its variants"},
-    {"variants", "", RP_BOOL, offsetof(claims_options, variants), "false", "",
-     "also the claims under other choices that a paper leaves open; the header does not count them"},
-    {"published", "", RP_BOOL, offsetof(claims_options, published), "false", "",
-     "only the published numbers, for figures; reads no tables"},
-    {0}};
+CLI_OPTIONS(claims, CLAIMS_OPTIONS)
 
 static const char *const papers[] = {"all", "lh", "li", "ours"};
 
@@ -82,17 +73,16 @@ static rp_status judge_all(const cli_claims *all, const claims_options *o)
     cli_judged *judged;
     rp_status status = cli_claims_judge(all, o->tables, &judged);
     if (!status) {
-        cli_table(stdout, options, o);
+        cli_table(stdout);
         status = note_counts(all, judged, o);
     }
     if (!status) print_verdicts(all, judged, o);
-    free(judged);
     return status;
 }
 
 static void print_published(const cli_claims *all, const claims_options *o)
 {
-    cli_table(stdout, options, o);
+    cli_table(stdout);
     rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
@@ -102,7 +92,7 @@ static void print_published(const cli_claims *all, const claims_options *o)
     }
 }
 
-static rp_status print_claims(const void *values)
+static rp_status print_claims(void *values)
 {
     const claims_options *o = values;
     cli_claims all;
@@ -130,5 +120,5 @@ const cli_command cmd_claims = {
     "  no data           the table with our value has not been made\n"
     "Claims of paper `ours` are this program's own, beyond the papers.",
     "repose claims --paper lh",
-    options,
+    claims_params,
     .act = print_claims};

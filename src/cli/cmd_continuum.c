@@ -1,31 +1,25 @@
 /* repose continuum: forces on the base of a triangular pile. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
 
-typedef struct {
-    double alpha_deg;
-    cli_positions where;
-} options;
+#define CONTINUUM_OPTIONS(X)                                                                                 \
+    X(REAL, alpha_deg, "degrees", NULL, "(0, 60)", "slope of both sides")                                    \
+    CLI_POSITIONS(X)
 
-static const rp_param schema[] = {
-    {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), NULL, "(0, 60)", "slope of both sides"},
-    CLI_POSITIONS(options, where),
-    {0},
-};
+CLI_OPTIONS(continuum, CONTINUUM_OPTIONS)
 
-static rp_status write_triangle(const void *values)
+static rp_status write_triangle(void *values)
 {
-    const options *o = values;
+    const continuum_options *o = values;
     double *x = NULL, x_c = 0;
     size_t n = 0;
     double alpha = o->alpha_deg * M_PI / 180;
     rp_status status = an_continuum_kink(alpha, &x_c);
-    if (!status) status = cli_positions_read(&o->where, &x, &n);
+    if (!status) status = cli_positions(o->points, o->at, &x, &n);
     if (status) return status;
-    cli_table(stdout, schema, o);
+    cli_table(stdout);
     rp_table_note(stdout, "x_c/B", "%.17g", x_c);
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (size_t i = 0; i < n && !status; i++) {
@@ -33,7 +27,6 @@ static rp_status write_triangle(const void *values)
         status = an_continuum(alpha, x[i], &f);
         CLI_ROW(x[i], f.N, f.H);
     }
-    free(x);
     return status;
 }
 
@@ -46,5 +39,5 @@ const cli_command cmd_continuum = {
     "the pile on the ground, positive to the right. The unit of both is chi g B, where chi is the mass\n"
     "per length of a diagonal.",
     "repose continuum --alpha-deg 30 --at 0.1,0.25",
-    schema,
+    continuum_params,
     .act = write_triangle};

@@ -11,33 +11,20 @@
 #include "stats/forensics.h"
 #include "cli/claims.h"
 #include "cli/cli.h"
-#include "core/random.h"
-
-static const double deg = M_PI / 180.0;
 
 enum { MAX_FACTORS = 24, MAX_LEVELS = 12, MAX_CLAIMS = 24, MAX_TERMS = 64 };
 enum { REPORT_COMBINATIONS, REPORT_EFFECTS, REPORT_LEVELS };
 
-typedef struct {
-    const char *claims, *factors;
-    int report;
-    double level;
-    long draws, seed;
-} forensics_options;
+#define FORENSICS_OPTIONS(X)                                                                                 \
+    X(TEXT, claims, "", "figures/claims.tsv", "", "published claims")                                        \
+    X(TEXT, factors, "", NULL, "",                                                                           \
+      "columns of the choices, joined by commas; a:b ranks the values of a within each value of b")          \
+    X(CHOICE, report, "", "combinations", "combinations | effects | levels", "what to print")                \
+    X(REAL, level, "", "0.05", "(0, 1)", "a true combination is excluded with this chance")                  \
+    X(INT, draws, "", "1000", "[20, 1000000]", "simulated publications of each combination")                 \
+    CLI_SEED(X, "1993", "seed of the draws")
 
-static const rp_param options[] = {
-    {"claims", "", RP_TEXT, offsetof(forensics_options, claims), "figures/claims.tsv", "",
-     "published claims"},
-    {"factors", "", RP_TEXT, offsetof(forensics_options, factors), NULL, "",
-     "columns of the choices, joined by commas; a:b ranks the values of a within each value of b"},
-    {"report", "", RP_CHOICE, offsetof(forensics_options, report), "combinations",
-     "combinations | effects | levels", "what to print"},
-    {"level", "", RP_REAL, offsetof(forensics_options, level), "0.05", "(0, 1)",
-     "a true combination is excluded with this chance"},
-    {"draws", "", RP_INT, offsetof(forensics_options, draws), "1000", "[20, 1000000]",
-     "simulated publications of each combination"},
-    CLI_SEED(forensics_options, "1993", "seed of the draws"),
-    {0}};
+CLI_OPTIONS(forensics, FORENSICS_OPTIONS)
 
 /* How the surface of a pile is read; a column of the first has its stem alone. */
 #define VARIANT(height, empty) #height "_" #empty, #height "_" #empty "_origin",
@@ -69,16 +56,6 @@ typedef struct {
     double *y, *se; /* [combination][variant][claim] */
 } study;
 
-static const char *cell(const rp_table *t, size_t row, int column)
-{
-    return t->cells[row * t->n_columns + (size_t)column];
-}
-
-static rp_status find_column(const rp_table *t, const char *name, int *column)
-{
-    return cli_find_columns(t, 1, &name, column);
-}
-
 /* Level of a factor in a combination; the first run's levels are the reference of each factor. */
 static size_t level_of(const study *s, size_t combination, size_t factor)
 {
@@ -91,10 +68,10 @@ static size_t level_of(const study *s, size_t combination, size_t factor)
 static size_t rank_within(const rp_table *t, size_t row, int column, int within)
 {
     size_t rank = 0, n_seen = 0;
-    double value = strtod(cell(t, row, column), NULL), seen[MAX_LEVELS];
+    double value = strtod(cli_text(t, row, column), NULL), seen[MAX_LEVELS];
     for (size_t r = 0; r < t->n_rows && n_seen < MAX_LEVELS; r++) {
-        if (strcmp(cell(t, r, within), cell(t, row, within)) != 0) continue;
-        double other = strtod(cell(t, r, column), NULL);
+        if (strcmp(cli_text(t, r, within), cli_text(t, row, within)) != 0) continue;
+        double other = strtod(cli_text(t, r, column), NULL);
         bool known = other >= value;
         for (size_t k = 0; k < n_seen && !known; k++) known = seen[k] == other;
         if (!known) seen[n_seen++] = other, rank++;
@@ -111,8 +88,8 @@ static rp_status read_factor(study *s, const rp_table *raw, char *name)
     int column, within;
     if (s->n_factors == MAX_FACTORS) return rp_fail(RP_BAD_INPUT, "--factors: at most %d", MAX_FACTORS);
     if (colon) *colon++ = '\0';
-    rp_status status = find_column(raw, name, &column);
-    if (!status && colon) status = find_column(raw, colon, &within);
+    rp_status status = cli_find_column(raw, name, &column);
+    if (!status && colon) status = cli_find_column(raw, colon, &within);
     for (size_t i = 0; i < raw->n_rows && !status && colon; i++)
         s->runs->cells[i * raw->n_columns + (size_t)column] = ranks[rank_within(raw, i, column, within)];
     if (!status) status = cli_group_rows(s->runs, name, ',', levels);
@@ -130,16 +107,15 @@ static rp_status read_factors(study *s, const char *list)
     char names[sizeof s->factors] = "";
     if (strlen(list) >= sizeof s->factors) return rp_fail(RP_BAD_INPUT, "--factors: too long");
     strcpy(s->factors, list);
-    raw.cells = malloc((cells + 1) * sizeof *raw.cells);
-    s->first = calloc(n + 1, sizeof *s->first);
-    rp_status status = raw.cells && s->first ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    if (!status) memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
+    raw.cells = cli_memory(cells, sizeof *raw.cells);
+    s->first = cli_memory(n, sizeof *s->first);
+    rp_status status = RP_OK;
+    memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
     for (char *save, *word = strtok_r(s->factors, ",", &save); word && !status;
          word = strtok_r(NULL, ",", &save)) {
         status = read_factor(s, &raw, word);
         strcat(strcat(names, *names ? "," : ""), word);
     }
-    free(raw.cells);
     if (!status && s->n_factors == 0) status = rp_fail(RP_BAD_INPUT, "--factors: none given");
     if (!status) status = cli_group_rows(s->runs, names, ',', &s->combination);
     for (size_t i = n; i-- > 0 && !status;) s->first[s->combination.of_row[i]] = i;
@@ -158,7 +134,7 @@ static rp_status find_variants(const study *s, const char *stem, int column[N_VA
         const bool first = strncmp(variants[v], variants[0], length) == 0;
         snprintf(name, sizeof name, "%s%s%.*s_deg", stem, first ? "" : "_", first ? 0 : (int)length,
                  variants[v]);
-        status = find_column(s->runs, name, &column[v]);
+        status = cli_find_column(s->runs, name, &column[v]);
     }
     return status;
 }
@@ -189,9 +165,8 @@ static rp_status add_terms(study *s, const cli_words *words, int first)
         if (s->n_terms == MAX_TERMS) return rp_fail(RP_BAD_INPUT, "at most %d terms", MAX_TERMS);
         claim_term *term = &s->terms[s->n_terms++];
         for (last = first + 1; last < words->n && strcmp(words->words[last], "less") != 0;) last++;
-        *term = (claim_term){s->n_claims, coefficient, calloc(s->runs->n_rows + 1, sizeof *term->rows), {0}};
-        rp_status status = term->rows ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-        if (!status) status = find_rows(s, words, first + 1, last, term->rows);
+        *term = (claim_term){s->n_claims, coefficient, cli_memory(s->runs->n_rows, sizeof *term->rows), {0}};
+        rp_status status = find_rows(s, words, first + 1, last, term->rows);
         if (!status) status = find_variants(s, words->words[first], term->column);
         if (status) return status;
     }
@@ -254,7 +229,7 @@ static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums
         rp_status status = rp_table_number(t, row, term->column[v], 1, &value);
         if (status) return status;
         c->n++;
-        if (strncmp(cell(t, row, s->status), "ok", 2) != 0 || !isfinite(value)) continue;
+        if (strncmp(cli_text(t, row, s->status), "ok", 2) != 0 || !isfinite(value)) continue;
         c->n_ok++;
         c->sum += value * deg;
         c->squares += value * deg * value * deg;
@@ -278,14 +253,13 @@ static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums
 static rp_status read_numbers(study *s)
 {
     const size_t n = s->combination.n_groups * N_VARIANTS * s->n_claims;
-    s->y = calloc(n + 1, sizeof *s->y);
-    s->se = calloc(n + 1, sizeof *s->se);
-    cell_sum *sums = calloc(s->combination.n_groups + 1, sizeof *sums);
-    rp_status status = s->y && s->se && sums ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    s->y = cli_memory(n, sizeof *s->y);
+    s->se = cli_memory(n, sizeof *s->se);
+    cell_sum *sums = cli_memory(s->combination.n_groups, sizeof *sums);
+    rp_status status = RP_OK;
     for (size_t k = 0; k < s->n_terms; k++)
         for (int v = 0; v < N_VARIANTS && !status; v++) status = add_term(s, &s->terms[k], v, sums);
     for (size_t i = 0; i < n && !status; i++) s->se[i] = sqrt(s->se[i]);
-    free(sums);
     return status;
 }
 
@@ -298,26 +272,20 @@ static rp_status judge(const study *s, bool held_out, const forensics_options *o
     const size_t m = s->combination.n_groups * N_VARIANTS;
     stats_claim claims[MAX_CLAIMS];
     size_t n = 0;
-    double *y = malloc((m * s->n_claims + 1) * sizeof *y), *se = malloc((m * s->n_claims + 1) * sizeof *se);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, held_out, RP_PURPOSE_BOOTSTRAP);
-    rp_status status = y && se && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    double *y = cli_memory(m * s->n_claims, sizeof *y), *se = cli_memory(m * s->n_claims, sizeof *se);
     for (size_t k = 0; k < s->n_claims; k++)
         if (s->about[k].held_out == held_out) claims[n++] = s->claims[k];
-    for (size_t c = 0; c < m && !status; c++)
+    for (size_t c = 0; c < m; c++)
         for (size_t k = 0, i = 0; k < s->n_claims; k++) {
             if (s->about[k].held_out != held_out) continue;
             y[c * n + i] = s->y[c * s->n_claims + k];
             se[c * n + i++] = s->se[c * s->n_claims + k];
         }
-    if (!status && n > 0)
-        status = stats_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
-                                    held_out ? 0 : (size_t)o->draws, rng, agreement, chance);
-    if (!status && n == 0)
-        for (size_t c = 0; c < m; c++) agreement[c] = (stats_agreement){false, true, NAN, NAN, NAN};
-    if (rng) gsl_rng_free(rng);
-    free(y);
-    free(se);
-    return status;
+    for (size_t c = 0; c < m; c++) agreement[c] = (stats_agreement){false, true, NAN, NAN, NAN};
+    return n == 0 ? RP_OK
+                  : stats_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
+                                       held_out ? 0 : (size_t)o->draws, cli_random(o->seed, held_out),
+                                       agreement, chance);
 }
 
 static const char *verdict(const stats_agreement *a)
@@ -348,18 +316,12 @@ static void print_combination_header(const study *s)
     rp_table_header(stdout, text);
 }
 
-static rp_status print_combinations(const study *s, const stats_agreement *main, const stats_agreement *held)
+static void print_combinations(const study *s, const stats_agreement *main, const stats_agreement *held)
 {
     const size_t m = s->combination.n_groups * N_VARIANTS;
-    size_t *order = malloc((m + 1) * sizeof *order);
-    double *key = malloc((m + 1) * sizeof *key);
-    bool *seen = calloc(s->combination.n_groups + 1, sizeof *seen);
-    if (!order || !key || !seen) {
-        free(order);
-        free(key);
-        free(seen);
-        return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    }
+    size_t *order = cli_memory(m, sizeof *order);
+    double *key = cli_memory(m, sizeof *key);
+    bool *seen = cli_memory(s->combination.n_groups, sizeof *seen);
     for (size_t c = 0; c < m; c++) {
         order[c] = c;
         key[c] = main[c].complete ? main[c].log_likelihood : -INFINITY;
@@ -379,10 +341,6 @@ static rp_status print_combinations(const study *s, const stats_agreement *main,
             printf("\t%.17g\t%.17g", s->y[c * s->n_claims + k] / deg, s->se[c * s->n_claims + k] / deg);
         printf("\t%s\n", verdict(&main[c]));
     }
-    free(order);
-    free(key);
-    free(seen);
-    return RP_OK;
 }
 
 /* Each level of each factor, and each way to read the surface: how much of it is left. */
@@ -471,20 +429,15 @@ static rp_status surface_effects(const study *s, size_t k, double difference[])
 
 static rp_status print_effects(const study *s)
 {
-    double *y = malloc((s->combination.n_groups + 1) * sizeof *y);
-    size_t *level = malloc((s->combination.n_groups + 1) * s->n_factors * sizeof *level);
-    rp_status status = y && level ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    if (!status)
-        rp_table_header(
-            stdout,
-            "claim, factor, level, reference, effect_deg [deg], effect_se_deg [deg], lower_deg [deg], "
-            "upper_deg [deg], p_value, n, residual_sd_deg [deg]");
+    double *y = cli_memory(s->combination.n_groups, sizeof *y);
+    size_t *level = cli_memory(s->combination.n_groups * s->n_factors, sizeof *level);
+    rp_status status = RP_OK;
+    rp_table_header(stdout, "claim, factor, level, reference, effect_deg [deg], effect_se_deg [deg], "
+                            "lower_deg [deg], upper_deg [deg], p_value, n, residual_sd_deg [deg]");
     for (size_t k = 0; k < s->n_claims && !status; k++) {
         status = factor_effects(s, k, y, level);
         if (!status) status = surface_effects(s, k, y);
     }
-    free(y);
-    free(level);
     return status;
 }
 
@@ -515,50 +468,38 @@ static rp_status print_report(const study *s, const forensics_options *o)
 {
     const size_t m = s->combination.n_groups * N_VARIANTS;
     stats_chance chance = {NAN, NAN}, unused;
-    stats_agreement *main = malloc((m + 1) * sizeof *main), *held = malloc((m + 1) * sizeof *held);
-    rp_status status = main && held ? RP_OK : rp_fail(RP_NO_MEMORY, "forensics: out of memory");
-    if (!status && o->report != REPORT_EFFECTS) {
+    stats_agreement *main = cli_memory(m, sizeof *main), *held = cli_memory(m, sizeof *held);
+    rp_status status = RP_OK;
+    if (o->report != REPORT_EFFECTS) {
         status = judge(s, false, o, main, &chance);
         if (!status) status = judge(s, true, o, held, &unused);
+        if (status) return status;
     }
-    if (!status) {
-        cli_table(stdout, options, o);
-        rp_table_note(stdout, "combinations", "%zu, each with %d ways to read the surface",
-                      s->combination.n_groups, (int)N_VARIANTS);
-    }
-    if (!status && o->report != REPORT_EFFECTS) {
-        note_counts("", m, 1, main);
-        rp_table_note(stdout, "by_chance", "%.2g", chance.mean);
-        rp_table_note(stdout, "chance_of_as_many", "%.2g", chance.as_many);
-        note_counts("simulated_", m, N_VARIANTS, main);
-    }
-    if (!status && o->report == REPORT_COMBINATIONS) status = print_combinations(s, main, held);
-    if (!status && o->report == REPORT_LEVELS) print_levels(s, main);
-    if (!status && o->report == REPORT_EFFECTS) status = print_effects(s);
-    free(main);
-    free(held);
-    return status;
+    cli_table(stdout);
+    rp_table_note(stdout, "combinations", "%zu, each with %d ways to read the surface",
+                  s->combination.n_groups, (int)N_VARIANTS);
+    if (o->report == REPORT_EFFECTS) return print_effects(s);
+    note_counts("", m, 1, main);
+    rp_table_note(stdout, "by_chance", "%.2g", chance.mean);
+    rp_table_note(stdout, "chance_of_as_many", "%.2g", chance.as_many);
+    note_counts("simulated_", m, N_VARIANTS, main);
+    if (o->report == REPORT_COMBINATIONS)
+        print_combinations(s, main, held);
+    else
+        print_levels(s, main);
+    return RP_OK;
 }
 
-static rp_status judge_runs(rp_table *runs, const void *values)
+static rp_status judge_runs(rp_table *runs, void *values)
 {
     const forensics_options *o = values;
-    study *s = calloc(1, sizeof *s);
-    if (!s) return rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    study *s = cli_memory(1, sizeof *s);
     s->runs = runs;
-    rp_status status = find_column(runs, "status", &s->status);
+    rp_status status = cli_find_column(runs, "status", &s->status);
     if (!status) status = read_factors(s, o->factors);
     if (!status) status = read_claims(s, o->claims);
     if (!status) status = read_numbers(s);
-    if (!status) status = print_report(s, o);
-    for (size_t k = 0; k < s->n_terms; k++) free(s->terms[k].rows);
-    for (size_t f = 0; f < s->n_factors; f++) cli_groups_free(&s->factor[f]);
-    cli_groups_free(&s->combination);
-    free(s->first);
-    free(s->y);
-    free(s->se);
-    free(s);
-    return status;
+    return status ? status : print_report(s, o);
 }
 
 const cli_command cmd_forensics = {
@@ -578,5 +519,5 @@ const cli_command cmd_forensics = {
     "at its best surface, 0 at the others; effects: change of each number from a factor's first level\n"
     "(95 % interval; the residual holds interactions); levels: what is left of each level.",
     "repose forensics build/tables/lh_forensics_runs.tsv --factors slip,shape,floor",
-    options,
+    forensics_params,
     .on_table = judge_runs};

@@ -1,34 +1,24 @@
 /* repose lattice: forces on the base of a pile on a lattice. */
 #include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
 
 enum { CLOSED, RECURSION };
 
-typedef struct {
-    long layers, base;
-    double alpha_deg, theta_deg;
-    int method;
-} options;
+#define LATTICE_OPTIONS(X)                                                                                   \
+    X(INT, layers, "", "auto", "[1, 1000000] | auto", "layers of a full triangle")                           \
+    X(INT, base, "", "auto", "[1, 1000000] | auto", "disks in the base of a cut pile")                       \
+    X(REAL, alpha_deg, "degrees", "auto", "(0, 60] | auto",                                                  \
+      "slope of the cut pile, at most 90 - theta (with --base)")                                             \
+    X(REAL, theta_deg, "degrees", "30", "[30, 60]",                                                          \
+      "angle of the diagonals to the vertical; above 30 gaps separate the disks of a row")                   \
+    X(CHOICE, method, "", "closed", "closed | recursion",                                                    \
+      "closed form, or recursion disk by disk from the top (at most 10000 disks in the base)")
 
-static const rp_param schema[] = {
-    {"layers", "", RP_INT, offsetof(options, layers), "auto", "[1, 1000000] | auto",
-     "layers of a full triangle"},
-    {"base", "", RP_INT, offsetof(options, base), "auto", "[1, 1000000] | auto",
-     "disks in the base of a cut pile"},
-    {"alpha-deg", "degrees", RP_REAL, offsetof(options, alpha_deg), "auto", "(0, 60] | auto",
-     "slope of the cut pile, at most 90 - theta (with --base)"},
-    {"theta-deg", "degrees", RP_REAL, offsetof(options, theta_deg), "30", "[30, 60]",
-     "angle of the diagonals to the vertical; above 30 gaps separate the disks of a row"},
-    {"method", "", RP_CHOICE, offsetof(options, method), "closed", "closed | recursion",
-     "closed form, or recursion disk by disk from the top (at most 10000 disks in the base)"},
-    {0},
-};
+CLI_OPTIONS(lattice, LATTICE_OPTIONS)
 
-static rp_status check_usage(const options *o)
+static rp_status check_usage(const lattice_options *o)
 {
     bool cut = o->base > 0, sloped = o->alpha_deg > 0;
     if (cut == (o->layers > 0))
@@ -40,8 +30,8 @@ static rp_status check_usage(const options *o)
 }
 
 /* Forces on the k base disks, and the number of disks of the pile. `up` holds k numbers. */
-static rp_status solve(const options *o, long k, double alpha, double theta, long up[], an_force force[],
-                       double *disks)
+static rp_status solve(const lattice_options *o, long k, double alpha, double theta, long up[],
+                       an_force force[], double *disks)
 {
     rp_status status = an_lattice_cut(k, theta, alpha, up);
     if (status) return status;
@@ -53,10 +43,10 @@ static rp_status solve(const options *o, long k, double alpha, double theta, lon
     return status;
 }
 
-static void print(const options *o, long k, double alpha, double theta, const an_force force[], double disks)
+static void print(long k, double alpha, double theta, const an_force force[], double disks)
 {
     double base = an_lattice_base(disks, theta, alpha);
-    cli_table(stdout, schema, o);
+    cli_table(stdout);
     rp_table_note(stdout, "disks", "%.0f", disks);
     rp_table_note(stdout, "B", "%.17g sigma, the base of the triangle of equal weight", base);
     rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
@@ -67,24 +57,19 @@ static void print(const options *o, long k, double alpha, double theta, const an
     }
 }
 
-static rp_status write_pile(const void *values)
+static rp_status write_pile(void *values)
 {
-    const options *o = values;
+    const lattice_options *o = values;
     rp_status status = check_usage(o);
     if (status) return status;
     long k = o->base > 0 ? o->base : o->layers;
     double theta = o->theta_deg * M_PI / 180,
            alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
     double disks = 0;
-    long *up = malloc((size_t)k * sizeof *up);
-    an_force *force = malloc((size_t)k * sizeof *force);
-    if (!up || !force)
-        status = rp_fail(RP_NO_MEMORY, "%ld disks in the base: out of memory", k);
-    else
-        status = solve(o, k, alpha, theta, up, force, &disks);
-    if (!status) print(o, k, alpha, theta, force, disks);
-    free(up);
-    free(force);
+    long *up = cli_memory((size_t)k, sizeof *up);
+    an_force *force = cli_memory((size_t)k, sizeof *force);
+    status = solve(o, k, alpha, theta, up, force, &disks);
+    if (!status) print(k, alpha, theta, force, disks);
     return status;
 }
 
@@ -99,5 +84,5 @@ const cli_command cmd_lattice = {
     "positive to the right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B\n"
     "is the base of the triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
-    schema,
+    lattice_params,
     .act = write_pile};

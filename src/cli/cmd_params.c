@@ -55,7 +55,7 @@ static void print_protocol(const sweep_protocol *protocol)
         printf("  %-36s %-10s %s\n", o->name, shown(o->unit), o->meaning);
 }
 
-static rp_status print_all(const void *values)
+static rp_status print_all(void *values)
 {
     (void)values;
     const char *name = cli_argument(0);

@@ -12,114 +12,77 @@
 #include "core/clock.h"
 #include "sweeps/driver/pile.h"
 
-typedef struct {
-    sweep_pile pile;
-    long seed, piles;
-    bool summary;
-    const char *outline, *disks, *directory;
-} options;
+#define OWN_OPTIONS(X)                                                                                       \
+    X(TEXT, outline, "", "", "",                                                                             \
+      "a polygon: table with columns x, y of its vertices from left to right, in any unit")                  \
+    X(TEXT, disks, "", "", "",                                                                               \
+      "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)")                      \
+    CLI_SEED(X, "1", "of the z of --disorder")                                                               \
+    X(INT, piles, "", "1", "[1, 1000000]",                                                                   \
+      "with --disorder: mean over so many piles and its standard error")                                     \
+    X(BOOL, summary, "", "false", "",                                                                        \
+      "one row for the pile, not one a base disk: parameters and results of protocol `pile`")                \
+    X(TEXT, o, "", "", "",                                                                                   \
+      "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "          \
+      "equilibrium")
 
-static const rp_param own[] = {
-    {"outline", "", RP_TEXT, offsetof(options, outline), "", "",
-     "a polygon: table with columns x, y of its vertices from left to right, in any unit"},
-    {"disks", "", RP_TEXT, offsetof(options, disks), "", "",
-     "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)"},
-    {"seed", "", RP_INT, offsetof(options, seed), "1", "[0, 2147483647]", "of the z of --disorder"},
-    {"piles", "", RP_INT, offsetof(options, piles), "1", "[1, 1000000]",
-     "with --disorder: mean over so many piles and its standard error"},
-    {"summary", "", RP_BOOL, offsetof(options, summary), "false", "",
-     "one row for the pile, not one a base disk: parameters and results of protocol `pile`"},
-    {"o", "", RP_TEXT, offsetof(options, directory), "", "",
-     "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "
-     "equilibrium"},
-};
+CLI_OPTIONS(own, OWN_OPTIONS)
 
 /* The protocol's parameters, then the command's own. */
-enum { MOST = 40, NAME = 24 };
-static rp_param schema[MOST];
-static char dashed[MOST][NAME];
-
-static void make_schema(void)
-{
-    size_t n = 0;
-    for (const rp_param *p = sweep_pile_schema; p->name; p++, n++) {
-        schema[n] = *p;
-        schema[n].offset += offsetof(options, pile);
-        snprintf(dashed[n], NAME, "%s", p->name);
-        for (char *c = dashed[n]; *c; c++)
-            if (*c == '_') *c = '-';
-        schema[n].name = dashed[n];
-    }
-    memcpy(&schema[n], own, sizeof own);
-}
-
-static rp_status no_memory(void)
-{
-    return rp_fail(RP_NO_MEMORY, "pile: out of memory");
-}
+typedef struct {
+    sweep_pile pile;
+    own_options own;
+} options;
 
 /* ---- Outlines ---- */
 
 static rp_status read_outline(const char *path, an_point **v, size_t *n)
 {
-    double *block = NULL;
+    double *block;
     rp_status status = cli_read_file(path, "x,y", &block, n);
-    *v = status ? NULL : malloc((*n + 1) * sizeof **v);
-    if (!status && !*v) status = no_memory();
-    for (size_t i = 0; !status && i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
-    free(block);
-    return status;
+    if (status) return status;
+    *v = cli_memory(*n, sizeof **v);
+    for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
+    return RP_OK;
 }
 
 static rp_status make_outline(const options *o, sweep_outline *h)
 {
     an_point *v = NULL;
     size_t n = 0;
-    if (!*o->outline) return sweep_pile_outline(&o->pile, (unsigned long)o->seed, 0, h);
-    rp_status status = read_outline(o->outline, &v, &n);
-    if (!status) status = sweep_outline_polygon(h, o->pile.base, o->pile.gap, v, n);
+    if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
+    rp_status status = read_outline(o->own.outline, &v, &n);
+    if (!status) status = sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v);
     if (!status && o->pile.disorder > 0)
-        status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->seed, 0);
-    free(v);
+        status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0);
     return status;
 }
 
 static rp_status read_disks(const char *path, sweep_outline *h)
 {
-    static const char *const names[] = {"x", "y"};
-    rp_table table;
-    double *block = NULL;
-    int columns[3];
-    rp_status status = rp_table_read(path, &table);
-    if (!status) status = cli_find_columns(&table, 2, names, columns);
-    columns[2] = status ? -1 : rp_table_column(&table, "r");
-    if (!status) status = cli_read_columns(&table, 3, columns, 0, &block);
-    h->n = table.n_rows;
-    h->disks = status ? NULL : malloc((h->n + 1) * sizeof *h->disks);
-    if (!status && !h->disks) status = no_memory();
-    for (size_t i = 0; !status && i < h->n; i++) {
-        const double r = columns[2] >= 0 ? block[2 * h->n + i] : 0.5;
-        h->disks[i] = (statics_disk){block[i], block[h->n + i], r, 4 * r * r};
+    rp_table *table;
+    double *x;
+    rp_status status = cli_table_read(path, &table);
+    const bool radii = rp_table_column(table, "r") >= 0;
+    if (!status) status = cli_read_columns(table, radii ? "x,y,r" : "x,y", &x);
+    if (status) return status;
+    h->n = table->n_rows;
+    h->disks = malloc((h->n + 1) * sizeof *h->disks);
+    if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < h->n; i++) {
+        const double *y = x + h->n, r = radii ? y[h->n + i] : 0.5;
+        h->disks[i] = (statics_disk){x[i], y[i], r, 4 * r * r};
     }
     h->B = NAN;
-    free(block);
-    rp_table_free(&table);
-    return status;
+    return RP_OK;
 }
 
 /* ---- Output ---- */
 
-static const options *chosen; /* for the header of each table */
-
-static void write_header(FILE *out)
-{
-    cli_table(out, schema, chosen);
-}
-
 /* One row: parameters, results, status. */
 static void write_summary(const options *o, const sweep_result *results)
 {
-    const char *columns[MOST + SWEEP_MAX_OUTPUTS + 1][2] = {{0}};
+    const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
     char text[64];
     size_t n = 0, n_outputs = 0;
     for (const rp_param *p = sweep_pile_schema; p->name; p++, n++)
@@ -138,29 +101,28 @@ static void write_summary(const options *o, const sweep_result *results)
  * given up are in the folder's tables alone. */
 static rp_status write_tables(const options *o, const sweep_solved *s, const sweep_result *results)
 {
-    write_header(stdout);
+    cli_table(stdout);
     sweep_pile_notes(s, stdout);
-    if (o->summary)
+    if (o->own.summary)
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->directory
-               ? sweep_pile_write(s, &(sweep_tables){.directory = o->directory, .header = write_header})
-               : RP_OK;
+    return *o->own.o ? sweep_pile_write(s, &(sweep_tables){.directory = o->own.o, .header = cli_table})
+                     : RP_OK;
 }
 
 /* Options that would have no effect beside others. */
 static rp_status check_idle(const options *o)
 {
     const sweep_pile *p = &o->pile;
-    const bool linear = !(p->eps > 0), from_file = *o->outline || *o->disks;
+    const bool linear = !(p->eps > 0), from_file = *o->own.outline || *o->own.disks;
     const struct {
         const char *option;
         bool idle;
         const char *why;
-    } idle[] = {{"base", *o->disks, "--disks says it all"},
-                {"gap", *o->disks, "--disks says it all"},
-                {"disorder", *o->disks, "--disks says it all"},
+    } idle[] = {{"base", *o->own.disks, "--disks says it all"},
+                {"gap", *o->own.disks, "--disks says it all"},
+                {"disorder", *o->own.disks, "--disks says it all"},
                 {"alpha-deg", from_file, "the file says it"},
                 {"inner-deg", from_file, "the file says it"},
                 {"x-1", !(p->inner_deg > 0), "goes with --inner-deg"},
@@ -181,12 +143,12 @@ static rp_status check_idle(const options *o)
 static rp_status check_usage(const options *o)
 {
     const sweep_pile *p = &o->pile;
-    if (*o->outline && *o->disks)
+    if (*o->own.outline && *o->own.disks)
         return rp_fail(RP_USAGE, "give --outline or --disks, not both; see repose pile --help");
-    if (p->threshold && (!(p->eps > 0) || p->branch || *o->directory || *o->disks))
+    if (p->threshold && (!(p->eps > 0) || p->branch || *o->own.o || *o->own.disks))
         return rp_fail(RP_USAGE,
                        "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
-    if (o->piles > 1 && (!(p->disorder > 0) || p->threshold || o->summary || *o->directory))
+    if (o->own.piles > 1 && (!(p->disorder > 0) || p->threshold || o->own.summary || *o->own.o))
         return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
     return check_idle(o);
 }
@@ -196,7 +158,7 @@ static rp_status find_threshold(const options *o, const sweep_outline *h)
     sweep_result results;
     rp_status status = sweep_pile_threshold(&o->pile, h, &results);
     if (status) return status;
-    write_header(stdout);
+    cli_table(stdout);
     write_summary(o, &results);
     return RP_OK;
 }
@@ -245,11 +207,11 @@ static rp_status solve_one(const options *o, sweep_outline *h, unsigned long run
 {
     sweep_solved s = {0};
     sweep_result results;
-    rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->seed, run);
+    rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
     if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
     for (size_t i = 0; !status && i < h->k; i++) {
-        N[i * (size_t)o->piles + column] = s.N[i];
-        H[i * (size_t)o->piles + column] = s.H[i];
+        N[i * (size_t)o->own.piles + column] = s.N[i];
+        H[i * (size_t)o->own.piles + column] = s.H[i];
     }
     *unstable += !status && s.r.negative_modes;
     sweep_solved_free(&s);
@@ -259,8 +221,8 @@ static rp_status solve_one(const options *o, sweep_outline *h, unsigned long run
 static rp_status write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
                              const double *N, const double *H)
 {
-    const size_t piles = (size_t)o->piles;
-    write_header(stdout);
+    const size_t piles = (size_t)o->own.piles;
+    cli_table(stdout);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
     rp_table_note(stdout, "B", "%.17g sigma", h->B);
     rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
@@ -283,44 +245,43 @@ static rp_status write_means(const options *o, const sweep_outline *h, size_t so
 /* Means over the piles that have an equilibrium; the others are told on the way. */
 static rp_status solve_ensemble(const options *o, sweep_outline *h)
 {
-    const size_t room = h->k * (size_t)o->piles;
-    double *N = malloc(2 * room * sizeof *N);
+    const size_t room = h->k * (size_t)o->own.piles;
+    double *N = cli_memory(2 * room, sizeof *N);
     size_t solved = 0, unstable = 0;
-    rp_status status = N ? RP_OK : no_memory();
-    for (long run = 0; !status && run < o->piles; run++) {
+    rp_status status = RP_OK;
+    for (long run = 0; !status && run < o->own.piles; run++) {
         status = solve_one(o, h, (unsigned long)run, solved, N, N + room, &unstable);
         if (!status) solved++;
         if (status != RP_NO_RESULT) continue;
         fprintf(stderr, "pile %ld: %s\n", run, rp_message());
         status = RP_OK;
     }
-    if (!status && !solved) status = rp_fail(RP_NO_RESULT, "none of %ld piles has an equilibrium", o->piles);
+    if (!status && !solved)
+        status = rp_fail(RP_NO_RESULT, "none of %ld piles has an equilibrium", o->own.piles);
     if (!status) status = write_means(o, h, solved, unstable, N, N + room);
     if (unstable)
         fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
                 unstable, solved);
-    free(N);
     return status;
 }
 
-static rp_status solve_any(const void *values)
+static rp_status solve_any(void *values)
 {
-    options o = *(const options *)values;
-    chosen = &o;
-    rp_status status = check_usage(&o);
+    options *o = values;
+    rp_status status = check_usage(o);
     if (status) return status;
     sweep_outline h = {0};
-    status = *o.disks ? read_disks(o.disks, &h) : make_outline(&o, &h);
-    if (*o.disks || *o.outline) o.pile.alpha_deg = -1; /* the parameters do not describe it */
+    status = *o->own.disks ? read_disks(o->own.disks, &h) : make_outline(o, &h);
+    if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1; /* the parameters do not describe it */
     if (!status)
-        status = o.piles > 1        ? solve_ensemble(&o, &h)
-                 : o.pile.threshold ? find_threshold(&o, &h)
-                                    : solve(&o, &h);
+        status = o->own.piles > 1    ? solve_ensemble(o, &h)
+                 : o->pile.threshold ? find_threshold(o, &h)
+                                     : solve(o, &h);
     sweep_outline_free(&h);
     return status;
 }
 
-static const cli_command command = {
+const cli_command cmd_pile = {
     "pile",
     "static equilibrium of a close-packed pile of soft disks",
     "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E]\n       "
@@ -343,13 +304,7 @@ static const cli_command command = {
     "  not_converged  the solver did not converge\n"
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
-    schema,
-    .act = solve_any};
-
-static rp_status run(int argc, char **argv)
-{
-    make_schema();
-    return cli_run(&command, argc, argv);
-}
-
-const cli_command cmd_pile = {"pile", "static equilibrium of a close-packed pile of soft disks", .run = run};
+    own_params,
+    .act = solve_any,
+    .protocol = sweep_pile_schema,
+    .protocol_size = offsetof(options, own)};

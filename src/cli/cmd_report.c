@@ -9,16 +9,11 @@
 #include "cli/claims.h"
 #include "cli/cli.h"
 
-typedef struct {
-    const char *tables, *claims, *output;
-} report_options;
+#define REPORT_OPTIONS(X)                                                                                    \
+    CLI_CLAIMS(X)                                                                                            \
+    X(TEXT, o, "", "-", "", "file to write; - is standard output")
 
-static const rp_param options[] = {
-    {"tables", "", RP_TEXT, offsetof(report_options, tables), "results,build/tables", "",
-     "folders of tables, joined by commas; a table is read from the first folder that holds it"},
-    {"claims", "", RP_TEXT, offsetof(report_options, claims), "figures/claims.tsv", "", "file of the claims"},
-    {"o", "", RP_TEXT, offsetof(report_options, output), "-", "", "file to write; - is standard output"},
-    {0}};
+CLI_OPTIONS(report, REPORT_OPTIONS)
 
 enum { MAX_DEPTH = 2 };
 
@@ -258,28 +253,30 @@ static rp_status fill_line(report *r, char *line)
 
 static rp_status fill_file(report *r, const char *path)
 {
-    FILE *in = fopen(path, "r");
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read", path);
-    char *line = NULL;
-    size_t capacity = 0;
-    rp_status status = RP_OK;
+    char *text;
+    int number = 1;
+    rp_status status = rp_file_read(path, &text);
     r->depth++;
-    for (int number = 1; !status && getline(&line, &capacity, in) >= 0; number++)
-        if ((status = fill_line(r, line)) != RP_OK) rp_prefix(status, "%s:%d: ", path, number);
+    for (char *line = text, *end; !status && line && *line; line = end, number++) {
+        end = strchr(line, '\n');
+        if (end) *end++ = '\0';
+        if ((status = fill_line(r, line)) != RP_OK)
+            rp_prefix(status, "%s:%d: ", path, number);
+        else if (end)
+            fputc('\n', r->out);
+    }
     r->depth--;
-    free(line);
-    fclose(in);
+    free(text);
     return status;
 }
 
-static rp_status fill_report(const void *values)
+static rp_status fill_report(void *values)
 {
     const report_options *o = values;
     report r = {.options = o, .template = cli_argument(0)};
     rp_status status = cli_claims_read(o->claims, &r.claims);
-    if (!status && (status = rp_file_open(o->output, &r.out)) == RP_OK)
-        status = rp_file_close(o->output, r.out, fill_file(&r, r.template));
-    free(r.judged);
+    if (!status && (status = rp_file_open(o->o, &r.out)) == RP_OK)
+        status = rp_file_close(o->o, r.out, fill_file(&r, r.template));
     cli_claims_free(&r.claims);
     return status;
 }
@@ -304,5 +301,5 @@ const cli_command cmd_report = {
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data`.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
-    options,
+    report_params,
     .act = fill_report};

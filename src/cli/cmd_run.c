@@ -11,111 +11,85 @@
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
-typedef struct {
-    rp_texts set;
-    long every, row;
-    bool ledger;
-    const char *directory;
-} run_options;
+#define RUN_OPTIONS(X)                                                                                       \
+    X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
+    X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
+      "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)")  \
+    X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
+    X(BOOL, ledger, "", "false", "",                                                                         \
+      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")
 
-static const rp_param options[] = {
-    {"set", "", RP_TEXTS, offsetof(run_options, set), "", "",
-     "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated"},
-    {"every", "steps", RP_INT, offsetof(run_options, every), "auto", "[1, 2147483647] | auto",
-     "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)"},
-    {"o", "", RP_TEXT, offsetof(run_options, directory), "", "",
-     "folder for tables, instead of standard output"},
-    {"ledger", "", RP_BOOL, offsetof(run_options, ledger), "false", "",
-     "add the terms of the energy ledger to the energies; as `ledger = true` in a scene"},
-    {"row", "", RP_INT, offsetof(run_options, row), "0", "[0, 2147483647]",
-     "number of the sweep's run, from 0"},
-    {0}};
+CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
-    const char *directory; /* NULL: standard output */
-    FILE *states, *energy;
-    char states_path[4096], energy_path[4096];
+    sweep_tables tables; /* no folder: standard output */
+    sweep_file states, energy;
 } outputs;
-
-static void write_header(FILE *out)
-{
-    cli_table(out, NULL, NULL);
-}
-
-static rp_status open_in(const char *directory, const char *name, char path[4096], FILE **out)
-{
-    snprintf(path, 4096, "%s/%s", directory, name);
-    rp_status status = rp_file_open(path, out);
-    if (!status) write_header(*out);
-    return status;
-}
 
 static rp_status outputs_open(outputs *o, const dem_scene *scene, const dem_sim *sim)
 {
     rp_status status = RP_OK;
-    if (o->directory) {
-        status = rp_make_directory(o->directory);
-        if (!status) status = open_in(o->directory, "states.tsv", o->states_path, &o->states);
-        if (!status) status = open_in(o->directory, "energy.tsv", o->energy_path, &o->energy);
+    if (*o->tables.directory) {
+        status = rp_make_directory(o->tables.directory);
+        if (!status) status = sweep_table_open(&o->tables, "states.tsv", &o->states);
+        if (!status) status = sweep_table_open(&o->tables, "energy.tsv", &o->energy);
         if (status) return status;
-        dem_write_energy_columns(scene->def.ledger, o->energy);
+        dem_write_energy_columns(scene->def.ledger, o->energy.out);
     } else {
-        o->states = stdout;
-        write_header(stdout);
+        o->states = (sweep_file){"-", stdout};
+        cli_provenance(stdout);
     }
-    dem_write_notes(sim, o->states);
-    dem_write_state_columns(o->states);
+    dem_write_notes(sim, o->states.out);
+    dem_write_state_columns(o->states.out);
     return RP_OK;
 }
 
-static rp_status outputs_write(outputs *o, const dem_sim *sim)
+static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy) dem_write_energy(sim, o->energy);
-    return dem_write_states(sim, o->states);
+    if (o->energy.out) dem_write_energy(sim, o->energy.out);
+    return dem_write_states(sim, o->states.out);
 }
 
-static rp_status write_contacts(const char *directory, const dem_sim *sim)
+static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
 {
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "contacts.tsv", path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
+    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
 }
 
-static rp_status write_walls(const char *directory, const dem_scene *scene, const dem_sim *sim)
+static rp_status write_walls(const sweep_tables *tables, const dem_scene *scene, const dem_sim *sim)
 {
     double forces[2 * DEM_MAX_WALLS];
-    char path[4096];
-    FILE *out;
-    rp_status status = open_in(directory, "walls.tsv", path, &out);
+    sweep_file file;
+    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
     if (status) return status;
     dem_wall_forces(sim, forces);
-    rp_table_header(out, "wall, fx [dyn], fy [dyn]");
+    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < scene->def.n_walls; w++)
-        rp_table_row(out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return rp_file_close(path, out, RP_OK);
+        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    return sweep_table_close(&file, RP_OK);
 }
 
 /* Unless the run is whole, its tables say so in their last line. */
-static rp_status close_table(const char *path, FILE *out, rp_status run)
+static rp_status close_table(const sweep_file *file, rp_status run)
 {
-    if (run) rp_table_note(out, "unfinished", "%s", rp_message());
-    return rp_file_close(path, out, RP_OK);
+    if (run) rp_table_note(file->out, "unfinished", "%s", rp_message());
+    return sweep_table_close(file, RP_OK);
 }
 
 /* What was computed before a failure is kept. */
-static rp_status outputs_close(outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
+static rp_status outputs_close(const outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    rp_status status = RP_OK;
-    if (o->energy) status = close_table(o->energy_path, o->energy, run);
-    if (o->directory && o->states) {
-        rp_status closed = close_table(o->states_path, o->states, run);
+    rp_status status = o->energy.out ? close_table(&o->energy, run) : RP_OK;
+    if (*o->tables.directory && o->states.out) {
+        rp_status closed = close_table(&o->states, run);
         if (!status) status = closed;
-        if (!status) status = write_contacts(o->directory, sim);
-        if (!status) status = write_walls(o->directory, scene, sim);
+        if (!status) status = write_contacts(&o->tables, sim);
+        if (!status) status = write_walls(&o->tables, scene, sim);
     }
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -194,10 +168,10 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
     cli_on_stop(note_stop);
     /* some tenths of a second: often enough to show progress and to notice a signal */
     const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
-    char stage[4096];
-    outputs out = {.directory = *o->directory ? stage : NULL};
-    rp_status status = out.directory ? cli_stage_open(o->directory, stage) : RP_OK;
+    char stage[4096] = "";
+    rp_status status = *o->o ? cli_stage_open(o->o, stage) : RP_OK;
     if (status) return status;
+    outputs out = {.tables = {.directory = stage, .header = cli_provenance}};
     status = outputs_open(&out, scene, sim);
     if (!status && o->every > 0) status = outputs_write(&out, sim);
     growth energy = growth_of(scene, sim);
@@ -217,26 +191,25 @@ static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim
             status = outputs_write(&out, sim);
     }
     if (!status && (o->every <= 0 || scene->steps > 0)) status = outputs_write(&out, sim);
-    if (!status) growth_report(&energy, sim, out.states);
+    if (!status) growth_report(&energy, sim, out.states.out);
     status = outputs_close(&out, scene, sim, status);
-    return out.directory ? cli_stage_close(o->directory, stage, status) : status;
+    return *stage ? cli_stage_close(o->o, stage, status) : status;
 }
 
 static rp_status run_row(const char *path, const run_options *o)
 {
-    if (!*o->directory)
-        return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
+    if (!*o->o) return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
     char stage[4096];
-    rp_status status = cli_stage_open(o->directory, stage);
+    rp_status status = cli_stage_open(o->o, stage);
     if (status) return status;
     cli_stage_stops(stage);
-    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, write_header, o->ledger};
+    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
     status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
-    status = cli_stage_close(o->directory, stage, status);
+    status = cli_stage_close(o->o, stage, status);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
@@ -246,7 +219,7 @@ static rp_status run_row(const char *path, const run_options *o)
     }
     columns[n][0] = "status";
     columns[n][1] = "";
-    cli_table(stdout, NULL, NULL);
+    cli_provenance(stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
@@ -278,7 +251,7 @@ static rp_status run_file(const char *path, const run_options *o)
     return status;
 }
 
-static rp_status run_any(const void *values)
+static rp_status run_any(void *values)
 {
     const char *path = cli_argument(0);
     bool sweep;
@@ -302,5 +275,5 @@ const cli_command cmd_run = {
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
-    options,
+    run_params,
     .act = run_any};

@@ -1,66 +1,40 @@
 /* repose stats: statistics of tables on the command line. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"
 #include "cli/cli.h"
-#include "core/random.h"
-
-#define N_OF(array) (sizeof(array) / sizeof *(array))
 
 /* ---- maximum ---- */
 
-typedef struct {
-    const char *column;
-    long draws, bootstrap, seed;
-    rp_texts where;
-} maximum_options;
+#define MAXIMUM_OPTIONS(X)                                                                                   \
+    X(TEXT, column, "", NULL, "", "column of the values")                                                    \
+    X(INT, draws, "", NULL, "[1, 10000000]", "number of values that the maximum is taken of")                \
+    X(INT, bootstrap, "", "2000", "[2, 10000000]", "resamples of the values")                                \
+    CLI_SEED(X, "1993", "seed of the resamples")                                                             \
+    CLI_WHERE(X)
 
-static const rp_param maximum_params[] = {
-    {"column", "", RP_TEXT, offsetof(maximum_options, column), NULL, "", "column of the values"},
-    {"draws", "", RP_INT, offsetof(maximum_options, draws), NULL, "[1, 10000000]",
-     "number of values that the maximum is taken of"},
-    {"bootstrap", "", RP_INT, offsetof(maximum_options, bootstrap), "2000", "[2, 10000000]",
-     "resamples of the values"},
-    CLI_SEED(maximum_options, "1993", "seed of the resamples"),
-    CLI_WHERE(maximum_options),
-    {0}};
+CLI_OPTIONS(maximum, MAXIMUM_OPTIONS)
 
-static rp_status print_maximum(size_t n, const double v[], double work[], const maximum_options *o)
+static rp_status maximum_of_table(rp_table *table, void *values)
 {
+    const maximum_options *o = values;
+    const size_t draws = (size_t)o->draws, resamples = (size_t)o->bootstrap;
+    cli_rows rows;
     stats_summary stats;
-    double largest, se = NAN;
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    rp_status status = rng ? stats_mean(n, v, &stats) : rp_fail(RP_NO_MEMORY, "maximum: out of memory");
-    if (!status) status = stats_expected_maximum(n, v, (size_t)o->draws, work, &largest);
-    if (!status) status = stats_maximum_error(n, v, (size_t)o->draws, (size_t)o->bootstrap, rng, work, &se);
-    if (rng) gsl_rng_free(rng);
+    double largest, se;
+    rp_status status = cli_rows_read(table, o->column, &(cli_choice){.any_status = true}, &rows);
     if (status) return status;
+    cli_table(stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", rows.n, rows.n_nan);
+    const double *v = rows.column[0];
+    double *work = cli_memory(2 * rows.n + resamples, sizeof *work);
+    status = stats_mean(rows.n, v, &stats);
+    if (!status) status = stats_expected_maximum(rows.n, v, draws, work, &largest);
+    if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(o->seed, 0), work, &se);
+    if (status) return rp_prefix(status, "%s: ", table->path);
     rp_table_header(stdout, "n, mean, sd, draws, maximum, maximum_se");
-    CLI_ROW((double)n, stats.mean, stats.sd, (double)o->draws, largest, se);
+    CLI_ROW((double)rows.n, stats.mean, stats.sd, (double)o->draws, largest, se);
     return RP_OK;
-}
-
-static rp_status maximum_of_table(rp_table *table, const void *options)
-{
-    const maximum_options *o = options;
-    double *values = NULL;
-    rp_status status = cli_read_named(table, o->column, 1, &values);
-    double *work = malloc((2 * table->n_rows + (size_t)o->bootstrap) * sizeof *work);
-    if (!status && !work) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    if (!status) {
-        size_t n = 0;
-        for (size_t i = 0; i < table->n_rows; i++)
-            if (!isnan(values[i])) values[n++] = values[i];
-        cli_table(stdout, maximum_params, o);
-        rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", n, table->n_rows - n);
-        status = print_maximum(n, values, work, o);
-        if (status) rp_prefix(status, "%s: ", table->path);
-    }
-    free(work);
-    free(values);
-    return status;
 }
 
 static const cli_command maximum = {
@@ -76,17 +50,12 @@ static const cli_command maximum = {
 
 /* ---- select ---- */
 
-typedef struct {
-    const char *columns;
-    bool bare;
-    rp_texts where;
-} select_options;
+#define SELECT_OPTIONS(X)                                                                                    \
+    X(TEXT, columns, "", "all", "", "columns (a or a,b,...) to print")                                       \
+    X(BOOL, bare, "", "false", "", "print the rows without a header")                                        \
+    CLI_WHERE(X)
 
-static const rp_param select_params[] = {
-    {"columns", "", RP_TEXT, offsetof(select_options, columns), "all", "", "columns (a or a,b,...) to print"},
-    {"bare", "", RP_BOOL, offsetof(select_options, bare), "false", "", "print the rows without a header"},
-    CLI_WHERE(select_options),
-    {0}};
+CLI_OPTIONS(select, SELECT_OPTIONS)
 
 enum { MOST_COLUMNS = 1024 };
 
@@ -99,11 +68,11 @@ static void print_selected_header(const rp_table *t, size_t n, const int columns
         header[c][0] = t->names[columns[c]];
         header[c][1] = units[c];
     }
-    cli_table(stdout, NULL, NULL);
+    cli_provenance(stdout);
     if (t->names[0]) rp_table_columns(stdout, n, (const char *const(*)[2])header);
 }
 
-static rp_status select_of_table(rp_table *t, const void *options)
+static rp_status select_of_table(rp_table *t, void *options)
 {
     const select_options *o = options;
     static int columns[MOST_COLUMNS];
@@ -116,8 +85,7 @@ static rp_status select_of_table(rp_table *t, const void *options)
     if (status) return status;
     if (!o->bare) print_selected_header(t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
-        for (size_t c = 0; c < n; c++)
-            printf("%s%s", t->cells[i * t->n_columns + (size_t)columns[c]], c + 1 < n ? "\t" : "\n");
+        for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
     return RP_OK;
 }
 

@@ -1,55 +1,25 @@
 /* repose stats fit: straight lines through the points of a table. */
-#include <gsl/gsl_permute_double.h>
-#include <gsl/gsl_sort.h>
-#include <math.h>
-#include <stdlib.h>
+#include <gsl/gsl_statistics_double.h>
 #include <string.h>
 
 #include "stats/stats.h"
 #include "cli/cli.h"
 
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-
 enum { SCALE_LINEAR, SCALE_LOG };
 
-typedef struct {
-    const char *x, *y, *se;
-    double from, to, level;
-    int scale;
-    bool successive;
-    rp_texts where;
-} fit_options;
+#define FIT_OPTIONS(X)                                                                                       \
+    X(TEXT, x, "", NULL, "", "column of x")                                                                  \
+    X(TEXT, y, "", NULL, "", "column of y")                                                                  \
+    X(TEXT, se, "", "none", "", "column of the standard errors of y")                                        \
+    CLI_RANGE(X, "x")                                                                                        \
+    X(CHOICE, scale, "", "linear", "linear | log",                                                           \
+      "straight line in x and y, or in their natural logarithms: a power law")                               \
+    X(BOOL, successive, "", "false", "",                                                                     \
+      "where linearity ends: one row for the first three points, the first four, ...")                       \
+    X(REAL, level, "", "0.05", "(0, 1)", "smallest p with which a line is accepted, for --successive")       \
+    CLI_WHERE(X)
 
-static const rp_param fit_params[] = {
-    {"x", "", RP_TEXT, offsetof(fit_options, x), NULL, "", "column of x"},
-    {"y", "", RP_TEXT, offsetof(fit_options, y), NULL, "", "column of y"},
-    {"se", "", RP_TEXT, offsetof(fit_options, se), "none", "", "column of the standard errors of y"},
-    CLI_RANGE(fit_options, "x"),
-    {"scale", "", RP_CHOICE, offsetof(fit_options, scale), "linear", "linear | log",
-     "straight line in x and y, or in their natural logarithms: a power law"},
-    {"successive", "", RP_BOOL, offsetof(fit_options, successive), "false", "",
-     "where linearity ends: one row for the first three points, the first four, ..."},
-    {"level", "", RP_REAL, offsetof(fit_options, level), "0.05", "(0, 1)",
-     "smallest p with which a line is accepted, for --successive"},
-    CLI_WHERE(fit_options),
-    {0}};
-
-/* Pack the usable points of the blocks x, y, se of n values each to their fronts. */
-static size_t select_points(size_t n, double *block, const fit_options *o, size_t *n_missing)
-{
-    size_t used = 0;
-    *n_missing = 0;
-    for (size_t i = 0; i < n; i++) {
-        double x = block[i], y = block[n + i], se = block[2 * n + i];
-        bool missing = isnan(x) || isnan(y) || isnan(se);
-        *n_missing += missing;
-        if (missing || x < o->from || x > o->to) continue;
-        block[used] = x;
-        block[n + used] = y;
-        block[2 * n + used++] = se;
-    }
-    return used;
-}
+CLI_OPTIONS(fit, FIT_OPTIONS)
 
 static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const char *name)
 {
@@ -62,23 +32,11 @@ static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const 
     return RP_OK;
 }
 
-/* The points in order of x: blocks of n values, of which `used` count. */
-static rp_status sort_points(size_t n, size_t used, double *block)
-{
-    size_t *order = malloc((used + 1) * sizeof *order);
-    if (!order) return rp_fail(RP_NO_MEMORY, "fit: out of memory");
-    gsl_sort_index(order, block, 1, used);
-    for (size_t c = 0; c < 3; c++) gsl_permute(order, block + c * n, 1, used);
-    free(order);
-    return RP_OK;
-}
-
 static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
                                   double level)
 {
     double linear_to, bend_free_to;
-    stats_prefix *fits = malloc((n + 1) * sizeof *fits);
-    if (!fits) return rp_fail(RP_NO_MEMORY, "fit: out of memory");
+    stats_prefix *fits = cli_memory(n, sizeof *fits);
     rp_status status = stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to);
     if (!status) {
         rp_table_note(stdout, "linear_to", "%g", linear_to);
@@ -94,7 +52,6 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
                      l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof,
                      l->p_value, bend->value, bend->se, fits[k].p_bend);
     }
-    free(fits);
     return status;
 }
 
@@ -118,40 +75,33 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
     return RP_OK;
 }
 
-static rp_status fit_table(rp_table *table, const void *values)
+static rp_status fit_table(rp_table *table, void *values)
 {
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
-    const char *const names[] = {o->x, o->y, o->se};
-    int columns[3] = {-1, -1, -1};
-    double *block = NULL;
-    size_t n = table->n_rows, missing;
+    const cli_choice choice = {
+        .any_status = true, .range = (double[]){o->from, o->to}, .grouped = o->successive};
+    char names[512];
+    cli_rows rows;
     if (o->successive && !weighted)
         return rp_fail(RP_USAGE, "--successive needs --se; see repose stats fit --help");
     if (logarithms && weighted)
         return rp_fail(RP_USAGE,
                        "--scale log is without --se: give one of them; see repose stats fit --help");
-    rp_status status = cli_find_columns(table, weighted ? 3 : 2, names, columns);
-    if (!status) status = cli_read_columns(table, 3, columns, 1, &block);
-    for (size_t i = 0; i < n && !status && !weighted; i++) block[2 * n + i] = 1.0;
-    if (!status) {
-        size_t used = select_points(n, block, o, &missing);
-        double *x = block, *y = block + n, *se = weighted ? block + 2 * n : NULL;
-        cli_table(stdout, fit_params, o);
-        rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", used,
-                      missing, n - used - missing);
-        double range[2] = {NAN, NAN};
-        for (size_t i = 0; i < used; i++) range[0] = fmin(range[0], x[i]), range[1] = fmax(range[1], x[i]);
-        if (logarithms) status = take_logarithms(table, used, x, o->x);
-        if (logarithms && !status) status = take_logarithms(table, used, y, o->y);
-        if (o->successive) status = sort_points(n, used, block);
-        if (!status)
-            status = o->successive ? print_successive(used, x, y, se, o->level)
-                                   : print_fit(used, x, y, se, logarithms, range);
-        if (status) rp_prefix(status, "%s: ", table->path);
-    }
-    free(block);
-    return status;
+    snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
+    rp_status status = cli_rows_read(table, names, &choice, &rows);
+    if (status) return status;
+    double *x = rows.column[0], *y = rows.column[1], range[2];
+    cli_table(stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
+                  rows.n_nan, rows.n_outside);
+    gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
+    if (logarithms) status = take_logarithms(table, rows.n, x, o->x);
+    if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
+    if (!status)
+        status = o->successive ? print_successive(rows.n, x, y, rows.column[2], o->level)
+                               : print_fit(rows.n, x, y, rows.column[2], logarithms, range);
+    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
 }
 
 const cli_command cmd_stats_fit = {

@@ -1,78 +1,54 @@
 /* repose stats threshold, repose stats cost: settings of a sweep compared by its runs. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"
 #include "cli/cli.h"
 
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-
 /* ---- threshold ---- */
 
-typedef struct {
-    const char *x, *by, *most;
-    rp_texts where;
-} threshold_options;
+#define THRESHOLD_OPTIONS(X)                                                                                 \
+    X(TEXT, x, "", NULL, "", "column of x")                                                                  \
+    CLI_BY(X, "none", "groups")                                                                              \
+    X(TEXT, most, "", "none", "", "column whose largest number among rows with result is printed too")       \
+    CLI_WHERE(X)
 
-static const rp_param threshold_params[] = {
-    CLI_TEXT(threshold_options, x, NULL, "column of x"),
-    CLI_BY(threshold_options, "none", "groups"),
-    {"most", "", RP_TEXT, offsetof(threshold_options, most), "none", "",
-     "column whose largest number among rows with result is printed too"},
-    CLI_WHERE(threshold_options),
-    {0}};
+CLI_OPTIONS(threshold, THRESHOLD_OPTIONS)
 
-static rp_status print_thresholds(const rp_table *t, const threshold_options *o, const cli_groups *g,
-                                  const double *block, const int columns[2], int status_column)
-{
-    char own[256], unit[32];
-    const size_t n = t->n_rows;
-    const bool most = columns[1] >= 0, grouped = strcmp(o->by, "none") != 0;
-    double *x = malloc((n + 1) * sizeof *x);
-    bool *holds = malloc((n + 1) * sizeof *holds);
-    rp_status status = x && holds ? RP_OK : rp_fail(RP_NO_MEMORY, "threshold: out of memory");
-    cli_column_unit(t, columns[0], unit);
-    snprintf(own, sizeof own, "n, unstable_%s [%s], stable_%s [%s], mixed%s%s", o->x, unit, o->x, unit,
-             most ? ", " : "", most ? o->most : "");
-    cli_table(stdout, threshold_params, o);
-    if (!status) status = cli_header_by(t, o->by, own);
-    for (size_t k = 0; k < g->n_groups && !status; k++) {
-        stats_threshold threshold;
-        double largest = 0.0;
-        size_t used = 0;
-        for (size_t i = 0; i < n; i++) {
-            if (g->of_row[i] != k) continue;
-            holds[used] = strcmp(t->cells[i * t->n_columns + (size_t)status_column], "ok") == 0;
-            if (most && holds[used]) largest = fmax(largest, block[n + i]);
-            x[used++] = block[i];
-        }
-        stats_threshold_find(used, x, holds, &threshold);
-        if (grouped) printf("%s\t", g->words[k]);
-        rp_table_row(stdout, most ? 5 : 4,
-                     (double[]){(double)used, threshold.fails_to, threshold.holds_from,
-                                (double)threshold.mixed, largest});
-    }
-    free(x);
-    free(holds);
-    return status;
-}
-
-static rp_status threshold_of_table(rp_table *t, const void *values)
+static rp_status threshold_of_table(rp_table *t, void *values)
 {
     const threshold_options *o = values;
     const bool most = strcmp(o->most, "none") != 0;
-    const char *const names[] = {o->x, o->most};
-    int columns[2] = {-1, -1}, status_column;
-    double *block = NULL;
-    cli_groups groups = {0};
-    rp_status status = cli_find_columns(t, most ? 2 : 1, names, columns);
-    if (!status) status = cli_find_columns(t, 1, (const char *const[]){"status"}, &status_column);
+    char own[256], unit[32], names[256];
+    int x_column, status_column;
+    cli_groups groups;
+    cli_rows rows;
+    snprintf(names, sizeof names, most ? "%s,%s" : "%s", o->x, o->most);
+    rp_status status = cli_find_column(t, o->x, &x_column);
+    if (!status) status = cli_find_column(t, "status", &status_column);
     if (!status) status = cli_group_rows(t, o->by, '\t', &groups);
-    if (!status) status = cli_read_columns(t, 2, columns, 1, &block);
-    if (!status) status = print_thresholds(t, o, &groups, block, columns, status_column);
-    cli_groups_free(&groups);
-    free(block);
+    const cli_choice choice = {.any_status = true, .any_number = true, .groups = &groups};
+    if (!status) status = cli_rows_read(t, names, &choice, &rows);
+    if (status) return status;
+    bool *holds = cli_memory(rows.n, sizeof *holds);
+    cli_column_unit(t, x_column, unit);
+    snprintf(own, sizeof own, "n, unstable_%s [%s], stable_%s [%s], mixed%s%s", o->x, unit, o->x, unit,
+             most ? ", " : "", most ? o->most : "");
+    cli_table(stdout);
+    status = cli_header_by(t, o->by, own);
+    for (size_t g = 0; g < rows.n_groups && !status; g++) {
+        const size_t first = rows.first[g], n = rows.first[g + 1] - first;
+        stats_threshold threshold;
+        double largest = 0.0;
+        for (size_t i = first; i < first + n; i++) {
+            holds[i] = strcmp(cli_text(t, rows.row[i], status_column), "ok") == 0;
+            if (most && holds[i]) largest = fmax(largest, rows.column[1][i]);
+        }
+        stats_threshold_find(n, rows.column[0] + first, holds + first, &threshold);
+        if (*groups.words[g]) printf("%s\t", groups.words[g]);
+        rp_table_row(stdout, most ? 5 : 4,
+                     (double[]){(double)n, threshold.fails_to, threshold.holds_from, (double)threshold.mixed,
+                                largest});
+    }
     return status;
 }
 
@@ -90,17 +66,13 @@ const cli_command cmd_stats_threshold = {
 
 /* ---- cost ---- */
 
-typedef struct {
-    const char *y, *by, *size;
-    rp_texts where;
-} cost_options;
+#define COST_OPTIONS(X)                                                                                      \
+    X(TEXT, y, "", NULL, "", "column of y")                                                                  \
+    CLI_BY(X, NULL, "settings")                                                                              \
+    X(TEXT, size, "", "none", "", "columns that decide how long a step takes: the width of the box")         \
+    CLI_WHERE(X)
 
-static const rp_param cost_params[] = {CLI_TEXT(cost_options, y, NULL, "column of y"),
-                                       CLI_BY(cost_options, NULL, "settings"),
-                                       {"size", "", RP_TEXT, offsetof(cost_options, size), "none", "",
-                                        "columns that decide how long a step takes: the width of the box"},
-                                       CLI_WHERE(cost_options),
-                                       {0}};
+CLI_OPTIONS(cost, COST_OPTIONS)
 
 static rp_status print_costs(const rp_table *t, const cost_options *o, const cli_groups *g,
                              const stats_cost costs[], int y_column)
@@ -109,7 +81,7 @@ static rp_status print_costs(const rp_table *t, const cost_options *o, const cli
     cli_column_unit(t, y_column, unit);
     snprintf(own, sizeof own, "n, mean [%s], sd [%s], bias [%s], bias_se [%s], seconds [s], cost [s], front",
              unit, unit, unit, unit);
-    cli_table(stdout, cost_params, o);
+    cli_table(stdout);
     rp_status status = cli_header_by(t, o->by, own);
     for (size_t s = 0; s < g->n_groups && !status; s++) {
         const stats_cost *c = &costs[s];
@@ -119,34 +91,29 @@ static rp_status print_costs(const rp_table *t, const cost_options *o, const cli
     return status;
 }
 
-static rp_status cost_of_table(rp_table *t, const void *values)
+static rp_status cost_of_table(rp_table *t, void *values)
 {
     const cost_options *o = values;
-    const char *const names[] = {o->y, "replica", "seconds", "steps"};
-    int columns[N_OF(names)];
-    double *block = NULL;
-    cli_groups settings = {0}, sizes = {0};
+    char names[256];
+    int y_column;
+    double *v = NULL;
+    cli_groups settings, sizes;
     rp_status status = rp_table_where(t, "status=ok");
     if (!status && t->n_rows == 0) status = rp_fail(RP_NO_RESULT, "%s: no row with status ok", t->path);
-    if (!status) status = cli_find_columns(t, N_OF(names), names, columns);
+    snprintf(names, sizeof names, "%s,replica,seconds,steps", o->y);
+    if (!status) status = cli_read_columns(t, names, &v);
+    if (!status) status = cli_find_column(t, o->y, &y_column);
     if (!status) status = cli_group_rows(t, o->by, '\t', &settings);
     if (!status) status = cli_group_rows(t, o->size, '\t', &sizes);
-    if (!status) status = cli_read_columns(t, N_OF(names), columns, 0, &block);
+    if (status) return status;
     const size_t n = t->n_rows;
-    stats_cost_run *runs = malloc((n + 1) * sizeof *runs);
-    stats_cost *costs = malloc((settings.n_groups + 1) * sizeof *costs);
-    if (!status && !(runs && costs)) status = rp_fail(RP_NO_MEMORY, "cost: out of memory");
-    for (size_t i = 0; i < n && !status; i++)
-        runs[i] = (stats_cost_run){settings.of_row[i], sizes.of_row[i],  block[n + i],
-                                   block[i],           block[2 * n + i], block[3 * n + i]};
-    if (!status) status = stats_costs(n, runs, settings.n_groups, settings.n_groups - 1, costs);
-    if (!status) status = print_costs(t, o, &settings, costs, columns[0]);
-    free(runs);
-    free(costs);
-    cli_groups_free(&settings);
-    cli_groups_free(&sizes);
-    free(block);
-    return status;
+    stats_cost_run *runs = cli_memory(n, sizeof *runs);
+    stats_cost *costs = cli_memory(settings.n_groups, sizeof *costs);
+    for (size_t i = 0; i < n; i++)
+        runs[i] =
+            (stats_cost_run){settings.of_row[i], sizes.of_row[i], v[n + i], v[i], v[2 * n + i], v[3 * n + i]};
+    status = stats_costs(n, runs, settings.n_groups, settings.n_groups - 1, costs);
+    return status ? status : print_costs(t, o, &settings, costs, y_column);
 }
 
 const cli_command cmd_stats_cost = {

@@ -1,34 +1,15 @@
 /* repose stress: stress in piles and on their base, from tables of contacts. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"
 #include "stress/stress.h"
 #include "cli/cli.h"
 
-static const double deg = M_PI / 180.0;
-
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-
-typedef struct {
-    double width, cell, diameter, g, phi_deg;
-} options;
-
-#define BOX_PARAMS                                                                                           \
-    {"width", "cm", RP_REAL, offsetof(options, width), NULL, "(0, inf)", "width W of the box, from x = 0"},  \
-    {                                                                                                        \
-        "cell", "cm", RP_REAL, offsetof(options, cell), "0.4", "(0, inf)", "cells; round(W/cell) to W"       \
-    }
+#define BOX_OPTIONS(X)                                                                                       \
+    X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
+    X(REAL, cell, "cm", "0.4", "(0, inf)", "cells; round(W/cell) to W")
 
 /* ---- piles out of their tables ---- */
-
-static void pile_free(stress_pile *p)
-{
-    free(p->contacts);
-    free(p->floor);
-    free(p->x);
-}
 
 static rp_status read_block(const char *prefix, const char *what, const char *names, double **block,
                             size_t *rows)
@@ -42,63 +23,58 @@ static rp_status read_block(const char *prefix, const char *what, const char *na
 
 static rp_status pile_read(const char *prefix, stress_pile *p)
 {
-    double *block = NULL;
-    *p = (stress_pile){0};
+    double *block;
     rp_status status =
         read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n);
     if (!status) status = read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains);
-    if (status) p->n = p->n_grains = 0;
-    p->contacts = malloc((p->n + 1) * sizeof *p->contacts);
-    p->floor = malloc((p->n + 1) * sizeof *p->floor);
-    if (!status && !(p->contacts && p->floor)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", prefix);
-    for (size_t k = 0; k < p->n && !status; k++) {
+    if (status) return status;
+    p->y = p->x + p->n_grains; /* columns of one block */
+    p->m = p->y + p->n_grains;
+    p->contacts = cli_memory(p->n, sizeof *p->contacts);
+    p->floor = cli_memory(p->n, sizeof *p->floor);
+    for (size_t k = 0; k < p->n; k++) {
         const double *v = block + k;
         const size_t n = p->n;
         const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = hypot(lx, ly);
         const double fn = v[6 * n], fs = v[7 * n];
-        if (!(l > 0.0)) status = rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
+        if (!(l > 0.0)) return rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
         /* normal from b to a; shear along the normal turned clockwise */
         p->contacts[k] = (stress_contact){
             v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
         p->floor[k] = v[0] == 0.0 && v[n] == 1.0;
     }
-    free(block);
-    p->y = p->x ? p->x + p->n_grains : NULL; /* columns of one block */
-    p->m = p->y ? p->y + p->n_grains : NULL;
-    return status;
+    return RP_OK;
 }
 
-/* Read the piles of all arguments, act on them, free them. */
-static rp_status with_piles(const rp_param *params, const options *o,
-                            rp_status (*act)(size_t n, const stress_pile piles[], const options *o))
+/* The piles of all arguments, and the header of a table of them. */
+static rp_status read_piles(size_t *n, stress_pile **piles)
 {
-    size_t n = 0;
     rp_status status = RP_OK;
-    while (cli_argument((int)n)) n++;
-    stress_pile *piles = calloc(n, sizeof *piles);
-    if (!piles) return rp_fail(RP_NO_MEMORY, "%zu piles: out of memory", n);
-    for (size_t i = 0; i < n && !status; i++) status = pile_read(cli_argument((int)i), &piles[i]);
-    if (!status) {
-        cli_table(stdout, params, o);
-        rp_table_note(stdout, "piles", "%zu", n);
-        status = act(n, piles, o);
-    }
-    for (size_t i = 0; i < n; i++) pile_free(&piles[i]);
-    free(piles);
-    return status;
+    *n = 0;
+    while (cli_argument((int)*n)) ++*n;
+    *piles = cli_memory(*n, sizeof **piles);
+    for (size_t i = 0; i < *n && !status; i++) status = pile_read(cli_argument((int)i), &(*piles)[i]);
+    if (status) return status;
+    cli_table(stdout);
+    rp_table_note(stdout, "piles", "%zu", *n);
+    return RP_OK;
 }
 
 /* ---- field ---- */
 
-static const rp_param field_params[] = {BOX_PARAMS, {0}};
+CLI_OPTIONS(field, BOX_OPTIONS)
 
-static rp_status print_field(size_t n, const stress_pile piles[], const options *o)
+static rp_status print_field(void *values)
 {
+    const field_options *o = values;
+    stress_pile *piles;
+    size_t n;
+    rp_status status = read_piles(&n, &piles);
+    if (status) return status;
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
-    stress_tensor *mean = malloc(cells * sizeof *mean);
-    rp_status status = mean ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu cells: out of memory", cells);
-    if (!status) status = stress_mean_cells(n, piles, &g, mean);
+    stress_tensor *mean = cli_memory(cells, sizeof *mean);
+    status = stress_mean_cells(n, piles, &g, mean);
     if (!status)
         rp_table_header(stdout,
                         "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
@@ -109,13 +85,7 @@ static rp_status print_field(size_t n, const stress_pile piles[], const options 
         CLI_ROW(((double)(k % g.nx) + 0.5) * g.dx / o->width, ((double)(k / g.nx) + 0.5) * g.dy / o->width,
                 s->xx, s->xy, s->yx, s->yy, m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg);
     }
-    free(mean);
     return status;
-}
-
-static rp_status act_field(const void *values)
-{
-    return with_piles(field_params, values, print_field);
 }
 
 static const cli_command field = {
@@ -128,21 +98,20 @@ static const cli_command field = {
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
     field_params,
-    .act = act_field};
+    .act = print_field};
 
 /* ---- base ---- */
 
-static const rp_param base_params[] = {
-    BOX_PARAMS,
-    {"diameter", "cm", RP_REAL, offsetof(options, diameter), "0.2", "(0, inf)",
-     "nominal diameter of a grain, for the slope"},
-    {"g", "cm/s^2", RP_REAL, offsetof(options, g), "981.0", "(0, inf)", "gravity"},
-    {"phi-deg", "deg", RP_REAL, offsetof(options, phi_deg), "60", "(0, 90)",
-     "inclination of the rays of theory"},
-    {0}};
+#define BASE_OPTIONS(X)                                                                                      \
+    BOX_OPTIONS(X)                                                                                           \
+    X(REAL, diameter, "cm", "0.2", "(0, inf)", "nominal diameter of a grain, for the slope")                 \
+    X(REAL, g, "cm/s^2", "981.0", "(0, inf)", "gravity")                                                     \
+    X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of theory")
+
+CLI_OPTIONS(base, BASE_OPTIONS)
 
 /* Mean slope by method 3 of the parts in 0 < x < W. */
-static rp_status mean_slope(size_t n, const stress_pile piles[], const options *o, double *theta)
+static rp_status mean_slope(size_t n, const stress_pile piles[], const base_options *o, double *theta)
 {
     ang_options how = ANG_OPTIONS_DEFAULT;
     how.diameter = o->diameter;
@@ -160,13 +129,18 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const options *
     return status;
 }
 
-static rp_status print_base(size_t n, const stress_pile piles[], const options *o)
+static rp_status print_base(void *values)
 {
-    double theta = NAN, size;
+    const base_options *o = values;
+    double theta, size;
+    stress_pile *piles;
+    size_t n;
+    rp_status status = read_piles(&n, &piles);
+    if (!status) status = mean_slope(n, piles, o, &theta);
+    if (status) return status;
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
-    stress_floor *floor = malloc(cells * sizeof *floor);
-    rp_status status = floor ? mean_slope(n, piles, o, &theta) : rp_fail(RP_NO_MEMORY, "base: out of memory");
-    if (!status) status = stress_floor_forces(n, piles, size, o->g, cells, floor);
+    stress_floor *floor = cli_memory(cells, sizeof *floor);
+    status = stress_floor_forces(n, piles, size, o->g, cells, floor);
     if (!status) {
         rp_table_note(stdout, "theta_r_deg", "%.17g", theta / deg);
         rp_table_header(stdout,
@@ -180,13 +154,7 @@ static rp_status print_base(size_t n, const stress_pile piles[], const options *
         CLI_ROW(((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se, f->weight,
                 f->through, f->imbalance, f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H);
     }
-    free(floor);
     return status;
-}
-
-static rp_status act_base(const void *values)
-{
-    return with_piles(base_params, values, print_base);
 }
 
 static const cli_command base = {
@@ -200,7 +168,7 @@ static const cli_command base = {
     "that weight.",
     "repose stress base pile --width 4",
     base_params,
-    .act = act_base};
+    .act = print_base};
 
 /* ---- group ---- */
 

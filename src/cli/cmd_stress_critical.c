@@ -1,23 +1,14 @@
 /* repose stress critical: the tilt at which the measured stress reaches Coulomb's law. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stress/stress.h"
 #include "cli/cli.h"
-#include "core/random.h"
 
-static const double deg = M_PI / 180.0;
+#define CRITICAL_OPTIONS(X)                                                                                  \
+    CLI_BOOTSTRAP(X, "1000")                                                                                 \
+    CLI_WHERE(X)
 
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-
-typedef struct {
-    long bootstrap, seed;
-    rp_texts where;
-} critical_options;
-
-static const rp_param critical_params[] = {
-    CLI_BOOTSTRAP(critical_options, "1000"), CLI_WHERE(critical_options), {0}};
+CLI_OPTIONS(critical, CRITICAL_OPTIONS)
 
 static void print_critical_header(void)
 {
@@ -57,39 +48,35 @@ static stress_response response_of(const cli_rows *runs, size_t i)
     return response;
 }
 
-static rp_status critical_table(rp_table *table, const void *values)
+static rp_status critical_table(rp_table *table, void *values)
 {
     const critical_options *o = values;
     cli_rows runs; /* a pile that stood every tilt has no theta_t to compare with */
     rp_status status = cli_rows_read(table,
                                      "mu,theta_t_displacement_deg,n_0,n_1,h_0,h_1,sxx_0,sxy_0,syx_0,syy_0,"
                                      "sxx_1,sxy_1,syx_1,syy_1",
-                                     true, &runs);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    stress_response *responses = malloc((table->n_rows + 1) * sizeof *responses);
-    if (!status && !(rng && responses)) status = rp_fail(RP_NO_MEMORY, "critical: out of memory");
-    if (!status) {
-        cli_table(stdout, critical_params, o);
-        cli_rows_note(table, &runs);
-        print_critical_header();
-    }
-    for (size_t i = 0; i < runs.n && !status; i++) {
+                                     &(cli_choice){.grouped = true}, &runs);
+    if (status) return status;
+    gsl_rng *rng = cli_random(o->seed, 0);
+    stress_response *responses = cli_memory(runs.n, sizeof *responses);
+    cli_table(stdout);
+    cli_rows_note(table, &runs);
+    print_critical_header();
+    for (size_t i = 0; i < runs.n; i++) {
         runs.column[1][i] *= deg;
         responses[i] = response_of(&runs, i);
     }
-    for (size_t first = 0, end; !status && first < runs.n; first = end) {
+    for (size_t g = 0; !status && g < runs.n_groups; g++) {
+        const size_t first = runs.first[g], n = runs.first[g + 1] - first;
+        const double mu = runs.column[0][first];
         stress_critical critical;
-        end = cli_rows_end(&runs, first);
-        status = stress_critical_tilts(end - first, responses + first, runs.column[1] + first,
-                                       runs.column[0][first], (size_t)o->bootstrap, rng, &critical);
+        status = stress_critical_tilts(n, responses + first, runs.column[1] + first, mu, (size_t)o->bootstrap,
+                                       rng, &critical);
         if (status)
-            rp_prefix(status, "%s: mu = %g: ", table->path, runs.column[0][first]);
+            rp_prefix(status, "%s: mu = %g: ", table->path, mu);
         else
-            print_critical(runs.column[0][first], end - first, &critical);
+            print_critical(mu, n, &critical);
     }
-    if (rng) gsl_rng_free(rng);
-    free(responses);
-    cli_rows_free(&runs);
     return status;
 }
 

@@ -1,60 +1,44 @@
 /* repose stress dip: does the pressure on the base of dropped piles dip in the middle? */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "sweeps/driver/outline.h"
+#include "sweeps/driver/pile.h"
 #include "cli/cli.h"
-#include "core/random.h"
-
-#define N_OF(array) (sizeof(array) / sizeof *(array))
-
-typedef struct {
-    double margin, level;
-    long resamples, seed;
-    int against;
-    bool profile;
-    rp_texts where;
-} options;
 
 enum { TRIANGLE, ZERO };
 
-static const rp_param params[] = {
-    {"margin", "", RP_REAL, offsetof(options, margin), "0.1", "(0, inf)", "largest |D| that counts as none"},
-    {"level", "", RP_REAL, offsetof(options, level), "0.05", "(0, 0.5)", "of the tests"},
-    {"resamples", "", RP_INT, offsetof(options, resamples), "10000", "[2, 10000000]", "of the piles"},
-    CLI_SEED(options, "1992", "seed of the resamples"),
-    {"against", "", RP_CHOICE, offsetof(options, against), "triangle", "triangle | zero",
-     "what a pile without a dip has"},
-    {"profile", "", RP_BOOL, offsetof(options, profile), "false", "", "print the mean profile"},
-    CLI_WHERE(options),
-    {0}};
+#define DIP_OPTIONS(X)                                                                                       \
+    X(REAL, margin, "", "0.1", "(0, inf)", "largest |D| that counts as none")                                \
+    X(REAL, level, "", "0.05", "(0, 0.5)", "of the tests")                                                   \
+    X(INT, resamples, "", "10000", "[2, 10000000]", "of the piles")                                          \
+    CLI_SEED(X, "1992", "seed of the resamples")                                                             \
+    X(CHOICE, against, "", "triangle", "triangle | zero", "what a pile without a dip has")                   \
+    X(BOOL, profile, "", "false", "", "print the mean profile")                                              \
+    CLI_WHERE(X)
+
+CLI_OPTIONS(dip, DIP_OPTIONS)
 
 /* Profiles of the rows that count, one after the other, and what each has without a dip. */
 static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
 {
 #define NAME(k) "n_" #k ","
     cli_rows rows;
-    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(NAME) "left_deg,right_deg", false, &rows);
+    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(NAME) "left_deg,right_deg",
+                                     &(cli_choice){.any_number = true}, &rows);
 #undef NAME
     *n = 0;
-    *profiles = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **profiles);
-    *without = malloc((t->n_rows + 1) * STRESS_DIP_BINS * sizeof **without);
-    if (!status && !(*profiles && *without)) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    *profiles = cli_memory(rows.n * STRESS_DIP_BINS, sizeof **profiles);
+    *without = cli_memory(rows.n * STRESS_DIP_BINS, sizeof **without);
     for (size_t i = 0; i < rows.n && !status; i++) {
         double *N = *profiles + *n * STRESS_DIP_BINS, *flat = *without + *n * STRESS_DIP_BINS;
         const double slope = 0.5 * (rows.column[STRESS_DIP_BINS][i] + rows.column[STRESS_DIP_BINS + 1][i]);
         if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
         for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = rows.column[k][i], flat[k] = 1.0;
-        if (against == TRIANGLE) status = sweep_outline_triangle(slope * (M_PI / 180), flat);
+        if (against == TRIANGLE) status = sweep_outline_triangle(slope * deg, flat);
         if (status) rp_prefix(status, "%s: pile %zu: ", t->path, i + 1);
         ++*n;
     }
-    cli_rows_free(&rows);
     return status;
 }
 
-static void print_dip(const stress_dips *d, const options *o)
+static void print_dip(const stress_dips *d, const dip_options *o)
 {
     rp_table_note(stdout, "D", "%s",
                   o->against == TRIANGLE
@@ -74,41 +58,25 @@ static void print_profile(const stress_dips *d)
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]);
 }
 
-static rp_status measure(const options *o, size_t n, const double profiles[], const double without[],
-                         stress_dips *dips)
+static rp_status dip_of_table(rp_table *table, void *values)
 {
-    double *means = malloc((size_t)o->resamples * sizeof *means);
-    gsl_rng *rng = rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP);
-    rp_status status = means && rng ? RP_OK : rp_fail(RP_NO_MEMORY, "dip: out of memory");
-    if (!status)
-        status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples, rng, means, dips);
-    if (rng) gsl_rng_free(rng);
-    free(means);
-    return status;
-}
-
-static rp_status dip_of_table(rp_table *table, const void *values)
-{
-    const options *o = values;
+    const dip_options *o = values;
     double *profiles = NULL, *without = NULL;
     size_t n;
     stress_dips dips;
     rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
-    if (!status) {
-        status = measure(o, n, profiles, without, &dips);
-        if (status) rp_prefix(status, "%s: ", table->path);
-    }
-    if (!status) {
-        cli_table(stdout, params, o);
-        rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
-        if (o->profile)
-            print_profile(&dips);
-        else
-            print_dip(&dips, o);
-    }
-    free(profiles);
-    free(without);
-    return status;
+    if (status) return status;
+    double *means = cli_memory((size_t)o->resamples, sizeof *means);
+    status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples,
+                                 cli_random(o->seed, 0), means, &dips);
+    if (status) return rp_prefix(status, "%s: ", table->path);
+    cli_table(stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+    if (o->profile)
+        print_profile(&dips);
+    else
+        print_dip(&dips, o);
+    return RP_OK;
 }
 
 const cli_command cmd_stress_dip = {
@@ -130,5 +98,5 @@ const cli_command cmd_stress_dip = {
     "rows whose status is not ok are left out, and against the triangle those whose mean slope is not\n"
     "in (0, 60).",
     "repose stress dip build/tables/li20_point_runs.tsv",
-    params,
+    dip_params,
     .on_table = dip_of_table};

@@ -19,22 +19,15 @@ static void print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
-typedef struct {
-    const char *o, *tables;
-    long j, replicas;
-    double mem, time;
-    bool reduce, study;
-} options;
+#define PLAN_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file")
 
-static const rp_param plan_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: the number in the file"},
-    {0}};
+CLI_OPTIONS(plan, PLAN_OPTIONS)
 
-static rp_status act_plan(const void *values)
+static rp_status act_plan(void *values)
 {
-    const options *o = values;
+    const plan_options *o = values;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                      sweep_protocols, &counts);
@@ -57,27 +50,20 @@ static const cli_command plan = {
     "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
     "  piles = \"own\";                                      # shared: the same piles at every grid point",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
-    plan_options,
+    plan_params,
     .act = act_plan};
 
-#define LIMITS                                                                                               \
-    {"mem",                                                                                                  \
-     "MB",                                                                                                   \
-     RP_REAL,                                                                                                \
-     offsetof(options, mem),                                                                                 \
-     "infinite",                                                                                             \
-     "(0, inf) | infinite",                                                                                  \
-     "memory that one run may take"},                                                                        \
-    {                                                                                                        \
-        "time", "s", RP_REAL, offsetof(options, time), "infinite", "(0, inf) | infinite",                    \
-            "time that one run may take"                                                                     \
-    }
+#define LIMITS(X)                                                                                            \
+    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
+    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
 
-static const rp_param run_options[] = {CLI_WORKERS(options), LIMITS, {0}};
+#define RUN_OPTIONS(X) CLI_WORKERS(X) LIMITS(X)
 
-static rp_status act_run(const void *values)
+CLI_OPTIONS(run, RUN_OPTIONS)
+
+static rp_status act_run(void *values)
 {
-    const options *o = values;
+    const run_options *o = values;
     sweep_counts counts;
     rp_status status = cli_sweep_run(cli_argument(0), o->j, o->mem, o->time, &counts);
     if (!status || status == RP_NO_RESULT) print_counts(&counts);
@@ -93,10 +79,10 @@ static const cli_command run = {
     "if every run is stored with its outcome; 75 if stopped; 1 while runs are aborted, which the same\n"
     "command tries again: status crashed (its worker died or hung, three times), no_memory, time_limit.",
     "repose sweep run build/sweeps/lh3 -j 2",
-    run_options,
+    run_params,
     .act = act_run};
 
-static rp_status act_status_of(const void *values)
+static rp_status act_status_of(void *values)
 {
     (void)values;
     sweep_counts counts;
@@ -114,17 +100,19 @@ static const cli_command status_of = {
     NULL,
     .act = act_status_of};
 
-static const rp_param export_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), "-", "", "file to write; - is standard output"},
-    {"reduce", "", RP_BOOL, offsetof(options, reduce), "false", "",
-     "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output"},
-    {0}};
+#define EXPORT_OPTIONS(X)                                                                                    \
+    X(TEXT, o, "", "-", "", "file to write; - is standard output")                                           \
+    X(BOOL, reduce, "", "false", "",                                                                         \
+      "one row per grid point: mean, sd, se, 95 % interval (Student's t) and n of each output")
 
-static rp_status act_export(const void *values)
+CLI_OPTIONS(export, EXPORT_OPTIONS)
+
+static rp_status act_export(void *values)
 {
-    const options *o = values;
+    const export_options *o = values;
     FILE *out;
-    rp_status status = rp_file_open(o->o, &out);
+    rp_status status = sweep_check_output(cli_argument(0), o->o);
+    if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
     status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
     return rp_file_close(o->o, out, status);
@@ -137,10 +125,10 @@ static const cli_command export = {
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
     "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
-    export_options,
+    export_params,
     .act = act_export};
 
-static rp_status act_digest(const void *values)
+static rp_status act_digest(void *values)
 {
     (void)values;
     char text[33];
@@ -197,7 +185,17 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     return rp_file_close(path, out, status);
 }
 
-static rp_status export_to(const options *o, const char *name, const char *suffix, bool reduce)
+#define MAKE_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
+    X(TEXT, tables, "", "build/tables", "", "folder of the tables")                                          \
+    CLI_WORKERS(X)                                                                                           \
+    LIMITS(X)                                                                                                \
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")
+
+CLI_OPTIONS(make, MAKE_OPTIONS)
+
+static rp_status export_to(const make_options *o, const char *name, const char *suffix, bool reduce)
 {
     char path[4096];
     FILE *out;
@@ -217,7 +215,7 @@ static void print_summary(const char *name, const sweep_counts *counts)
     fflush(stdout); /* before what the commands of tables write */
 }
 
-static rp_status make_runs(const options *o, const sweep_recipe *recipe)
+static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
@@ -229,20 +227,9 @@ static rp_status make_runs(const options *o, const sweep_recipe *recipe)
     return status;
 }
 
-static const rp_param make_options[] = {
-    {"o", "", RP_TEXT, offsetof(options, o), NULL, "", "folder of the sweep; created if missing"},
-    {"tables", "", RP_TEXT, offsetof(options, tables), "build/tables", "", "folder of the tables"},
-    CLI_WORKERS(options),
-    LIMITS,
-    {"replicas", "", RP_INT, offsetof(options, replicas), "auto", "[1, 1000000] | auto",
-     "runs per grid point; auto: the number in the file"},
-    {"study", "", RP_BOOL, offsetof(options, study), "false", "",
-     "runs per grid point: the number `study` of the file"},
-    {0}};
-
-static rp_status act_make(const void *values)
+static rp_status act_make(void *values)
 {
-    const options *o = values;
+    const make_options *o = values;
     sweep_recipe recipe;
     rp_status status = sweep_recipe_read(cli_argument(0), &recipe);
     if (!status) status = rp_make_directory(o->tables);
@@ -264,7 +251,7 @@ static const cli_command make = {
     "\n"
     "A file without a protocol has tables alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
-    make_options,
+    make_params,
     .act = act_make};
 
 static const cli_command *const commands[] = {&plan, &run, &status_of, &export, &make, &digest, NULL};

@@ -1,27 +1,18 @@
 /* repose tent: forces on the base of a tent-shaped pile. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
 
-typedef struct {
-    double outer_deg, inner_deg, x_1;
-    bool map;
-    cli_positions where;
-} options;
+#define TENT_OPTIONS(X)                                                                                      \
+    X(REAL, outer_deg, "degrees", "auto", "(0, 60) | auto", "alpha_1, slope from the edge to X_1")           \
+    X(REAL, inner_deg, "degrees", "auto", "(0, 60) | auto", "alpha_2, slope from X_1 to the middle")         \
+    X(REAL, x1, "B", NULL, "(0, 0.5)", "X_1, where the slope changes")                                       \
+    X(BOOL, map, "", "false", "",                                                                            \
+      "depth of the dip of N for all pairs of whole degrees, instead of one tent")                           \
+    CLI_POSITIONS(X)
 
-static const rp_param schema[] = {
-    {"outer-deg", "degrees", RP_REAL, offsetof(options, outer_deg), "auto", "(0, 60) | auto",
-     "alpha_1, slope from the edge to X_1"},
-    {"inner-deg", "degrees", RP_REAL, offsetof(options, inner_deg), "auto", "(0, 60) | auto",
-     "alpha_2, slope from X_1 to the middle"},
-    {"x1", "B", RP_REAL, offsetof(options, x_1), NULL, "(0, 0.5)", "X_1, where the slope changes"},
-    {"map", "", RP_BOOL, offsetof(options, map), "false", "",
-     "depth of the dip of N for all pairs of whole degrees, instead of one tent"},
-    CLI_POSITIONS(options, where),
-    {0},
-};
+CLI_OPTIONS(tent, TENT_OPTIONS)
 
 typedef struct {
     double x_most, most, middle; /* position of the largest N; largest N; N in the middle */
@@ -36,10 +27,10 @@ static rp_status find_dip(const an_profile *tent, dip *d)
     return status;
 }
 
-static rp_status write_map(const options *o)
+static rp_status write_map(const tent_options *o)
 {
     rp_status status = RP_OK;
-    cli_table(stdout, schema, o);
+    cli_table(stdout);
     rp_table_header(stdout,
                     "outer_deg [degree], inner_deg [degree], x_most/B, N_most/(chi*g*B), N_middle/(chi*g*B), "
                     "dip");
@@ -48,7 +39,7 @@ static rp_status write_map(const options *o)
             an_point v[5];
             an_profile tent;
             dip d;
-            status = an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x_1, v);
+            status = an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x1, v);
             if (!status) status = an_profile_set(&tent, v, 5);
             if (!status) status = find_dip(&tent, &d);
             if (!status) CLI_ROW(outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most);
@@ -56,15 +47,15 @@ static rp_status write_map(const options *o)
     return status;
 }
 
-static rp_status write_places(const options *o, const an_profile *tent)
+static rp_status write_places(const tent_options *o, const an_profile *tent)
 {
     double *x = NULL;
     size_t n = 0;
     dip d;
-    rp_status status = cli_positions_read(&o->where, &x, &n);
+    rp_status status = cli_positions(o->points, o->at, &x, &n);
     if (!status) status = find_dip(tent, &d);
     if (!status) {
-        cli_table(stdout, schema, o);
+        cli_table(stdout);
         rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
                       d.most, d.x_most, d.middle);
         rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
@@ -76,19 +67,18 @@ static rp_status write_places(const options *o, const an_profile *tent)
         if (!status) status = an_profile_height(tent, x[i], &y);
         CLI_ROW(x[i], f.N, f.H, y);
     }
-    free(x);
     return status;
 }
 
-static rp_status write_tent(const void *values)
+static rp_status write_tent(void *values)
 {
-    const options *o = values;
+    const tent_options *o = values;
     an_point v[5];
     an_profile tent;
     if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
         return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
     if (o->map) return write_map(o);
-    rp_status status = an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x_1, v);
+    rp_status status = an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v);
     if (!status) status = an_profile_set(&tent, v, 5);
     return status ? status : write_places(o, &tent);
 }
@@ -103,5 +93,5 @@ const cli_command cmd_tent = {
     "of both is chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the\n"
     "middle)/max N.",
     "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
-    schema,
+    tent_params,
     .act = write_tent};

@@ -5,29 +5,16 @@
 
 #include "cli/cli.h"
 
-rp_status cli_find_columns(const rp_table *table, size_t n, const char *const names[], int columns[])
+rp_status cli_find_column(const rp_table *table, const char *name, int *column)
 {
-    for (size_t c = 0; c < n; c++)
-        if ((columns[c] = rp_table_column(table, names[c])) < 0)
-            return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, names[c]);
-    return RP_OK;
+    *column = rp_table_column(table, name);
+    return *column >= 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, name);
 }
 
-rp_status cli_read_columns(const rp_table *table, size_t n, const int columns[], int missing_ok,
-                           double **block)
+const char *cli_text(const rp_table *table, size_t row, int column)
 {
-    *block = malloc((n * table->n_rows + 1) * sizeof **block);
-    if (!*block) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    for (size_t c = 0; c < n; c++)
-        for (size_t i = 0; columns[c] >= 0 && i < table->n_rows; i++) {
-            rp_status status =
-                rp_table_number(table, i, columns[c], missing_ok, *block + c * table->n_rows + i);
-            if (status) return status;
-        }
-    return RP_OK;
+    return table->cells[row * table->n_columns + (size_t)column];
 }
-
-enum { MOST_BY = 24 };
 
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
@@ -36,89 +23,110 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
         char word[64];
         if (*n == most) return rp_fail(RP_BAD_INPUT, "\"%s\": at most %zu columns", names, most);
         snprintf(word, sizeof word, "%.*s", (int)strcspn(name, ","), name);
-        rp_status status = cli_find_columns(table, 1, (const char *const[]){word}, &columns[(*n)++]);
+        rp_status status = cli_find_column(table, word, &columns[(*n)++]);
         if (status) return status;
     }
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
-rp_status cli_read_named(const rp_table *table, const char *names, int missing_ok, double **block)
+rp_status cli_read_columns(const rp_table *table, const char *names, double **block)
 {
     int columns[CLI_MOST_COLUMNS];
-    size_t n;
+    size_t n, used = 0;
     rp_status status = cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns);
-    return status ? status : cli_read_columns(table, n, columns, missing_ok, block);
+    *block = cli_memory(n * table->n_rows, sizeof **block);
+    for (size_t c = 0; c < n; c++)
+        for (size_t i = 0; i < table->n_rows && !status; i++)
+            status = rp_table_number(table, i, columns[c], false, *block + used++);
+    return status;
 }
 
 rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows)
 {
-    rp_table table;
-    rp_status status = rp_table_read(path, &table);
-    if (!status) status = cli_read_named(&table, names, false, block);
-    *n_rows = table.n_rows;
-    rp_table_free(&table);
+    rp_table *table;
+    rp_status status = cli_table_read(path, &table);
+    *n_rows = table->n_rows;
+    return status ? status : cli_read_columns(table, names, block);
+}
+
+/* Is this row left out? Count why. Its numbers go to `numbers`. */
+static rp_status leave_out(const rp_table *t, size_t row, size_t n, const int columns[],
+                           const cli_choice *choice, cli_rows *r, double numbers[], bool *out)
+{
+    const int word = choice->any_status ? -1 : rp_table_column(t, "status");
+    const bool failed = word >= 0 && strncmp(cli_text(t, row, word), "ok", 2) != 0;
+    bool missing = false;
+    rp_status status = RP_OK;
+    for (size_t c = 0; c < n && !failed && !status; c++) {
+        status = rp_table_number(t, row, columns[c], true, &numbers[c]);
+        missing |= !choice->any_number && isnan(numbers[c]);
+    }
+    const bool outside = choice->range && (numbers[0] < choice->range[0] || numbers[0] > choice->range[1]);
+    *out = failed || missing || outside;
+    r->n_failed += failed;
+    r->n_nan += !failed && missing;
+    r->n_outside += !failed && !missing && outside;
     return status;
 }
 
-/* Rows of numbers by the first; the last is the row's index. */
-static size_t row_length;
+typedef struct {
+    double key;
+    size_t row;
+} ranked;
 
-static int by_first(const void *a, const void *b)
+static int by_key(const void *a, const void *b)
 {
-    const double *p = a, *q = b;
-    return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0])
-                        : (p[row_length - 1] > q[row_length - 1]) - (p[row_length - 1] < q[row_length - 1]);
+    const ranked *p = a, *q = b;
+    return p->key != q->key ? (p->key > q->key) - (p->key < q->key) : (p->row > q->row) - (p->row < q->row);
 }
 
-rp_status cli_rows_read(const rp_table *t, const char *names, bool grouped, cli_rows *r)
+/* Where the groups of the ordered rows begin. */
+static void find_groups(cli_rows *r, const ranked rank[], const cli_groups *groups)
+{
+    size_t g = 0;
+    r->first = cli_memory((groups ? groups->n_groups : r->n) + 1, sizeof *r->first);
+    for (size_t i = 0; i < r->n; i++)
+        while (groups ? (double)g < rank[i].key : i > r->first[g] && rank[i].key != rank[i - 1].key)
+            r->first[++g] = i;
+    r->n_groups = groups ? groups->n_groups : g + (r->n > 0);
+    while (g < r->n_groups) r->first[++g] = r->n;
+}
+
+rp_status cli_rows_read(const rp_table *t, const char *names, const cli_choice *choice, cli_rows *r)
 {
     int columns[CLI_MOST_COLUMNS];
-    const int word = rp_table_column(t, "status");
     size_t k;
     *r = (cli_rows){0};
     rp_status status = cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns);
     if (status) return status;
-    row_length = k + 1;
-    double *rows = malloc((t->n_rows + 1) * row_length * sizeof *rows);
-    r->column[0] = malloc((t->n_rows * k + 1) * sizeof **r->column);
-    if (!rows || !r->column[0]) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    double *numbers = cli_memory(t->n_rows * k, sizeof *numbers);
+    ranked *rank = cli_memory(t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows && !status; i++) {
-        double *row = rows + r->n * row_length;
-        bool missing = word >= 0 && strncmp(t->cells[i * t->n_columns + (size_t)word], "ok", 2) != 0;
-        for (size_t c = 0; c < k && !missing && !status; c++) {
-            status = rp_table_number(t, i, columns[c], true, &row[c]);
-            missing = grouped && isnan(row[c]);
-        }
-        row[k] = (double)i;
-        r->n += !missing;
+        bool out;
+        status = leave_out(t, i, k, columns, choice, r, numbers + i * k, &out);
+        if (status || out) continue;
+        const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];
+        rank[r->n++] = (ranked){choice->groups || choice->grouped ? key : 0.0, i};
     }
-    if (!status && r->n == 0)
-        status = rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
-    if (!status && grouped) qsort(rows, r->n, row_length * sizeof *rows, by_first);
-    for (size_t c = 0; c < k && !status; c++) {
-        r->column[c] = r->column[0] + c * r->n;
-        for (size_t i = 0; i < r->n; i++) r->column[c][i] = rows[i * row_length + c];
+    if (status) return status;
+    if (r->n == 0)
+        return rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
+    qsort(rank, r->n, sizeof *rank, by_key);
+    find_groups(r, rank, choice->groups);
+    r->row = cli_memory(r->n, sizeof *r->row);
+    for (size_t c = 0; c < k; c++) {
+        r->column[c] = cli_memory(r->n, sizeof *r->column[c]);
+        for (size_t i = 0; i < r->n; i++) r->column[c][i] = numbers[(r->row[i] = rank[i].row) * k + c];
     }
-    free(rows);
-    return status;
-}
-
-void cli_rows_free(cli_rows *r)
-{
-    free(r->column[0]);
-}
-
-size_t cli_rows_end(const cli_rows *r, size_t first)
-{
-    size_t end = first;
-    while (end < r->n && r->column[0][end] == r->column[0][first]) end++;
-    return end;
+    return RP_OK;
 }
 
 void cli_rows_note(const rp_table *table, const cli_rows *rows)
 {
     rp_table_note(stdout, "rows", "%zu used, %zu left out", rows->n, table->n_rows - rows->n);
 }
+
+enum { MOST_BY = 24 };
 
 void cli_column_unit(const rp_table *table, int column, char unit[32])
 {
@@ -146,26 +154,22 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
 
 rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
 {
-    const bool grouped = strcmp(by, "none") != 0;
     size_t n_by = 0, length = 1;
     int columns[MOST_BY];
     *g = (cli_groups){0};
-    rp_status status = grouped ? cli_column_list(t, by, MOST_BY, &n_by, columns) : RP_OK;
+    rp_status status = strcmp(by, "none") ? cli_column_list(t, by, MOST_BY, &n_by, columns) : RP_OK;
     if (status) return status;
     for (size_t i = 0; i < t->n_rows; i++)
-        for (size_t k = 0; k < n_by; k++)
-            length += strlen(t->cells[i * t->n_columns + (size_t)columns[k]]) + 1;
-    g->labels = malloc(length + t->n_rows);
-    g->of_row = malloc((t->n_rows + 1) * sizeof *g->of_row);
-    g->words = malloc((t->n_rows + 1) * sizeof *g->words);
-    if (!(g->labels && g->of_row && g->words)) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    char *label = g->labels;
+        for (size_t k = 0; k < n_by; k++) length += strlen(cli_text(t, i, columns[k])) + 1;
+    char *label = cli_memory(length + t->n_rows, 1);
+    g->of_row = cli_memory(t->n_rows, sizeof *g->of_row);
+    g->words = cli_memory(t->n_rows, sizeof *g->words);
     for (size_t i = 0; i < t->n_rows; i++) {
         char *end = label;
         *end = '\0';
         for (size_t k = 0; k < n_by; k++) {
             if (k) *end++ = separator;
-            end = stpcpy(end, t->cells[i * t->n_columns + (size_t)columns[k]]);
+            end = stpcpy(end, cli_text(t, i, columns[k]));
         }
         size_t group = 0;
         while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
@@ -175,12 +179,4 @@ rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_
         label = end + 1;
     }
     return RP_OK;
-}
-
-void cli_groups_free(cli_groups *g)
-{
-    free(g->labels);
-    free(g->of_row);
-    free(g->words);
-    *g = (cli_groups){0};
 }

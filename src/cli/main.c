@@ -1,11 +1,13 @@
-/* The program `repose`: finds the subcommand, prints its failure, and turns its status into the exit status.
- */
+/* The program `repose`: finds the subcommand, prints its failure, turns its status into the exit status, and
+ * frees what the subcommand has made. */
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <gsl/gsl_errno.h>
 
 #include "cli/cli.h"
+#include "core/random.h"
 #include "core/version.h"
 
 #define X(name) &cmd_##name,
@@ -30,16 +32,74 @@ static void print_overview(FILE *out)
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
 }
 
+/* What is freed after the subcommand, the latest first. */
+static struct {
+    void *thing;
+    void (*release)(void *);
+} * kept;
+static size_t n_kept;
+
+static void *keep(void *thing, void (*release)(void *))
+{
+    kept = thing ? realloc(kept, (n_kept + 1) * sizeof *kept) : NULL;
+    if (!kept) {
+        fprintf(stderr, "repose: out of memory\n");
+        exit(RP_NO_MEMORY);
+    }
+    kept[n_kept].thing = thing;
+    kept[n_kept++].release = release;
+    return thing;
+}
+
+size_t cli_mark(void)
+{
+    return n_kept;
+}
+
+void cli_release(size_t mark)
+{
+    while (n_kept > mark) n_kept--, kept[n_kept].release(kept[n_kept].thing);
+}
+
+static void free_generator(void *rng)
+{
+    gsl_rng_free(rng);
+}
+
+static void free_table(void *table)
+{
+    rp_table_free(table);
+}
+
+void *cli_memory(size_t n, size_t size)
+{
+    return keep(calloc(n + 1, size), free);
+}
+
+gsl_rng *cli_random(long seed, unsigned long run)
+{
+    return keep(rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP), free_generator);
+}
+
+rp_status cli_table_read(const char *path, rp_table **table)
+{
+    *table = keep(cli_memory(1, sizeof **table), free_table);
+    return rp_table_read(path, *table);
+}
+
 /* Flush standard output, since a failed write is an error; a failure has one message. */
 static int finish(const char *command, rp_status status)
 {
     if (!status) status = rp_table_finish(stdout, "standard output");
     if (status) fprintf(stderr, "repose%s%s: %s\n", *command ? " " : "", command, rp_message());
+    cli_release(0);
+    free(kept);
     return (int)status;
 }
 
 int main(int argc, char **argv)
 {
+    signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
     gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
     size_t used = (size_t)snprintf(command_line, sizeof command_line, "repose");
     for (int i = 1; i < argc && used < sizeof command_line; i++)

@@ -1,4 +1,4 @@
-/* Command-line options through a parameter schema; see cli.h. */
+/* The command line: options through a parameter schema, groups of commands; see cli.h. */
 #include "cli/cli.h"
 
 #include <ctype.h>
@@ -8,13 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_OPTIONS = 40 };
+enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096 };
 
-/* Of the command line that was parsed last. */
-static bool given[MAX_OPTIONS];
-static const cli_command *parsed;
-static int n_arguments;
-static char *const *arguments;
+/* The command line that was parsed last. */
+static struct {
+    const cli_command *command;
+    size_t n_options;
+    rp_param options[MAX_OPTIONS + 1]; /* with names as they are typed */
+    char names[MAX_OPTIONS][MAX_NAME];
+    bool given[MAX_OPTIONS];
+    _Alignas(max_align_t) char values[MOST_BYTES];
+    int n_arguments;
+    char *const *arguments;
+} line;
 
 static const char *dashes(const rp_param *option)
 {
@@ -24,7 +30,7 @@ static const char *dashes(const rp_param *option)
 static void print_help(const cli_command *c)
 {
     printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
-    for (const rp_param *p = c->options; p && p->name; p++) {
+    for (const rp_param *p = line.options; p->name; p++) {
         char flag[40];
         snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
         printf("  %-22s %s", flag, p->meaning);
@@ -39,10 +45,29 @@ static void print_help(const cli_command *c)
     printf("  %-22s this text\n\nexample:\n  %s\n", "--help", c->example);
 }
 
-static rp_status set_option(const rp_param *param, void *values, const char *text)
+/* Add a schema whose values begin at `offset`, with dashes for underlines. */
+static rp_status add_options(const rp_param *schema, size_t offset)
 {
-    rp_status status = rp_params_set_text(param, values, param->type == RP_BOOL ? "true" : text);
-    return status ? rp_prefix(status, "%s", dashes(param)) : RP_OK;
+    for (const rp_param *p = schema; p && p->name; p++) {
+        const size_t n = line.n_options++;
+        if (n == MAX_OPTIONS || strlen(p->name) >= MAX_NAME ||
+            offset + p->offset + sizeof(rp_texts) > MOST_BYTES)
+            return rp_fail(RP_BROKEN, "repose %s: no room for option %s", line.command->name, p->name);
+        strcpy(line.names[n], p->name);
+        for (char *c = line.names[n]; (c = strchr(c, '_'));) *c = '-';
+        line.options[n] = *p;
+        line.options[n].name = line.names[n];
+        line.options[n].offset += offset;
+    }
+    return RP_OK;
+}
+
+static rp_status set_option(size_t i, const char *text)
+{
+    const rp_param *p = &line.options[i];
+    line.given[i] = true;
+    rp_status status = rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text);
+    return status ? rp_prefix(status, "%s", dashes(p)) : RP_OK;
 }
 
 /* Fewest and most arguments, from the synopsis. */
@@ -56,143 +81,125 @@ static bool count_fits(const char *synopsis, int n)
 
 static rp_status check_given(const cli_command *c)
 {
-    for (int i = 0; c->options && c->options[i].name; i++)
-        if (!c->options[i].fallback && !given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&c->options[i]),
-                           c->options[i].name, c->options[i].meaning, c->name);
-    return count_fits(c->synopsis, n_arguments)
+    for (size_t i = 0; i < line.n_options; i++)
+        if (!line.options[i].fallback && !line.given[i])
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
+                           line.names[i], line.options[i].meaning, c->name);
+    return count_fits(c->synopsis, line.n_arguments)
                ? RP_OK
                : rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }
 
-static rp_status parse(const cli_command *command, int argc, char **argv, void *values, bool *done)
+/* Index of an option, which there must be. */
+static size_t index_of(const char *name)
+{
+    size_t i = 0;
+    while (strcmp(line.names[i], name) != 0) i++;
+    return i;
+}
+
+static rp_status parse(const cli_command *command, int argc, char **argv, bool *done)
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
     char shorts[3 * MAX_OPTIONS] = ":";
-    int n = 0;
-    memset(given, 0, sizeof given);
-    parsed = command;
-    for (const rp_param *p = command->options; p && p->name && n < MAX_OPTIONS; p++, n++) {
-        longs[n] =
-            (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL, 256 + n};
+    line.command = command;
+    rp_status status = add_options(command->protocol, 0);
+    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
+    if (status) return status;
+    for (size_t n = 0; n < line.n_options; n++) {
+        const rp_param *p = &line.options[n];
+        longs[n] = (struct option){p->name, p->type == RP_BOOL ? no_argument : required_argument, NULL,
+                                   256 + (int)n};
         if (strlen(p->name) == 1) strcat(strcat(shorts, p->name), p->type == RP_BOOL ? "" : ":");
     }
-    longs[n] = (struct option){"help", no_argument, NULL, 'h'};
+    longs[line.n_options] = (struct option){"help", no_argument, NULL, 'h'};
     strcat(shorts, "h");
-    if (command->options) rp_params_defaults(command->options, values);
-    optind = 0; /* reset the parser (glibc) */
+    rp_params_defaults(line.options, line.values);
     opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, shorts, longs, NULL)) != -1;) {
+    for (int c; !status && (c = getopt_long(argc, argv, shorts, longs, NULL)) != -1;) {
+        const char letter[] = {'-', (char)(c == '?' ? optopt : c), '\0'};
         if (c == 'h') {
             print_help(command);
             *done = true;
             return RP_OK;
         }
-        if (c == '?') {
-            /* a letter within a group: getopt has not passed its word yet */
-            const char letter[] = {'-', (char)optopt, '\0'};
+        if (c == '?') /* a letter within a group: getopt has not passed its word yet */
             return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
                            optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);
-        }
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
                            command->name);
-        int index = c - 256;
-        if (c < 256)
-            for (index = 0; command->options[index].name[0] != c || command->options[index].name[1]; index++)
-                continue;
-        given[index] = true;
-        rp_status status = set_option(&command->options[index], values, optarg);
-        if (status) return status;
+        status = set_option(c < 256 ? index_of(letter + 1) : (size_t)c - 256, optarg);
     }
-    n_arguments = argc - optind;
-    arguments = argv + optind;
-    return check_given(command);
+    line.n_arguments = argc - optind;
+    line.arguments = argv + optind;
+    return status ? status : check_given(command);
 }
 
 const char *cli_argument(int i)
 {
-    return i < n_arguments ? arguments[i] : NULL;
+    return i < line.n_arguments ? line.arguments[i] : NULL;
 }
 
 bool cli_given(const char *name)
 {
-    int index = 0;
-    while (strcmp(parsed->options[index].name, name) != 0) index++;
-    return given[index];
+    return line.given[index_of(name)];
 }
 
-rp_status cli_table_read(const cli_command *command, const void *values, const char *path, rp_table *table)
+void cli_provenance(FILE *out)
 {
-    const rp_param *where = command->options ? rp_params_find(command->options, "where") : NULL;
-    rp_status status = rp_table_read(path, table);
-    if (!where) return status;
-    const rp_texts *conditions = (const rp_texts *)((const char *)values + where->offset);
-    for (size_t i = 0; i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status;
+    rp_table_provenance(out, cli_command_line());
 }
 
-void cli_table(FILE *out, const rp_param *schema, const void *values)
+void cli_table(FILE *out)
 {
     char text[256];
-    rp_table_provenance(out, cli_command_line());
-    for (; schema && schema->name; schema++)
-        if (schema->type != RP_TEXT && schema->type != RP_TEXTS)
-            rp_table_note(out, schema->name, "%s%s%s", rp_params_text(schema, values, text, sizeof text),
-                          *schema->unit ? " " : "", schema->unit);
+    cli_provenance(out);
+    for (const rp_param *p = line.options; p->name; p++)
+        if (p->type != RP_TEXT && p->type != RP_TEXTS)
+            rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, line.values, text, sizeof text),
+                          *p->unit ? " " : "", p->unit);
 }
 
-rp_status cli_numbers(const char *option, const char *text, double **numbers, size_t *n)
+/* Read "0.1,0.25,..." */
+static rp_status read_positions(const char *text, double **x, size_t *n)
 {
     *n = 1;
     for (const char *p = text; *p; p++) *n += *p == ',';
-    *numbers = malloc(*n * sizeof **numbers);
-    if (!*numbers) return rp_fail(RP_NO_MEMORY, "%s: out of memory", option);
+    *x = cli_memory(*n, sizeof **x);
     for (size_t i = 0; i < *n; i++) {
         char *end;
-        (*numbers)[i] = strtod(text, &end);
-        if (end == text || (*end && *end != ',') || !isfinite((*numbers)[i])) {
-            free(*numbers);
-            *numbers = NULL;
-            return rp_fail(RP_BAD_INPUT, "%s: \"%.40s\": numbers separated by commas expected", option, text);
-        }
+        (*x)[i] = strtod(text, &end);
+        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
+            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
+        if ((*x)[i] < 0 || (*x)[i] > 1)
+            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
         text = end + (*end == ',');
     }
     return RP_OK;
 }
 
-static rp_status read_positions(const char *text, double **x, size_t *n)
+rp_status cli_positions(long points, const char *at, double **x, size_t *n)
 {
-    rp_status status = cli_numbers("--at", text, x, n);
-    for (size_t i = 0; !status && i < *n; i++)
-        if ((*x)[i] < 0 || (*x)[i] > 1) {
-            status = rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
-            free(*x);
-            *x = NULL;
-        }
-    return status;
-}
-
-rp_status cli_positions_read(const cli_positions *asked, double **x, size_t *n)
-{
-    bool listed = strcmp(asked->at, "auto") != 0;
-    if (listed && asked->points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
-    if (listed) return read_positions(asked->at, x, n);
-    *n = asked->points > 0 ? (size_t)asked->points : 201;
-    *x = malloc(*n * sizeof **x);
-    if (!*x) return rp_fail(RP_NO_MEMORY, "--points %zu: out of memory", *n);
+    const bool listed = strcmp(at, "auto") != 0;
+    if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
+    if (listed) return read_positions(at, x, n);
+    *n = points > 0 ? (size_t)points : 201;
+    *x = cli_memory(*n, sizeof **x);
     for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
     return RP_OK;
 }
 
-static rp_status act_on_table(const cli_command *command, const void *values)
+/* Act on the table of the first argument, and there on the rows that --where leaves. */
+static rp_status act_on_table(const cli_command *command)
 {
-    rp_table table;
-    rp_status status = cli_table_read(command, values, cli_argument(0), &table);
-    if (!status) status = command->on_table(&table, values);
-    rp_table_free(&table);
-    return status;
+    rp_table *table;
+    const rp_param *where = rp_params_find(line.options, "where");
+    rp_status status = cli_table_read(cli_argument(0), &table);
+    const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
+    for (size_t i = 0; where && i < conditions->n && !status; i++)
+        status = rp_table_where(table, conditions->items[i]);
+    return status ? status : command->on_table(table, line.values);
 }
 
 /* The last word of a command's name is the one to type. */
@@ -218,15 +225,9 @@ static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 
 rp_status cli_run(const cli_command *command, int argc, char **argv)
 {
-    enum { MOST_BYTES = 4096 };
-    _Alignas(max_align_t) char values[MOST_BYTES] = {0};
     bool done = false;
-    if (command->run) return command->run(argc, argv);
     if (command->group) return run_of_group(command, argc, argv);
-    for (const rp_param *p = command->options; p && p->name; p++)
-        if (p->offset + sizeof(rp_texts) > MOST_BYTES)
-            return rp_fail(RP_BROKEN, "repose %s: values of more than %d bytes", command->name, MOST_BYTES);
-    rp_status status = parse(command, argc, argv, values, &done);
+    rp_status status = parse(command, argc, argv, &done);
     if (status || done) return status;
-    return command->on_table ? act_on_table(command, values) : command->act(values);
+    return command->on_table ? act_on_table(command) : command->act(line.values);
 }

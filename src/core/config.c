@@ -2,68 +2,20 @@
 #include "core/config.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* libconfig 1.5 lets whole numbers above 2^31 - 1 wrap silently; a scan of the file finds them beforehand. */
-static rp_status refuse_large_integers(const char *path, FILE *in)
-{
-    int line = 1, c, previous = ' ';
-    char digits[32];
-    while ((c = fgetc(in)) != EOF) {
-        if (c == '\n') line++;
-        if (c == '#' || (c == '/' && previous == '/')) {
-            while ((c = fgetc(in)) != EOF && c != '\n') continue;
-            line++;
-        } else if (c == '*' && previous == '/') {
-            for (previous = ' '; (c = fgetc(in)) != EOF && !(previous == '*' && c == '/'); previous = c)
-                line += c == '\n';
-        } else if (c == '"') {
-            while ((c = fgetc(in)) != EOF && c != '"')
-                if (c == '\\')
-                    fgetc(in);
-                else
-                    line += c == '\n';
-        } else if (isdigit(c) && !isalnum(previous) && previous != '.' && previous != '_') {
-            size_t n = 0;
-            do {
-                if (n + 1 < sizeof digits) digits[n++] = (char)c;
-            } while (isdigit(c = fgetc(in)));
-            digits[n] = '\0';
-            if (c != '.' && !isalpha(c) && strtod(digits, NULL) > INT_MAX)
-                return rp_fail(RP_BAD_INPUT,
-                               "%s:%d: %s: whole numbers go up to %d; write %s.0 for a larger number", path,
-                               line, digits, INT_MAX, digits);
-            if (c == '\n') line++;
-        }
-        previous = c;
-    }
-    return RP_OK;
-}
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
-    config_init(config);
-    struct stat info;
-    FILE *in = fopen(path, "r");
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    if (fstat(fileno(in), &info) == 0 && S_ISDIR(info.st_mode)) {
-        fclose(in);
-        return rp_fail(RP_BAD_INPUT, "%s: is a directory, a parameter file expected", path);
-    }
-    rp_status status = refuse_large_integers(path, in);
-    fclose(in);
-    if (status) return status;
     char folder[4096];
     const char *slash = strrchr(path, '/');
+    config_init(config);
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
              slash ? path : ".");
+    rp_status status = rp_config_scan_file(path, folder);
+    if (status) return status;
     config_set_include_dir(config, folder);
     if (config_read_file(config, path) == CONFIG_FALSE) {
         const char *file = config_error_file(config), *text = config_error_text(config);

@@ -8,8 +8,15 @@
 #include "core/params.h"
 
 /* Read a file. Afterwards config_destroy(config), also after an error.
- * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1). */
+ * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1, too large). */
 rp_status rp_config_read(const char *path, config_t *config);
+
+/* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
+ * one (5L) a long long; more than 64 MB, 65536 bytes in a text, comment or gap, 1000 keys in a group, 31
+ * levels, 10 included files. `folder`: of included files; `name` of a text: for messages. Errors:
+ * RP_BAD_INPUT. */
+rp_status rp_config_scan_file(const char *path, const char *folder);
+rp_status rp_config_scan_text(const char *name, const char *text);
 
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
  * schema nor in `others` (NULL-terminated, may be NULL; left to the caller) are errors.

@@ -2,12 +2,14 @@
 #include "core/table.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,12 +26,13 @@ void rp_table_provenance(FILE *out, const char *command)
 
 void rp_table_note(FILE *out, const char *key, const char *format, ...)
 {
+    char text[8192];
     va_list args;
-    fprintf(out, "# %s: ", key);
     va_start(args, format);
-    vfprintf(out, format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    fputc('\n', out);
+    for (char *c = text; (c = strpbrk(c, "\n\r"));) *c = ' '; /* as in a file's name: a note is one line */
+    fprintf(out, "# %s: %s\n", key, text);
 }
 
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
@@ -87,42 +90,50 @@ rp_status rp_table_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
-/* A file is written under a temporary name and then renamed; for a link, the target of the link is replaced.
- * Devices and pipes are written directly: `buffer` is then empty. */
-static const char *temporary_name(const char *path, char *target, char *buffer, size_t size)
+/* For a link, the target of the link is replaced. */
+static const char *find_target(const char *path, char target[PATH_MAX])
 {
-    struct stat info;
     if (!realpath(path, target)) snprintf(target, PATH_MAX, "%s", path);
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
-        buffer[0] = '\0';
-    else
-        snprintf(buffer, size, "%s.tmp%ld", target, (long)getpid());
-    return buffer;
+    return target;
 }
 
+/* A new file beside the target, under a name that no one can foresee; devices and pipes are written directly.
+ */
 rp_status rp_file_open(const char *path, FILE **out)
 {
-    char target[PATH_MAX], temporary[PATH_MAX + 32];
+    char target[PATH_MAX], temporary[PATH_MAX + 16];
+    struct stat info;
+    unsigned number;
     if (strcmp(path, "-") == 0) {
         *out = stdout;
         return RP_OK;
     }
-    temporary_name(path, target, temporary, sizeof temporary);
-    *out = fopen(*temporary ? temporary : path, "w");
+    *out = NULL;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        *out = fopen(path, "w");
+    } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
+        snprintf(temporary, sizeof temporary, "%s.tmp%08x", find_target(path, target), number);
+        const int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0) *out = fdopen(file, "w");
+    }
     return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
 }
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
 {
-    char target[PATH_MAX], temporary[PATH_MAX + 32];
+    char target[PATH_MAX], temporary[PATH_MAX] = "", link[64];
+    struct stat info;
     if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
-    temporary_name(path, target, temporary, sizeof temporary);
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
+    const bool renamed = fstat(fileno(out), &info) == 0 && S_ISREG(info.st_mode);
+    const bool named = renamed && readlink(link, temporary, sizeof temporary - 1) > 0;
     rp_status status = keep ? keep : rp_table_finish(out, path);
-    if (fclose(out) != 0 && !status) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (!*temporary) return status;
-    if (!status && rename(temporary, target) != 0)
-        status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (status) unlink(temporary);
+    /* the bytes reach the disk before the name does */
+    bool failed = renamed && !status && (fsync(fileno(out)) != 0 || !named);
+    failed |= fclose(out) != 0;
+    if (!status && !failed && renamed) failed = rename(temporary, find_target(path, target)) != 0;
+    if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (status && named) unlink(temporary);
     return status;
 }
 
@@ -141,19 +152,29 @@ rp_status rp_make_directory(const char *path)
     return RP_OK;
 }
 
+enum { MOST_BYTES = 1 << 30 };
+
 rp_status rp_file_read(const char *path, char **text)
 {
     FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
+    *text = NULL;
     if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    size_t room = 0;
-    errno = 0;
-    ssize_t size = getdelim(text, &room, '\0', in);
-    const int why = errno;
-    const bool bad = ferror(in) != 0;
+    rp_status status = RP_OK;
+    size_t size = 0, room = 0, n = 0;
+    do {
+        room = 2 * room + 65536;
+        char *more = realloc(*text, room);
+        if (!more) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+        if (!more) break;
+        *text = more;
+        n = fread(more + size, 1, room - 1 - size, in);
+        if (memchr(more + size, '\0', n)) status = rp_fail(RP_BAD_INPUT, "%s: no text: holds a 0 byte", path);
+        more[size += n] = '\0';
+        if (!status && size > MOST_BYTES) status = rp_fail(RP_BAD_INPUT, "%s: more than 1 GB", path);
+    } while (!status && size == room - 1);
+    if (!status && ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
     if (in != stdin) fclose(in);
-    if (size < 0 && *text) **text = '\0'; /* empty */
-    if (bad) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(why));
-    return *text ? RP_OK : rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    return status;
 }
 
 static size_t count_cells(const char *line, const char *blanks)
@@ -180,6 +201,7 @@ static rp_status read_table(const char *path, const char *blanks, rp_table *tabl
     if (status) return status;
     size_t n_lines = 1;
     for (const char *p = table->text; *p; p++) n_lines += *p == '\n';
+    const size_t most_cells = strlen(table->text) / 2 + 1;
     char *header = NULL;
     size_t line_number = 0;
     table->lines = calloc(n_lines, sizeof *table->lines);
@@ -196,7 +218,7 @@ static rp_status read_table(const char *path, const char *blanks, rp_table *tabl
         if (n == 0) continue;
         if (!table->cells) {
             table->n_columns = n;
-            table->cells = calloc(n_lines * n, sizeof *table->cells);
+            table->cells = calloc(n_lines < most_cells / n ? n_lines * n : most_cells, sizeof *table->cells);
             if (!table->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
         }
         if (n != table->n_columns)

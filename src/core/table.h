@@ -12,7 +12,7 @@
 /* Header lines: program, version, commit, compiler, libraries, and the command (may be NULL). */
 void rp_table_provenance(FILE *out, const char *command);
 
-/* One more header line, "# key: text". */
+/* One more header line, "# key: text", of at most 8191 bytes; the end of a line becomes a blank. */
 void rp_table_note(FILE *out, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* The last two header lines. `columns` holds n pairs name, unit. */
@@ -30,13 +30,13 @@ void rp_table_row_word(FILE *out, size_t n, const double values[], const char *w
 /* Flush and report any error of writing; `name` is for the message. Errors: RP_IO. */
 rp_status rp_table_finish(FILE *out, const char *name);
 
-/* Open `path` for writing under a temporary name; rp_file_close renames the complete file, or removes it if
- * `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
+/* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
+ * disk, or removes it if `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
 rp_status rp_file_open(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 
-/* The whole text of a file ("-": standard input); *text is NULL at first; free it, also after an error.
- * Errors: RP_BAD_INPUT (cannot read), RP_NO_MEMORY. */
+/* The whole text of a file ("-": standard input); free it, also after an error.
+ * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */
 rp_status rp_file_read(const char *path, char **text);
 
 /* Make a directory and its parents. Errors: RP_IO. */

@@ -1,4 +1,4 @@
-/* Checks of a definition; definition.c. */
+/* Checks of a definition; definition.c, physics.c, limits.c. */
 #ifndef DEM_DEFINITION_H
 #define DEM_DEFINITION_H
 
@@ -14,6 +14,13 @@ rp_status dem_scheme_check(const dem_definition *def);
 /* Put in the gamma_n that a restitution asks for, and what follows from it. Errors: RP_BAD_INPUT,
  * RP_NO_MEMORY. */
 rp_status dem_physics_resolve(dem_definition *def);
+
+/* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
+ * the lowest grain or wall. */
+double dem_impact_speed(const dem_definition *def);
+
+/* Contacts that the start has may be stiffer than any impact to come. Errors: RP_BAD_INPUT. */
+rp_status dem_check_start_overlaps(const dem_sim *sim);
 
 /* The box turns, but some grains are fixed: RP_BAD_INPUT. */
 rp_status dem_refuse_turn(void);

@@ -5,7 +5,6 @@
 #include <math.h>
 
 #include "core/table.h"
-#include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/scene.h"
 #include "dem/sim.h"

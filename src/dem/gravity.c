@@ -1,9 +1,7 @@
 /* Gravity that is set, or turns. */
-#include "dem/gravity.h"
 
 #include <math.h>
 
-#include "dem/integrator.h"
 #include "dem/ledger.h"
 #include "dem/sim.h"
 

@@ -4,7 +4,6 @@
  * deep as N is large at the moment, so it conserves energy only while N is constant. */
 #include <math.h>
 
-#include "dem/ground.h"
 #include "dem/sim.h"
 
 static double along(const dem_sim *sim, const dem_wall_slot *slot, dem_vec v)

@@ -6,9 +6,7 @@
 #include <string.h>
 
 #include "dem/ledger.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
-#include "dem/step.h"
 
 /* (6), (13), (14): the impulse (p_x, p_y); its tangential part turns both bodies alike. */
 static void apply_impulse(dem_body *body, double p_x, double p_y, double p_t)

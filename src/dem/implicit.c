@@ -20,15 +20,12 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "dem/ground.h"
-#include "dem/integrator.h"
+#include "core/stiffness.h"
 #include "dem/law.h"
 #include "dem/ledger.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
-#include "dem/step.h"
-#include "core/stiffness.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
 typedef struct {
@@ -41,13 +38,11 @@ typedef struct {
     uint32_t pair;
 } bond;
 
+/* Follows the neighbour list. Of each grain: displacement u; contact_force; stiffness, the trace of its
+ * contacts' sum; residual; newton_step and further_step, by one factorisation. */
 typedef struct {
-    dem_vec *u, *force, *residual;
-    double *stiffness;   /* of the contacts of each grain: trace */
-    double *step, *next; /* Newton's, 2 n */
-    size_t n_contacts;   /* pairs of the neighbour list, then its wall slots */
+    long list; /* number of the neighbour list that all below is of; 0: none */
     contact *contact;
-    long list; /* number of the neighbour list that all below is of; -1: none */
     bond *bond;
     rp_stiffness *matrix;
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
@@ -57,8 +52,6 @@ static inline workspace *work(const dem_sim *sim)
 {
     return sim->work;
 }
-
-static const size_t NOBODY = SIZE_MAX;
 
 static rp_status check(const dem_definition *def)
 {
@@ -87,29 +80,11 @@ static rp_status no_memory(const dem_sim *sim)
     return rp_fail(RP_NO_MEMORY, "implicit integrator for %zu particles: out of memory", sim->grains.n);
 }
 
-static rp_status alloc_work(dem_sim *sim)
-{
-    workspace *m = sim->work = calloc(1, sizeof *m);
-    if (!m) return no_memory(sim);
-    m->list = -1;
-    m->u = malloc(sim->grains.capacity * sizeof *m->u);
-    m->force = malloc(sim->grains.capacity * sizeof *m->force);
-    m->residual = malloc(sim->grains.capacity * sizeof *m->residual);
-    m->stiffness = malloc(sim->grains.capacity * sizeof *m->stiffness);
-    m->step = malloc(2 * sim->grains.capacity * sizeof *m->step);
-    m->next = malloc(2 * sim->grains.capacity * sizeof *m->next);
-    m->first = malloc((sim->grains.capacity + 1) * sizeof *m->first);
-    return m->u && m->force && m->residual && m->stiffness && m->step && m->next && m->first ? RP_OK
-                                                                                             : no_memory(sim);
-}
-
 static void free_work(dem_sim *sim)
 {
     workspace *m = work(sim);
     rp_stiffness_free(m->matrix);
-    free(m->u), free(m->force), free(m->residual), free(m->stiffness), free(m->step), free(m->next),
-        free(m->first);
-    free(m->contact), free(m->bond), free(m->of), free(m);
+    free(m->contact), free(m->bond), free(m->first), free(m->of), free(m);
     sim->work = NULL;
 }
 
@@ -170,35 +145,13 @@ static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s
     if (p) *(slides ? &p->slip : &p->dashpot) = force;
 }
 
-static inline contact pair_contact(const dem_sim *sim, size_t k, dem_parts *p)
-{
-    const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-    const dem_vec from = sim->grains.motion[i].x - sim->grains.motion[j].x,
-                  u = work(sim)->u[i] - work(sim)->u[j];
-    const dem_vec to = from + u, sum = from + to;
-    const double r = sqrt(dem_dot(from, from)), before = sim->pairs.radii[k] - r;
-    contact f = {0};
-    /* the change of the distance keeps the overlap's last digits */
-    const double r_to = sqrt(dem_dot(to, to)), both = r + r_to, after = before - dem_dot(u, sum) / both;
-    if (before <= 0.0 && after <= 0.0) return f;
-    const coefficients l = {&sim->def.material, sim->mu, sim->pairs.m_eff[k]};
-    double slope;
-    const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = f_n / both;
-    const dem_vec s = sum / both;
-    add_along(&f, s, f_n, slope + turn);
-    f.xx -= turn, f.yy -= turn;
-    const dem_vec t = dem_clockwise(sum) / sqrt(dem_dot(sum, sum));
-    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
-    if (p) p->n = s, p->s = t;
-    return f;
-}
-
 /* The well's force, by the quotient of the potential k min(d^2, a^2)/2 between displacements. */
 static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_vec t, double normal,
                             contact *to, dem_parts *p)
 {
     const dem_ground *g = &sim->def.ground;
-    const double before = dem_ground_displacement(sim, slot), moved = dem_dot(work(sim)->u[slot->grain], t);
+    const double before = dem_ground_displacement(sim, slot),
+                 moved = dem_dot(sim->grains.displacement[slot->grain], t);
     const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
     const bool holds = fabs(before + moved) <= a;
     const double pull = holds ? k * (before + 0.5 * moved) : 0.5 * k * (a - before) * (a + before) / moved;
@@ -206,44 +159,52 @@ static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_v
     if (p) p->well = -pull;
 }
 
-static inline contact slot_contact(const dem_sim *sim, const dem_wall_slot *at, dem_parts *p)
+/* Contact number k of sim.h. */
+static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
 {
+    const dem_ends ends = dem_contact_ends(sim, k);
+    coefficients l = {&sim->def.material, sim->mu, 0.0};
+    dem_vec u = sim->grains.displacement[ends.i], along;
+    double before, after, both = 1.0, length = 1.0; /* of a pair: sum of its distances, |along| */
     contact f = {0};
-    dem_wall_slot slot = *at;
-    dem_vec n, still;
-    double before, slope;
-    if (!dem_wall_touch(sim, &slot, &n, &before, &still)) return f;
-    const size_t i = slot.grain;
-    const dem_vec u = work(sim)->u[i], t = dem_clockwise(n);
-    const double after = before - dem_dot(u, n);
+    if (ends.slot) {
+        dem_wall_slot slot = *ends.slot;
+        dem_vec still;
+        if (!dem_wall_touch(sim, &slot, &along, &before, &still)) return f;
+        after = before - dem_dot(u, along);
+    } else {
+        const dem_vec from = sim->grains.motion[ends.i].x - sim->grains.motion[ends.j].x;
+        u -= sim->grains.displacement[ends.j];
+        const dem_vec to = from + u;
+        const double r = sqrt(dem_dot(from, from));
+        along = from + to;
+        both = r + sqrt(dem_dot(to, to));
+        before = sim->pairs.radii[k] - r;
+        /* the change of the distance keeps the overlap's last digits */
+        after = before - dem_dot(u, along) / both;
+    }
     if (before <= 0.0 && after <= 0.0) return f;
-    const coefficients l = {&sim->def.walls[slot.wall].material, sim->walls.mu[slot.wall],
-                            sim->grains.mass[i]};
-    const double f_n = normal_force(sim, &l, before, after, &slope, p);
-    add_along(&f, n, f_n, slope);
+    if (ends.slot)
+        l = (coefficients){&sim->def.walls[ends.slot->wall].material, sim->walls.mu[ends.slot->wall],
+                           sim->grains.mass[ends.i]};
+    else
+        l.m_eff = sim->pairs.m_eff[k], length = sqrt(dem_dot(along, along));
+    double slope;
+    const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = ends.slot ? 0.0 : f_n / both;
+    const dem_vec s = along / both, t = dem_clockwise(along) / length;
+    add_along(&f, s, f_n, slope + turn);
+    f.xx -= turn, f.yy -= turn;
     add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
-    if (slot.well == DEM_WELL_HOLDS && dem_is_ground(sim, &slot)) add_well(sim, &slot, t, f_n, &f, p);
-    if (p) p->n = n, p->s = t;
+    if (ends.slot && ends.slot->well == DEM_WELL_HOLDS && dem_is_ground(sim, ends.slot))
+        add_well(sim, ends.slot, t, f_n, &f, p);
+    if (p) p->n = s, p->s = t;
     return f;
 }
 
-static contact any_contact(const dem_sim *sim, size_t c)
-{
-    return c < sim->pairs.n ? pair_contact(sim, c, NULL)
-                            : slot_contact(sim, &sim->walls.slot[c - sim->pairs.n], NULL);
-}
-
-static dem_parts pair_parts(const dem_sim *sim, size_t k)
+static dem_parts parts(const dem_sim *sim, size_t k)
 {
     dem_parts p = {0};
-    pair_contact(sim, k, &p);
-    return p;
-}
-
-static dem_parts slot_parts(const dem_sim *sim, size_t k)
-{
-    dem_parts p = {0};
-    slot_contact(sim, &sim->walls.slot[k], &p);
+    contact_of(sim, k, &p);
     return p;
 }
 
@@ -254,7 +215,7 @@ static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
 {
     const double dt = sim->def.dt, m = sim->grains.mass[i];
     if (dem_is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
-    return m * (work(sim)->u[i] - dt * sim->grains.motion[i].v - 0.5 * dt * dt * sim->gravity) -
+    return m * (sim->grains.displacement[i] - dt * sim->grains.motion[i].v - 0.5 * dt * dt * sim->gravity) -
            0.5 * dt * dt * force;
 }
 
@@ -282,26 +243,22 @@ static void note_own_step(lack *l, size_t i, double step)
 /* All contacts, forces and residuals for the displacements u. */
 static lack evaluate(dem_sim *sim)
 {
-    workspace *m = work(sim);
-    for (size_t i = 0; i < sim->grains.n; i++) {
-        m->force[i] = (dem_vec){0.0, 0.0};
-        m->stiffness[i] = 0.0;
-    }
-    for (size_t c = 0; c < m->n_contacts; c++) {
-        const contact f = m->contact[c] = any_contact(sim, c);
-        const bool pair = c < sim->pairs.n;
-        const size_t i = pair ? sim->pairs.i[c] : sim->walls.slot[c - sim->pairs.n].grain;
-        m->force[i] += f.force;
-        m->stiffness[i] += f.xx + f.yy;
-        if (!pair) continue;
-        const size_t j = sim->pairs.j[c];
-        m->force[j] -= f.force;
-        m->stiffness[j] += f.xx + f.yy;
+    dem_grains *const g = &sim->grains;
+    memset(g->contact_force, 0, g->n * sizeof *g->contact_force);
+    memset(g->stiffness, 0, g->n * sizeof *g->stiffness);
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        const dem_ends ends = dem_contact_ends(sim, k);
+        const contact f = work(sim)->contact[k] = contact_of(sim, k, NULL);
+        g->contact_force[ends.i] += f.force;
+        g->stiffness[ends.i] += f.xx + f.yy;
+        if (ends.slot) continue;
+        g->contact_force[ends.j] -= f.force;
+        g->stiffness[ends.j] += f.xx + f.yy;
     }
     lack l = {0};
-    for (size_t i = 0; i < sim->grains.n; i++) {
-        const dem_vec h = m->residual[i] = residual_of(sim, i, m->force[i]);
-        note_own_step(&l, i, own_step(sim, i, h, m->stiffness[i]));
+    for (size_t i = 0; i < g->n; i++) {
+        g->residual[i] = residual_of(sim, i, g->contact_force[i]);
+        note_own_step(&l, i, own_step(sim, i, g->residual[i], g->stiffness[i]));
     }
     return l;
 }
@@ -361,35 +318,32 @@ static void assemble(dem_sim *sim)
         const contact *f = &m->contact[m->bond[k].pair];
         rp_stiffness_add_bond(m->matrix, k, m->bond[k].ends, c * f->xx, c * f->xy, c * f->yy);
     }
-    for (size_t s = 0; s < sim->walls.n_slots; s++) {
-        const contact *f = &m->contact[sim->pairs.n + s];
-        rp_stiffness_add_site(m->matrix, sim->walls.slot[s].grain, c * f->xx, c * f->xy, c * f->yy);
+    for (size_t k = sim->pairs.n; k < dem_contact_numbers(sim); k++) {
+        const contact *f = &m->contact[k];
+        rp_stiffness_add_site(m->matrix, dem_contact_ends(sim, k).i, c * f->xx, c * f->xy, c * f->yy);
     }
 }
 
-/* The step that the last factorisation makes of the residuals: 2 n; *size is the sum of its squares, *far the
+/* The step that the last factorisation makes of the residuals; *size is the sum of its squares, *far the
  * largest of a grain. */
-static rp_status newton_step(dem_sim *sim, double *step, double *size, double *far)
+static rp_status newton_step(dem_sim *sim, dem_vec *step, double *size, double *far)
 {
-    workspace *m = work(sim);
-    for (size_t i = 0; i < sim->grains.n; i++)
-        for (size_t a = 0; a < 2; a++) step[2 * i + a] = m->residual[i][a];
-    rp_status status = rp_stiffness_solve(m->matrix, step, step);
+    memcpy(step, sim->grains.residual, sim->grains.n * sizeof *step);
+    rp_status status = rp_stiffness_solve(work(sim)->matrix, (double *)step, (double *)step);
     *size = *far = 0.0;
     for (size_t i = 0; i < sim->grains.n && !status; i++) {
-        const double square = step[2 * i] * step[2 * i] + step[2 * i + 1] * step[2 * i + 1];
+        const double square = dem_dot(step[i], step[i]);
         *size += square;
         *far = fmax(*far, sqrt(square));
     }
     return status;
 }
 
-/* Take a part of m->step. */
+/* Take a part of the step. */
 static lack go(dem_sim *sim, double part)
 {
-    workspace *m = work(sim);
     for (size_t i = 0; i < sim->grains.n; i++)
-        if (!dem_is_fixed(sim, i)) m->u[i] -= part * (dem_vec){m->step[2 * i], m->step[2 * i + 1]};
+        if (!dem_is_fixed(sim, i)) sim->grains.displacement[i] -= part * sim->grains.newton_step[i];
     return evaluate(sim);
 }
 
@@ -400,37 +354,30 @@ static lack go(dem_sim *sim, double part)
 static rp_status improve(dem_sim *sim, lack *l)
 {
     double before, after, far, unused, gone = 0.0;
-    rp_status status = newton_step(sim, work(sim)->step, &before, &far);
+    rp_status status = newton_step(sim, sim->grains.newton_step, &before, &far);
     const double most = fmin(1.0, 0.5 * sim->list.skin / far);
     for (double part = most; part > 0.05 * most && !status; part *= 0.5) {
         *l = go(sim, part - gone);
         gone = part;
         if (l->largest <= sim->def.implicit.tolerance) {
-            status = newton_step(sim, work(sim)->step, &after, &unused);
+            status = newton_step(sim, sim->grains.newton_step, &after, &unused);
             go(sim, 1.0);
             break;
         }
-        status = newton_step(sim, work(sim)->next, &after, &unused);
+        status = newton_step(sim, sim->grains.further_step, &after, &unused);
         if (after < before) break;
     }
     return status;
 }
 
-static rp_status solve_direct(dem_sim *sim)
+/* A round of Newton's method, the number k. */
+static rp_status newton_round(dem_sim *sim, lack *l, long k)
 {
-    const dem_implicit_solver *how = &sim->def.implicit;
-    lack l = evaluate(sim);
-    for (long k = 0; !(l.largest <= how->tolerance); k++) {
-        rp_pivots pivots;
-        if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
-        assemble(sim);
-        rp_status status = rp_stiffness_factorise(work(sim)->matrix, &pivots);
-        if (!status && pivots.smallest == 0.0) return not_solved(sim, &l, k);
-        if (!status) status = improve(sim, &l);
-        if (status) return status;
-        sim->count.iterations++;
-    }
-    return RP_OK;
+    rp_pivots pivots;
+    assemble(sim);
+    rp_status status = rp_stiffness_factorise(work(sim)->matrix, &pivots);
+    if (!status && pivots.smallest == 0.0) return not_solved(sim, l, k);
+    return status ? status : improve(sim, l);
 }
 
 /* ---- Sweeps -------------------------------------------------------------------------------------------- */
@@ -438,39 +385,35 @@ static rp_status solve_direct(dem_sim *sim)
 static rp_status make_contacts_of(dem_sim *sim)
 {
     workspace *m = work(sim);
-    free(m->of);
-    m->of = malloc((2 * m->n_contacts + 1) * sizeof *m->of);
-    if (!m->of) return no_memory(sim);
-    for (size_t i = 0; i <= sim->grains.n; i++) m->first[i] = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t c = 0; c < m->n_contacts; c++) {
-            const bool pair = c < sim->pairs.n;
-            const size_t i = pair ? sim->pairs.i[c] : sim->walls.slot[c - sim->pairs.n].grain;
-            const size_t ends[2] = {i, pair ? sim->pairs.j[c] : NOBODY};
-            for (int e = 0; e < 2 && ends[e] != NOBODY; e++)
-                if (pass == 0)
-                    m->first[ends[e] + 1]++;
-                else
-                    m->of[m->first[ends[e]]++] = c;
-        }
-        for (size_t i = 0; i < sim->grains.n && pass == 0; i++) m->first[i + 1] += m->first[i];
+    const size_t n = sim->grains.n, n_contacts = dem_contact_numbers(sim);
+    free(m->of), free(m->first);
+    m->of = malloc((2 * n_contacts + 1) * sizeof *m->of);
+    m->first = calloc(n + 2, sizeof *m->first);
+    if (!m->of || !m->first) return no_memory(sim);
+    size_t *const end = m->first + 1; /* of the grain's contacts so far: the next grain's first at last */
+    for (size_t k = 0; k < n_contacts; k++) {
+        const dem_ends ends = dem_contact_ends(sim, k);
+        end[ends.i + 1]++;
+        if (!ends.slot) end[ends.j + 1]++;
     }
-    for (size_t i = sim->grains.n; i > 0; i--) m->first[i] = m->first[i - 1];
-    m->first[0] = 0;
+    for (size_t i = 0; i < n; i++) end[i + 1] += end[i];
+    for (size_t k = 0; k < n_contacts; k++) {
+        const dem_ends ends = dem_contact_ends(sim, k);
+        m->of[end[ends.i]++] = k;
+        if (!ends.slot) m->of[end[ends.j]++] = k;
+    }
     return RP_OK;
 }
 
 /* Newton's step of grain i while all others stay, or the part of it that is taken. */
 static void relax(dem_sim *sim, size_t i, lack *l)
 {
-    workspace *m = work(sim);
+    const workspace *m = work(sim);
     const double c = 0.5 * sim->def.dt * sim->def.dt;
     contact sum = {0};
     for (size_t k = m->first[i]; k < m->first[i + 1]; k++) {
-        const size_t at = m->of[k];
-        const contact f = any_contact(sim, at);
-        const bool second = at < sim->pairs.n && sim->pairs.j[at] == i;
-        sum.force += second ? -f.force : f.force;
+        const contact f = contact_of(sim, m->of[k], NULL);
+        sum.force += dem_contact_ends(sim, m->of[k]).j == i ? -f.force : f.force;
         sum.xx += f.xx, sum.xy += f.xy, sum.yy += f.yy;
     }
     const dem_vec h = residual_of(sim, i, sum.force);
@@ -478,22 +421,15 @@ static void relax(dem_sim *sim, size_t i, lack *l)
     const double xx = sim->grains.mass[i] + c * sum.xx, xy = c * sum.xy,
                  yy = sim->grains.mass[i] + c * sum.yy;
     const dem_vec step = (dem_vec){yy * h[0] - xy * h[1], xx * h[1] - xy * h[0]} / (xx * yy - xy * xy);
-    m->u[i] -= sim->def.implicit.relaxation * step;
+    sim->grains.displacement[i] -= sim->def.implicit.relaxation * step;
 }
 
-static rp_status solve_sor(dem_sim *sim)
+static lack sweep(dem_sim *sim)
 {
-    const dem_implicit_solver *how = &sim->def.implicit;
-    lack l = evaluate(sim);
-    for (long k = 0; !(l.largest <= how->tolerance); k++) {
-        if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
-        l = (lack){0};
-        for (size_t i = 0; i < sim->grains.n; i++)
-            if (!dem_is_fixed(sim, i)) relax(sim, i, &l);
-        sim->count.iterations++;
-        if (l.largest <= how->tolerance) l = evaluate(sim);
-    }
-    return RP_OK;
+    lack l = {0};
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (!dem_is_fixed(sim, i)) relax(sim, i, &l);
+    return l.largest <= sim->def.implicit.tolerance ? evaluate(sim) : l;
 }
 
 /* ---- A step -------------------------------------------------------------------------------------------- */
@@ -501,11 +437,11 @@ static rp_status solve_sor(dem_sim *sim)
 /* Bring what depends on the neighbour list up to date. */
 static rp_status prepare(dem_sim *sim)
 {
+    if (!sim->work && !(sim->work = calloc(1, sizeof(workspace)))) return no_memory(sim);
     workspace *m = work(sim);
     if (m->list == sim->count.rebuilds) return RP_OK;
-    m->n_contacts = sim->pairs.n + sim->walls.n_slots;
     free(m->contact);
-    m->contact = malloc((m->n_contacts + 1) * sizeof *m->contact);
+    m->contact = malloc((dem_contact_numbers(sim) + 1) * sizeof *m->contact);
     if (!m->contact) return no_memory(sim);
     rp_status status = sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim);
     if (!status) m->list = sim->count.rebuilds;
@@ -514,39 +450,49 @@ static rp_status prepare(dem_sim *sim)
 
 static rp_status solve(dem_sim *sim)
 {
-    workspace *m = work(sim);
+    const dem_implicit_solver *how = &sim->def.implicit;
     const double dt = sim->def.dt;
     rp_status status = prepare(sim);
     if (status) return status;
     for (size_t i = 0; i < sim->grains.n; i++)
-        m->u[i] = dem_is_fixed(sim, i) ? (dem_vec){0.0, 0.0}
-                                       : dt * sim->grains.motion[i].v + 0.5 * dt * dt * sim->gravity;
-    return sim->def.implicit.solver == DEM_SOLVER_SOR ? solve_sor(sim) : solve_direct(sim);
+        sim->grains.displacement[i] = dem_is_fixed(sim, i)
+                                          ? (dem_vec){0.0, 0.0}
+                                          : dt * sim->grains.motion[i].v + 0.5 * dt * dt * sim->gravity;
+    lack l = evaluate(sim);
+    for (long k = 0; !status && !(l.largest <= how->tolerance); k++) {
+        if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
+        switch (how->solver) {
+        case DEM_SOLVER_DIRECT: status = newton_round(sim, &l, k); break;
+        case DEM_SOLVER_SOR: l = sweep(sim); break;
+        }
+        sim->count.iterations++;
+    }
+    return status;
 }
 
-/* A grain that the step takes farther than half the skin from its listed position, or NOBODY. */
+/* A grain that the step takes farther than half the skin from its listed position, or DEM_NOBODY. */
 static size_t beyond_list(const dem_sim *sim)
 {
     for (size_t i = 0; i < sim->grains.n; i++) {
-        const dem_vec moved = sim->grains.motion[i].x + work(sim)->u[i] - sim->grains.listed_x[i];
+        const dem_vec moved = sim->grains.motion[i].x + sim->grains.displacement[i] - sim->grains.listed_x[i];
         if (!(dem_dot(moved, moved) <= 0.25 * sim->list.skin * sim->list.skin)) return i;
     }
-    return NOBODY;
+    return DEM_NOBODY;
 }
 
 /* A grain that left makes the list be rebuilt: the solver's contacts are in its order. */
 static rp_status move_grains(dem_sim *sim, unsigned *left)
 {
-    const workspace *m = work(sim);
     const double dt = sim->def.dt;
-    rp_status status = sim->ledger ? dem_ledger_between(sim, m->force) : RP_OK;
+    rp_status status = sim->ledger ? dem_ledger_between(sim, sim->grains.contact_force) : RP_OK;
     if (status) return status;
     for (size_t i = 0; i < sim->grains.n; i++) {
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
         if (dem_is_fixed(sim, i)) continue;
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
-        sim->grains.motion[i].v += dt * (sim->grains.inverse_mass[i] * m->force[i] + sim->gravity);
-        sim->grains.motion[i].x += m->u[i];
+        sim->grains.motion[i].v +=
+            dt * (sim->grains.inverse_mass[i] * sim->grains.contact_force[i] + sim->gravity);
+        sim->grains.motion[i].x += sim->grains.displacement[i];
         if (dem_beyond(sim, sim->grains.motion[i].x)) *left = DEM_LIST_OUT;
     }
     sim->count.grain_steps += (double)sim->grains.n;
@@ -558,13 +504,14 @@ static rp_status step(dem_sim *sim, bool last)
     (void)last;
     unsigned left = 0;
     rp_status status = solve(sim);
-    if (!status && beyond_list(sim) != NOBODY) {
+    if (!status && beyond_list(sim) != DEM_NOBODY) {
         status = dem_neighbours_rebuild(sim);
         if (!status) status = solve(sim);
-        const size_t i = status ? NOBODY : beyond_list(sim);
-        if (i != NOBODY)
+        const size_t i = status ? DEM_NOBODY : beyond_list(sim);
+        if (i != DEM_NOBODY)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, half the skin is %g",
-                            sqrt(dem_dot(work(sim)->u[i], work(sim)->u[i])), 0.5 * sim->list.skin);
+                            sqrt(dem_dot(sim->grains.displacement[i], sim->grains.displacement[i])),
+                            0.5 * sim->list.skin);
     }
     if (!status) status = move_grains(sim, &left);
     if (!status) status = dem_step_lists(sim, left);
@@ -576,9 +523,7 @@ const dem_scheme dem_scheme_implicit = {
     .order = {2, 2},
     .even_margins = true,
     .check = check,
-    .alloc = alloc_work,
     .free = free_work,
     .step = step,
-    .pair_parts = pair_parts,
-    .slot_parts = slot_parts,
+    .parts = parts,
 };

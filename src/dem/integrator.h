@@ -18,11 +18,11 @@ typedef struct {
  * grains, a contact that the start has. */
 typedef enum { DEM_AT_IMPACT, DEM_AT_REST, DEM_AT_START } dem_load;
 
-/* Parts of a contact's force that is one all through a step, on its first grain: along n, which is shorter
- * than 1 where a pair turns, and along s. All 0 without touch. */
+/* Parts of a contact's force on its first grain, which add up to it: along n, which is shorter than 1 where a
+ * pair turns in the step; along s; of rolling at its arm. */
 typedef struct {
     dem_vec n, s;
-    double elastic, damping, dashpot, slip, well;
+    double elastic, damping, spring, dashpot, slip, well, roll_spring, roll_dashpot;
 } dem_parts;
 
 typedef struct dem_scheme {
@@ -38,9 +38,7 @@ typedef struct dem_scheme {
     /* Largest stable time step; NULL: none is too large. */
     double (*step_limit)(const dem_definition *def, dem_rates rates, dem_load load);
 
-    /* Work space of its own, sim->work, for as many grains as the simulation holds; NULL for none. Errors:
-     * RP_NO_MEMORY. */
-    rp_status (*alloc)(dem_sim *sim);
+    /* Frees the work space of its own, sim->work, where it has one. */
     void (*free)(dem_sim *sim);
 
     /* After the start's forces, for the grains from `from` on. */
@@ -55,11 +53,10 @@ typedef struct dem_scheme {
     dem_vec (*velocity)(const dem_sim *sim, size_t i);
     double (*spin)(const dem_sim *sim, size_t i);
 
-    /* For the energy ledger, where the force of a contact is one all through a step: its parts, of a pair and
-     * of a wall slot, once the step is solved and before the grains move. NULL: the ledger takes the mean of
-     * the forces of the step's ends. */
-    dem_parts (*pair_parts)(const dem_sim *sim, size_t k);
-    dem_parts (*slot_parts)(const dem_sim *sim, size_t k);
+    /* For the energy ledger, where the force of a contact is one all through a step: its parts, 0 without
+     * touch, once the step is solved and before the grains move. NULL: the ledger takes the mean of the
+     * forces of the step's ends. */
+    dem_parts (*parts)(const dem_sim *sim, size_t contact);
 } dem_scheme;
 
 #define X(name, word) extern const dem_scheme dem_scheme_##word;

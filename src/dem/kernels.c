@@ -2,7 +2,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "dem/integrator.h"
 #include "dem/law.h"
 #include "dem/sim.h"
 

@@ -15,11 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/energy.h"
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/law.h"
-#include "dem/sim.h"
+#include "dem/observe.h"
 
 /* A grain, by id, at the end of the last step, with its displacement and turn in the step. `hard` is the
  * energy gained in the step's hard collisions; mass 0 means fixed. */
@@ -29,15 +26,15 @@ typedef struct {
     double angle, torque, turn, mass, kinetic, hard;
 } ledger_grain;
 
-/* A contact of grain a with grain b, or with a wall (b = 0): frame, parts of the force on a, increments of
- * the shear and rolling displacements, energies. */
+/* A contact of grain a with grain b, or with a wall (b = 0), by ids: its number; parts of the force on a;
+ * increments of the shear and rolling displacements; energies. */
 typedef struct {
     uint64_t key;
-    uint32_t a, b, index; /* index of the pair or wall slot */
-    dem_vec n, s, point, own_velocity;
-    double arm_a, arm_b, r_eff;
-    double elastic, damping, spring, dashpot, slip, well, roll_spring, roll_dashpot;
-    double sheared, rolled;
+    uint32_t a, b;
+    size_t number;
+    dem_parts part;
+    dem_vec point, own_velocity; /* of a wall */
+    double arm_a, arm_b, r_eff, sheared, rolled;
     dem_elastic energy;
 } ledger_contact;
 
@@ -54,7 +51,7 @@ struct dem_ledger_state {
 
 static bool one_force(const dem_sim *sim)
 {
-    return sim->scheme->pair_parts != NULL;
+    return sim->scheme->parts != NULL;
 }
 
 static rp_status no_memory(void)
@@ -86,67 +83,59 @@ static rp_status reserve_contacts(dem_sim *sim)
     return RP_OK;
 }
 
-/* The parts of the normal, tangential and rolling force; gives the normal force. */
-static double split_forces(const dem_sim *sim, const dem_relative *r, double h, ledger_contact *e)
+/* Contact number k without forces. With `by_id`, grain a of a pair has the smaller id: a contact keeps its
+ * sense as grains are sorted. */
+static ledger_contact new_contact(const dem_sim *sim, size_t k, bool by_id)
+{
+    const dem_ends ends = dem_contact_ends(sim, k);
+    const uint32_t a = sim->grains.id[ends.i], b = ends.slot ? 0 : sim->grains.id[ends.j];
+    const bool swap = by_id && b > 0 && a > b;
+    ledger_contact c = {.a = swap ? b : a, .b = swap ? a : b, .number = k};
+    c.key = (uint64_t)c.a << 32 | (ends.slot ? UINT32_MAX - ends.slot->wall : c.b);
+    return c;
+}
+
+static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
 {
     const dem_definition *def = &sim->def;
     const dem_material *c = r->c;
-    e->n = r->n, e->s = r->s, e->point = r->point;
-    e->arm_a = r->arm_a, e->arm_b = r->arm_b, e->r_eff = r->r_eff;
-    e->sheared = r->v_s * h, e->rolled = r->v_roll * h;
-    const double f_n =
-        dem_law_normal(def->normal, def->tension, c->k_n, c->gamma_n, r->m_eff, r->overlap, r->v_n);
-    e->elastic = dem_law_elastic(def->normal, c->k_n, r->overlap);
-    e->damping = f_n - e->elastic;
-    const dem_slider shear = dem_shear_of(def, c, r->mu);
-    double ds = r->spring, pull = c->k_s * ds;
-    const double f_s = dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, f_n, 0.0, &ds),
-                 cap = r->mu * fmax(f_n, 0.0);
+    const dem_contact law = dem_law_forces(sim, r, 0.0);
+    const double f_n = law.normal_force, f_s = law.shear_force, cap = r->mu * fmax(f_n, 0.0);
+    dem_parts p = {.n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, c->k_n, r->overlap)};
+    p.damping = f_n - p.elastic;
+    double pull = c->k_s * r->spring, xi = r->roll;
     switch (def->tangential) {
     case DEM_NONE: break;
     case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
-        e->spring = -pull;
-        e->dashpot = pull + f_s;
+        p.spring = -pull;
+        p.dashpot = pull + f_s;
         break;
-    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &e->dashpot : &e->slip) = f_s; break;
+    case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &p.dashpot : &p.slip) = f_s; break;
     }
     if (sim->pairs.rolling) {
-        double xi = r->roll;
-        e->roll_spring = -c->k_roll * xi;
-        e->roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - e->roll_spring;
+        p.roll_spring = -c->k_roll * xi;
+        p.roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - p.roll_spring;
     }
-    return f_n;
+    if (r->slot && dem_is_ground(sim, r->slot)) p.well = dem_ground_force(sim, r->slot, f_n);
+    return p;
 }
 
-/* Grain a is that of the smaller id, so that a contact keeps its sense as grains are sorted. */
-static void pair_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
+/* Contact number k with its forces, after all springs have advanced by h. */
+static ledger_contact contact_now(const dem_sim *sim, size_t k, double h)
 {
-    const bool swap = sim->grains.id[sim->pairs.i[k]] > sim->grains.id[sim->pairs.j[k]];
-    const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
-    *e = (ledger_contact){.a = sim->grains.id[i], .b = sim->grains.id[j], .index = k};
-    e->key = (uint64_t)e->a << 32 | e->b;
-    if (one_force(sim)) return;
-    const dem_relative r = dem_pair_relative(sim, k, swap);
-    split_forces(sim, &r, h, e);
-    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[i] - sim->grains.excess[j], e->s);
-}
-
-static uint64_t slot_key(const dem_sim *sim, const dem_wall_slot *slot)
-{
-    return (uint64_t)sim->grains.id[slot->grain] << 32 | (UINT32_MAX - slot->wall);
-}
-
-static void slot_forces(const dem_sim *sim, uint32_t k, double h, ledger_contact *e)
-{
-    const dem_wall_slot *slot = &sim->walls.slot[k];
+    ledger_contact c = new_contact(sim, k, true);
     dem_relative r;
-    *e = (ledger_contact){.a = sim->grains.id[slot->grain], .index = k, .key = slot_key(sim, slot)};
-    if (one_force(sim) || !dem_slot_relative(sim, k, &r)) return;
-    const double f_n = split_forces(sim, &r, h, e);
-    e->own_velocity = r.wall_velocity - dem_box_velocity(&sim->walls, e->point);
-    if (sim->grains.excess) e->sheared += dem_dot(sim->grains.excess[slot->grain], e->s);
-    if (dem_is_ground(sim, slot)) e->well = dem_ground_force(sim, slot, f_n);
+    if (one_force(sim) || !dem_contact_relative(sim, k, true, &r)) return c;
+    c.part = split_force(sim, &r);
+    c.point = r.point, c.arm_a = r.arm_a, c.arm_b = r.arm_b, c.r_eff = r.r_eff;
+    c.own_velocity = r.wall_velocity - dem_box_velocity(&sim->walls, r.point);
+    c.sheared = r.v_s * h, c.rolled = r.v_roll * h;
+    if (sim->grains.excess) {
+        const dem_vec *excess = sim->grains.excess;
+        c.sheared += dem_dot(r.slot ? excess[r.a] : excess[r.a] - excess[r.b], r.s);
+    }
+    return c;
 }
 
 static int by_key(const void *a, const void *b)
@@ -161,38 +150,27 @@ rp_status dem_ledger_forces(dem_sim *sim, double h)
     rp_status status = reserve_contacts(sim);
     if (status) return status;
     b->n_new = 0;
-    DEM_EACH_TOUCHING (&sim->pairs, k) pair_forces(sim, (uint32_t)k, h, &b->new_contact[b->n_new++]);
-    for (uint32_t k = 0; k < sim->walls.n_slots; k++) slot_forces(sim, k, h, &b->new_contact[b->n_new++]);
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++)
+        if (k >= sim->pairs.n || dem_touches(&sim->pairs, k))
+            b->new_contact[b->n_new++] = contact_now(sim, k, h);
     qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
     return RP_OK;
-}
-
-static void note_between(struct dem_ledger_state *b, ledger_contact c, dem_parts p)
-{
-    c.n = p.n, c.s = p.s;
-    c.elastic = p.elastic, c.damping = p.damping, c.dashpot = p.dashpot, c.slip = p.slip, c.well = p.well;
-    b->between[b->n_between++] = c;
 }
 
 rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 {
     struct dem_ledger_state *b = sim->ledger;
-    const size_t need = sim->pairs.n + sim->walls.n_slots;
+    const size_t need = dem_contact_numbers(sim);
     if (need > b->between_capacity) {
         if (!dem_grow(&b->between, sizeof *b->between, need)) return no_memory();
         b->between_capacity = need;
     }
-    b->n_between = 0;
     for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]].force = force[i];
-    for (size_t k = 0; k < sim->pairs.n; k++)
-        note_between(
-            b, (ledger_contact){.a = sim->grains.id[sim->pairs.i[k]], .b = sim->grains.id[sim->pairs.j[k]]},
-            sim->scheme->pair_parts(sim, k));
-    for (size_t k = 0; k < sim->walls.n_slots; k++) {
-        const dem_wall_slot *slot = &sim->walls.slot[k];
-        note_between(b, (ledger_contact){.a = sim->grains.id[slot->grain], .key = slot_key(sim, slot)},
-                     sim->scheme->slot_parts(sim, k));
+    for (size_t k = 0; k < need; k++) {
+        b->between[k] = new_contact(sim, k, false);
+        b->between[k].part = sim->scheme->parts(sim, k);
     }
+    b->n_between = need;
     return RP_OK;
 }
 
@@ -273,19 +251,20 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
                       sim->walls.swing[1] * dem_clockwise(c->point));
         turn = -dt * sim->walls.swing[1];
     }
-    const double along_n = dem_dot(a->displacement - other, c->n), turned = a->turn - turn;
-    const double centres = dem_dot(a->displacement - other, c->s); /* a well holds the centre */
+    const dem_parts *p = &c->part;
+    const double along_n = dem_dot(a->displacement - other, p->n), turned = a->turn - turn;
+    const double centres = dem_dot(a->displacement - other, p->s); /* a well holds the centre */
     const double along_s = centres + c->arm_a * a->turn + c->arm_b * b->turn;
-    const double rolled = c->r_eff * turned, shear = c->spring + c->dashpot + c->slip + c->well;
-    step->normal_damping -= 0.5 * c->damping * along_n;
-    step->shear_damping -= 0.5 * c->dashpot * along_s;
-    step->sliding -= 0.5 * c->slip * along_s;
-    step->wells -= 0.5 * c->well * centres;
-    step->rolling -= 0.5 * c->roll_dashpot * rolled;
-    step->integration += 0.5 * (c->elastic * along_n + c->spring * along_s + c->roll_spring * rolled);
+    const double rolled = c->r_eff * turned, shear = p->spring + p->dashpot + p->slip + p->well;
+    step->normal_damping -= 0.5 * p->damping * along_n;
+    step->shear_damping -= 0.5 * p->dashpot * along_s;
+    step->sliding -= 0.5 * p->slip * along_s;
+    step->wells -= 0.5 * p->well * centres;
+    step->rolling -= 0.5 * p->roll_dashpot * rolled;
+    step->integration += 0.5 * (p->elastic * along_n + p->spring * along_s + p->roll_spring * rolled);
     if (c->b == 0)
-        step->wall_work += 0.5 * (dem_dot((c->elastic + c->damping) * c->n + shear * c->s, other) +
-                                  c->r_eff * (c->roll_spring + c->roll_dashpot) * turn);
+        step->wall_work += 0.5 * (dem_dot((p->elastic + p->damping) * p->n + shear * p->s, other) +
+                                  c->r_eff * (p->roll_spring + p->roll_dashpot) * turn);
 }
 
 static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
@@ -313,8 +292,8 @@ static void settle_contact(dem_sim *sim, const ledger_contact *was, const ledger
     dem_ledger step = {0};
     half_works(sim, was, true, &step);
     half_works(sim, is, false, &step);
-    const double pull = -0.5 * (was->spring + is->spring) * is->sheared;
-    const double roll_pull = -0.5 * (was->roll_spring + is->roll_spring) * is->rolled;
+    const double pull = -0.5 * (was->part.spring + is->part.spring) * is->sheared;
+    const double roll_pull = -0.5 * (was->part.roll_spring + is->part.roll_spring) * is->rolled;
     step.sliding += pull - (is->energy.shear - was->energy.shear);
     step.rolling += roll_pull - (is->energy.rolling - was->energy.rolling);
     step.wells -= is->energy.well - was->energy.well;
@@ -334,10 +313,8 @@ static void settle_between(dem_sim *sim, const ledger_contact *c)
 static void read_elastic(dem_sim *sim)
 {
     struct dem_ledger_state *b = sim->ledger;
-    for (size_t k = 0; k < b->n_new; k++) {
-        ledger_contact *c = &b->new_contact[k];
-        c->energy = c->b ? dem_pair_elastic(sim, c->index) : dem_slot_elastic(sim, c->index);
-    }
+    for (size_t k = 0; k < b->n_new; k++)
+        b->new_contact[k].energy = dem_contact_elastic(sim, b->new_contact[k].number);
 }
 
 static void swap_contacts(struct dem_ledger_state *b)

@@ -1,12 +1,9 @@
 /* The largest stable time step of a definition, from the rates of its quickest contacts. */
-#include "dem/limits.h"
 
 #include <math.h>
 
 #include "dem/definition.h"
-#include "dem/integrator.h"
-#include "dem/law.h"
-#include "dem/sim.h"
+#include "dem/observe.h"
 
 /* Overlap that an impact at speed v reaches without damping. */
 static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
@@ -173,33 +170,25 @@ double dem_time_step_limit(const dem_definition *given, const char **what)
     return limit;
 }
 
-static contact_pair pair_of_grains(const dem_sim *sim, size_t i, size_t j)
+/* Of a contact at the start. */
+static contact_pair pair_at(const dem_sim *sim, const dem_relative *r)
 {
-    const bool held = sim->grains.inverse_mass[i] == 0.0;
-    const size_t a = held ? j : i, b = held ? i : j;
-    return pair_of(sim->grains.mass[a], coordination_of(sim->grains.radius[a], sim->r_min),
-                   sim->grains.inverse_mass[b] > 0.0 ? sim->grains.mass[b] : INFINITY,
-                   coordination_of(sim->grains.radius[b], sim->r_min));
+    const dem_grains *g = &sim->grains;
+    if (r->slot) return pair_of(r->m_eff, 1.0, INFINITY, 0.0);
+    const bool held = dem_is_fixed(sim, r->a);
+    const size_t a = held ? r->b : r->a, b = held ? r->a : r->b;
+    return pair_of(g->mass[a], coordination_of(g->radius[a], sim->r_min),
+                   dem_is_fixed(sim, b) ? INFINITY : g->mass[b], coordination_of(g->radius[b], sim->r_min));
 }
 
 rp_status dem_check_start_overlaps(const dem_sim *sim)
 {
     double limit = INFINITY;
-    DEM_EACH_TOUCHING (&sim->pairs, k) {
-        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-        dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
-        limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.material, pair_of_grains(sim, i, j),
-                                               sim->pairs.radii[k] - sqrt(dem_dot(d, d)), DEM_AT_START));
-    }
-    for (size_t k = 0; k < sim->walls.n_slots; k++) {
-        dem_vec normal, velocity;
-        double overlap;
-        dem_wall_slot slot = sim->walls.slot[k];
-        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
-            limit = fmin(limit, contact_step_limit(&sim->def, &sim->def.walls[slot.wall].material,
-                                                   pair_of(sim->grains.mass[slot.grain], 1.0, INFINITY, 0.0),
-                                                   overlap, DEM_AT_START));
-    }
+    dem_relative r;
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++)
+        if (dem_contact_relative(sim, k, false, &r))
+            limit =
+                fmin(limit, contact_step_limit(&sim->def, r.c, pair_at(sim, &r), r.overlap, DEM_AT_START));
     return sim->def.dt <= limit
                ? RP_OK
                : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g",

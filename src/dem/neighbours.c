@@ -7,27 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/neighbours.h"
 #include "dem/sim.h"
-#include "dem/step.h"
 
-/* Work space of a rebuilding, all allocated beforehand but for the lists that grow. */
+/* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
 struct dem_list_work {
     size_t cells_x, cells_y; /* powers of two */
     uint32_t *cell_start;    /* cells + 1 */
-    uint32_t *cell;          /* of each grain */
-    uint32_t *moved_to;      /* new index of each grain; UINT32_MAX where it is gone */
     dem_grains spare;
     uint32_t *apart; /* pairs on their next to the end of the list */
     size_t apart_capacity;
-    /* springs of touching pairs, a chain for the lower new index of the two grains */
-    uint32_t *held_first, *held_next; /* UINT32_MAX after the last */
-    uint32_t *held_partner;
-#define X(type, name, need, share, role) type *held_##name;
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    size_t held_capacity;
-    uint32_t *wall_held; /* old wall slot of each grain, UINT32_MAX for none */
+    /* springs of touching pairs, a chain for the lower new index of the two grains: i is the next of the
+     * chain, UINT32_MAX after the last, j the higher index */
+    dem_pairs held;
     dem_wall_slot *wall_slot;
     size_t wall_capacity;
 };
@@ -81,23 +72,17 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
 {
     struct dem_list_work *w = sim->list.work = calloc(1, sizeof *w);
     if (!w) return no_memory();
-    const size_t n = sim->grains.capacity;
+    w->held = (dem_pairs){.rolling = sim->pairs.rolling, .springs_only = true};
     if (like) {
         w->cells_x = like->list.work->cells_x;
         w->cells_y = like->list.work->cells_y;
-        while (n > like->grains.capacity && 4 * w->cells_x * w->cells_y < sim->grains.n)
+        while (sim->grains.capacity > like->grains.capacity && 4 * w->cells_x * w->cells_y < sim->grains.n)
             *(w->cells_x < w->cells_y ? &w->cells_x : &w->cells_y) *= 2; /* grains were put in */
     } else {
         size_cells(sim, w);
     }
     w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
-    w->cell = dem_array(n, sizeof *w->cell);
-    w->moved_to = dem_array(n, sizeof *w->moved_to);
-    w->held_first = malloc(n * sizeof *w->held_first);
-    w->wall_held = malloc(n * sizeof *w->wall_held);
-    if (!w->cell_start || !w->cell || !w->moved_to || !w->held_first || !w->wall_held) return no_memory();
-    memset(w->wall_held, 0xff, n * sizeof *w->wall_held);
-    return dem_grains_alloc(&w->spare, &sim->def, n, true);
+    return w->cell_start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
 }
 
 void dem_neighbours_free(dem_sim *sim)
@@ -105,12 +90,8 @@ void dem_neighbours_free(dem_sim *sim)
     struct dem_list_work *w = sim->list.work;
     if (!w) return;
     dem_grains_free(&w->spare);
-    free(w->cell_start), free(w->cell), free(w->moved_to), free(w->apart);
-    free(w->held_first), free(w->held_next), free(w->held_partner);
-#define X(type, name, need, share, role) free(w->held_##name);
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    free(w->wall_held), free(w->wall_slot), free(w);
+    dem_pairs_free(&w->held);
+    free(w->cell_start), free(w->apart), free(w->wall_slot), free(w);
     sim->list.work = NULL;
 }
 
@@ -159,26 +140,26 @@ static void sort_grains(dem_sim *sim, double size)
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_vec x = sim->grains.motion[i].x;
         if (dem_beyond(sim, x)) {
-            w->cell[i] = NOWHERE;
+            sim->grains.cell[i] = NOWHERE;
             continue;
         }
         size_t cx = (size_t)(long)floor(x[0] * inverse_size) & (w->cells_x - 1);
         size_t cy = (size_t)(long)floor(x[1] * inverse_size) & (w->cells_y - 1);
-        w->cell[i] = (uint32_t)(cy * w->cells_x + cx);
-        w->cell_start[w->cell[i] + 1]++;
+        sim->grains.cell[i] = (uint32_t)(cy * w->cells_x + cx);
+        w->cell_start[sim->grains.cell[i] + 1]++;
     }
     for (size_t c = 0; c < cells; c++) w->cell_start[c + 1] += w->cell_start[c];
     for (size_t i = 0; i < sim->grains.n; i++) {
-        if (w->cell[i] == NOWHERE) {
-            w->moved_to[i] = NOWHERE;
+        if (sim->grains.cell[i] == NOWHERE) {
+            sim->grains.moved_to[i] = NOWHERE;
             continue;
         }
         /* cell_start moves up as its cell fills, and is moved back below */
-        w->moved_to[i] = w->cell_start[w->cell[i]]++;
+        sim->grains.moved_to[i] = w->cell_start[sim->grains.cell[i]]++;
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
-    dem_grains_sort(&sim->grains, w->moved_to, &w->spare);
+    dem_grains_sort(&sim->grains, sim->grains.moved_to, &w->spare);
     sim->grains.n_fixed = 0;
     for (size_t i = 0; i < sim->grains.n; i++) {
         mark_grain(sim, i);
@@ -204,47 +185,23 @@ static void measure_far(dem_sim *sim)
     sim->list.round_off = round_off(sim, far2);
 }
 
-static rp_status reserve_held(struct dem_list_work *w, const dem_pairs *pairs, size_t n)
-{
-    if (n <= w->held_capacity) return RP_OK;
-    const size_t capacity = w->held_capacity = n + n / 2;
-    if (!dem_grow(&w->held_next, sizeof *w->held_next, capacity) ||
-        !dem_grow(&w->held_partner, sizeof *w->held_partner, capacity))
-        return no_memory();
-#define X(type, name, need, share, role)                                                                     \
-    if (role != DEM_MADE && pairs->name && !dem_grow(&w->held_##name, sizeof(type), capacity))               \
-        return no_memory();
-    DEM_PAIR_ARRAYS(X)
-#undef X
-    return RP_OK;
-}
-
 /* Keep the springs of touching pairs. */
 static rp_status hold_springs(dem_sim *sim)
 {
-    struct dem_list_work *w = sim->list.work;
     const dem_pairs *pairs = &sim->pairs;
-    rp_status status = reserve_held(w, pairs, dem_count_touching(pairs));
+    dem_pairs *held = &sim->list.work->held;
+    rp_status status = dem_pairs_reserve(held, dem_count_touching(pairs));
     if (status) return status;
-    memset(w->held_first, 0xff, sim->grains.n * sizeof *w->held_first);
-    uint32_t n = 0;
+    uint32_t n = 0, *const first = sim->grains.held;
+    memset(first, 0xff, sim->grains.n * sizeof *first);
     DEM_EACH_TOUCHING (pairs, k) {
-        const uint32_t a = w->moved_to[pairs->i[k]], b = w->moved_to[pairs->j[k]];
-        bool some = false;
-#define X(type, name, need, share, role)                                                                     \
-    some |= role == DEM_SPRING_TURN ? pairs->name != NULL : role == DEM_SPRING_OF && pairs->name[k] != 0;
-        DEM_PAIR_ARRAYS(X)
-#undef X
-        if (a == NOWHERE || b == NOWHERE || !some) continue;
+        const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
+        if (a == NOWHERE || b == NOWHERE) continue;
         const uint32_t low = a < b ? a : b;
-        w->held_partner[n] = a < b ? b : a;
-#define X(type, name, need, share, role)                                                                     \
-    if (role != DEM_MADE && pairs->name)                                                                     \
-        w->held_##name[n] = role == DEM_SPRING_TURN && a > b ? -pairs->name[k] : pairs->name[k];
-        DEM_PAIR_ARRAYS(X)
-#undef X
-        w->held_next[n] = w->held_first[low];
-        w->held_first[low] = n++;
+        dem_pairs_take_springs(held, n, pairs, k, a > b);
+        held->j[n] = a < b ? b : a;
+        held->i[n] = first[low];
+        first[low] = n++;
     }
     return RP_OK;
 }
@@ -252,18 +209,10 @@ static rp_status hold_springs(dem_sim *sim)
 /* Give pair k of grains a and b the springs it held before. */
 static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
-    const struct dem_list_work *w = sim->list.work;
-    dem_pairs *pairs = &sim->pairs;
-    uint32_t low = a < b ? a : b, high = a < b ? b : a;
-    for (uint32_t at = w->held_first[low]; at != NOWHERE; at = w->held_next[at])
-        if (w->held_partner[at] == high) {
-#define X(type, name, need, share, role)                                                                     \
-    if (role != DEM_MADE && pairs->name)                                                                     \
-        pairs->name[k] = role == DEM_SPRING_TURN && a > b ? -w->held_##name[at] : w->held_##name[at];
-            DEM_PAIR_ARRAYS(X)
-#undef X
-            return;
-        }
+    const dem_pairs *held = &sim->list.work->held;
+    uint32_t at = sim->grains.held[a < b ? a : b];
+    while (at != NOWHERE && held->j[at] != (a < b ? b : a)) at = held->i[at];
+    if (at != NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
 }
 
 /* Pairs of grain i with grains from..to. Each is written; those within the cutoffs are kept, without a
@@ -393,6 +342,7 @@ static rp_status find_wall_slots(dem_sim *sim)
     const size_t n_old = sim->walls.n_slots;
     const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
     const double turn = turns ? 0.5 * sim->list.skin : 0.0;
+    memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
     if (n_old > w->wall_capacity &&
         !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
         return no_memory();
@@ -403,12 +353,12 @@ static rp_status find_wall_slots(dem_sim *sim)
         if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
         const dem_vec direction = sim->walls.line[k].direction, point = sim->walls.line[k].point;
         for (uint32_t s = 0; s < n_old; s++)
-            if (w->wall_slot[s].wall == k && w->moved_to[w->wall_slot[s].grain] != NOWHERE)
-                w->wall_held[w->moved_to[w->wall_slot[s].grain]] = s;
+            if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
+                sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
         for (uint32_t i = 0; i < sim->grains.n; i++) {
             double distance = dem_dot(sim->grains.listed_x[i] - point, direction);
-            uint32_t held = w->wall_held[i];
-            w->wall_held[i] = NOWHERE;
+            uint32_t held = sim->grains.held_slot[i];
+            sim->grains.held_slot[i] = NOWHERE;
             if (!(fabs(distance) < sim->grains.cutoff[i] + turn) || dem_is_fixed(sim, i)) continue;
             if (sim->walls.n_slots == sim->walls.capacity &&
                 !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
@@ -514,7 +464,6 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
 rp_status dem_neighbours_renew(dem_sim *sim)
 {
     enum { FEW = 8 };
-    struct dem_list_work *w = sim->list.work;
     uint32_t moved[FEW];
     size_t n = 0;
     for (size_t i = 0; i < sim->grains.n; i++) {
@@ -535,11 +484,12 @@ rp_status dem_neighbours_renew(dem_sim *sim)
         mark_grain(sim, moved[m]);
         sim->list.round_off = fmax(sim->list.round_off, round_off(sim, dem_dot(x, x)));
     }
-    memset(w->cell, 0, sim->grains.n * sizeof *w->cell);
-    for (size_t m = 0; m < n && !status; m++) status = renew_pairs(sim, moved[m], w->cell, (uint32_t)m + 1);
+    memset(sim->grains.cell, 0, sim->grains.n * sizeof *sim->grains.cell);
+    for (size_t m = 0; m < n && !status; m++)
+        status = renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1);
     dem_pairs_pad(&sim->pairs);
     find_touching(sim);
-    for (uint32_t i = 0; i < sim->grains.n; i++) w->moved_to[i] = i;
+    for (uint32_t i = 0; i < sim->grains.n; i++) sim->grains.moved_to[i] = i;
     if (!status) status = find_wall_slots(sim);
     return status;
 }

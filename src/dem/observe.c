@@ -4,11 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/energy.h"
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/law.h"
-#include "dem/sim.h"
+#include "dem/observe.h"
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
@@ -34,26 +31,16 @@ double dem_rotational_energy(const dem_sim *sim, size_t i, double frame)
     return 0.5 * dem_inertia(sim->def.shape, sim->grains.mass[i], sim->grains.radius[i]) * spin * spin;
 }
 
-static bool wall_contact(const dem_sim *sim, size_t k, dem_vec *normal, double *overlap,
-                         dem_vec *wall_velocity)
-{
-    dem_wall_slot slot = sim->walls.slot[k];
-    return dem_wall_touch(sim, &slot, normal, overlap, wall_velocity) && *overlap > 0.0;
-}
-
 /* Contacts of each grain, by index. */
 static int *count_contacts(const dem_sim *sim)
 {
     int *count = calloc(sim->grains.n + 1, sizeof *count);
-    if (!count) return NULL;
-    DEM_EACH_TOUCHING (&sim->pairs, k) {
-        count[sim->pairs.i[k]]++;
-        count[sim->pairs.j[k]]++;
+    dem_relative r;
+    for (size_t k = 0; count && k < dem_contact_numbers(sim); k++) {
+        if (!dem_contact_relative(sim, k, false, &r)) continue;
+        count[r.a]++;
+        if (r.b != DEM_NOBODY) count[r.b]++;
     }
-    dem_vec n, v;
-    double overlap;
-    for (size_t k = 0; k < sim->walls.n_slots; k++)
-        if (wall_contact(sim, k, &n, &overlap, &v)) count[sim->walls.slot[k].grain]++;
     return count;
 }
 
@@ -93,18 +80,21 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
     return RP_OK;
 }
 
-dem_relative dem_pair_relative(const dem_sim *sim, size_t k, bool swap)
+static dem_relative pair_relative(const dem_sim *sim, size_t k, bool swap)
 {
     const dem_grains *g = &sim->grains;
     const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
     const dem_vec d = g->motion[i].x - g->motion[j].x, v = g->motion[i].v - g->motion[j].v;
     const double distance = sqrt(dem_dot(d, d)), roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
-    dem_relative r = {.c = &sim->def.material,
+    dem_relative r = {.a = i,
+                      .b = j,
+                      .c = &sim->def.material,
                       .mu = sim->mu,
                       .m_eff = sim->pairs.m_eff[k],
                       /* Gear corrects positions after touch is found: slightly below 0 is possible */
                       .overlap = fmax(sim->pairs.radii[k] - distance, 0.0),
                       .n = d * (1.0 / distance),
+                      .point = g->motion[j].x,
                       .spring = sim->pairs.spring[k],
                       .roll = swap ? -roll : roll};
     r.s = dem_clockwise(r.n);
@@ -119,17 +109,19 @@ dem_relative dem_pair_relative(const dem_sim *sim, size_t k, bool swap)
     return r;
 }
 
-bool dem_slot_relative(const dem_sim *sim, size_t k, dem_relative *r)
+bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
 {
     const dem_grains *g = &sim->grains;
-    const dem_wall_slot *slot = &sim->walls.slot[k];
     const size_t i = slot->grain, w = slot->wall;
-    *r = (dem_relative){.c = &sim->def.walls[w].material,
+    *r = (dem_relative){.a = i,
+                        .b = DEM_NOBODY,
+                        .slot = slot,
+                        .c = &sim->def.walls[w].material,
                         .mu = sim->walls.mu[w],
                         .m_eff = g->mass[i],
                         .spring = slot->spring,
                         .roll = slot->roll};
-    if (!wall_contact(sim, k, &r->n, &r->overlap, &r->wall_velocity)) return false;
+    if (!dem_wall_touch(sim, slot, &r->n, &r->overlap, &r->wall_velocity) || r->overlap <= 0.0) return false;
     const dem_vec v = g->motion[i].v - r->wall_velocity;
     r->s = dem_clockwise(r->n);
     r->v_n = dem_dot(v, r->n);
@@ -143,93 +135,77 @@ bool dem_slot_relative(const dem_sim *sim, size_t k, dem_relative *r)
     return true;
 }
 
-/* The contact's forces by the laws; grains and positions are left to the caller. */
-static dem_contact law_forces(const dem_sim *sim, const dem_relative *r)
+bool dem_contact_relative(const dem_sim *sim, size_t k, bool by_id, dem_relative *r)
+{
+    const dem_ends ends = dem_contact_ends(sim, k);
+    if (ends.slot) {
+        dem_wall_slot slot = *ends.slot;
+        const bool touches = dem_slot_relative(sim, &slot, r);
+        r->slot = ends.slot;
+        return touches;
+    }
+    if (!dem_touches(&sim->pairs, k)) return false;
+    *r = pair_relative(sim, k, by_id && sim->grains.id[ends.i] > sim->grains.id[ends.j]);
+    return true;
+}
+
+dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
 {
     const dem_definition *def = &sim->def;
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
         dem_law_normal(def->normal, def->tension, r->c->k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
     c.shear_force = dem_law_tangential(def->tangential, dem_shear_of(def, r->c, r->mu), r->m_eff, r->v_s,
-                                       c.normal_force, 0.0, &c.shear_spring);
+                                       c.normal_force, h, &c.shear_spring);
     if (sim->pairs.rolling)
         c.rolling_torque = r->r_eff * dem_law_shear(dem_rolls_of(r->c), r->m_eff, r->v_roll, c.normal_force,
-                                                    0.0, &c.rolling_spring);
+                                                    h, &c.rolling_spring);
     return c;
 }
 
-static dem_contact pair_contact(const dem_sim *sim, size_t k)
+static dem_contact contact_of(const dem_sim *sim, const dem_relative *r)
 {
-    const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-    const dem_vec a = sim->grains.motion[i].x, b = sim->grains.motion[j].x;
-    const dem_relative r = dem_pair_relative(sim, k, false);
-    dem_contact c = law_forces(sim, &r);
-    c.id_a = sim->grains.id[i], c.id_b = sim->grains.id[j], c.wall = -1;
-    c.x = a[0], c.y = a[1], c.x_b = b[0], c.y_b = b[1];
+    dem_contact c = dem_law_forces(sim, r, 0.0);
+    const dem_vec x = sim->grains.motion[r->a].x;
+    c.id_a = sim->grains.id[r->a], c.id_b = r->slot ? 0 : sim->grains.id[r->b];
+    c.wall = r->slot ? (int)r->slot->wall : -1;
+    c.x = x[0], c.y = x[1], c.x_b = r->point[0], c.y_b = r->point[1];
+    if (!r->slot || r->slot->well == DEM_WELL_NONE) return c;
+    c.well = r->slot->well;
+    c.shear_force += dem_ground_force(sim, r->slot, c.normal_force);
+    c.shear_spring = c.well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, r->slot) : 0.0;
     return c;
-}
-
-/* The contact of a wall slot; false if they do not touch. */
-static bool slot_contact(const dem_sim *sim, size_t k, dem_contact *c)
-{
-    const dem_wall_slot *slot = &sim->walls.slot[k];
-    const dem_vec x = sim->grains.motion[slot->grain].x;
-    dem_relative r;
-    if (!dem_slot_relative(sim, k, &r)) return false;
-    *c = law_forces(sim, &r);
-    c->id_a = sim->grains.id[slot->grain], c->wall = (int)slot->wall, c->well = slot->well;
-    c->x = x[0], c->y = x[1], c->x_b = r.point[0], c->y_b = r.point[1];
-    if (slot->well == DEM_WELL_NONE) return true;
-    c->shear_force += dem_ground_force(sim, slot, c->normal_force);
-    c->shear_spring = slot->well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, slot) : 0.0;
-    return true;
 }
 
 rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
 {
+    dem_relative r;
     *n = 0;
     *contacts = malloc((dem_count_touching(&sim->pairs) + sim->walls.n_slots + 1) * sizeof **contacts);
     if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
-    DEM_EACH_TOUCHING (&sim->pairs, k) (*contacts)[(*n)++] = pair_contact(sim, k);
-    for (size_t k = 0; k < sim->walls.n_slots; k++) *n += slot_contact(sim, k, *contacts + *n);
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++)
+        if (dem_contact_relative(sim, k, false, &r)) (*contacts)[(*n)++] = contact_of(sim, &r);
     return RP_OK;
 }
 
 /* A shear spring of the untruncated law pulls with the constant cap beyond its Coulomb limit. */
-static dem_elastic elastic(const dem_sim *sim, const dem_material *c, double mu, const dem_contact *contact)
+dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
 {
-    const double overlap = contact->overlap, ds = fabs(contact->shear_spring);
-    dem_elastic energy = {.normal = dem_normal_descriptors[sim->def.normal].potential(c->k_n, overlap),
-                          .rolling = 0.5 * c->k_roll * contact->rolling_spring * contact->rolling_spring};
-    if (contact->well == DEM_WELL_HOLDS)
-        energy.well =
-            0.5 * sim->def.ground.mu_static * fmax(contact->normal_force, 0.0) / sim->def.ground.a * ds * ds;
+    dem_relative r;
+    if (!dem_contact_relative(sim, k, false, &r)) return (dem_elastic){0};
+    const dem_contact contact = contact_of(sim, &r);
+    const double ds = fabs(contact.shear_spring), roll = contact.rolling_spring,
+                 normal = fmax(contact.normal_force, 0.0);
+    dem_elastic energy = {.normal = dem_normal_descriptors[sim->def.normal].potential(r.c->k_n, r.overlap),
+                          .rolling = 0.5 * r.c->k_roll * roll * roll};
+    if (contact.well == DEM_WELL_HOLDS)
+        energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
     if (dem_has_spring(sim->def.tangential)) {
-        double pull = c->k_s * ds;
-        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, mu * fmax(contact->normal_force, 0.0));
-        energy.shear = pull * ds - 0.5 * pull * pull / c->k_s;
+        double pull = r.c->k_s * ds;
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
+        energy.shear = pull * ds - 0.5 * pull * pull / r.c->k_s;
     }
     return energy;
-}
-
-dem_elastic dem_pair_elastic(const dem_sim *sim, size_t k)
-{
-    const dem_contact contact = pair_contact(sim, k);
-    return elastic(sim, &sim->def.material, sim->mu, &contact);
-}
-
-dem_elastic dem_slot_elastic(const dem_sim *sim, size_t k)
-{
-    dem_contact contact;
-    const uint32_t w = sim->walls.slot[k].wall;
-    return slot_contact(sim, k, &contact)
-               ? elastic(sim, &sim->def.walls[w].material, sim->walls.mu[w], &contact)
-               : (dem_elastic){0};
-}
-
-static double all_elastic(dem_elastic e)
-{
-    return e.normal + e.well + e.shear + e.rolling;
 }
 
 void dem_energies(const dem_sim *sim, dem_energy *energy)
@@ -241,8 +217,10 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
         energy->gravity -= sim->grains.mass[i] * dem_dot(sim->gravity, sim->grains.motion[i].x);
         energy->rotational += dem_rotational_energy(sim, i, 0.0);
     }
-    DEM_EACH_TOUCHING (&sim->pairs, k) energy->elastic += all_elastic(dem_pair_elastic(sim, k));
-    for (size_t k = 0; k < sim->walls.n_slots; k++) energy->elastic += all_elastic(dem_slot_elastic(sim, k));
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        const dem_elastic e = dem_contact_elastic(sim, k);
+        energy->elastic += e.normal + e.well + e.shear + e.rolling;
+    }
 }
 
 void dem_wall_forces(const dem_sim *sim, double *forces)
@@ -282,12 +260,12 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
 int dem_contact_count(const dem_sim *sim, uint32_t id)
 {
     int count = 0;
-    dem_vec n, v;
-    double overlap;
-    DEM_EACH_TOUCHING (&sim->pairs, k)
-        count += sim->grains.id[sim->pairs.i[k]] == id || sim->grains.id[sim->pairs.j[k]] == id;
-    for (size_t k = 0; k < sim->walls.n_slots; k++)
-        count += sim->grains.id[sim->walls.slot[k].grain] == id && wall_contact(sim, k, &n, &overlap, &v);
+    dem_relative r;
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        const dem_ends ends = dem_contact_ends(sim, k);
+        const bool has = sim->grains.id[ends.i] == id || (!ends.slot && sim->grains.id[ends.j] == id);
+        count += has && dem_contact_relative(sim, k, false, &r);
+    }
     return count;
 }
 

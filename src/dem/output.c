@@ -6,11 +6,8 @@
 
 void dem_write_state_columns(FILE *out)
 {
-    static const char *const columns[][2] = {
-        {"step", ""},     {"t", "s"},     {"id", ""},     {"x", "cm"},        {"y", "cm"},
-        {"angle", "rad"}, {"vx", "cm/s"}, {"vy", "cm/s"}, {"omega", "rad/s"}, {"fx", "dyn"},
-        {"fy", "dyn"},    {"r", "cm"},    {"m", "g"},     {"contacts", ""}};
-    rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    rp_table_header(out, "step, t [s], id, x [cm], y [cm], angle [rad], vx [cm/s], vy [cm/s], omega [rad/s], "
+                         "fx [dyn], fy [dyn], r [cm], m [g], contacts");
 }
 
 rp_status dem_write_states(const dem_sim *sim, FILE *out)
@@ -30,23 +27,12 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
 
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
 {
-    static const char *const columns[][2] = {{"id_a", ""},
-                                             {"id_b", ""},
-                                             {"wall", ""},
-                                             {"x", "cm"},
-                                             {"y", "cm"},
-                                             {"x_b", "cm"},
-                                             {"y_b", "cm"},
-                                             {"overlap", "cm"},
-                                             {"normal_force", "dyn"},
-                                             {"shear_force", "dyn"},
-                                             {"shear_spring", "cm"},
-                                             {"rolling_torque", "dyn cm"},
-                                             {"rolling_spring", "cm"}};
     dem_contact *contacts;
     size_t n;
     rp_status status = dem_contacts(sim, &contacts, &n);
-    rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+    rp_table_header(out, "id_a, id_b, wall, x [cm], y [cm], x_b [cm], y_b [cm], overlap [cm], "
+                         "normal_force [dyn], shear_force [dyn], shear_spring [cm], rolling_torque [dyn cm], "
+                         "rolling_spring [cm]");
     for (size_t k = 0; !status && k < n; k++) {
         const dem_contact *c = &contacts[k];
         rp_table_row(out, 13,
@@ -58,50 +44,39 @@ rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
     return status;
 }
 
-/* Without a ledger the columns end before its own. */
-enum { ENERGY_COLUMNS = 8 };
+/* Columns without a ledger, and its own. */
+#define ENERGIES                                                                                             \
+    "step, t [s], grains, kinetic [erg], elastic [erg], gravity [erg], kinetic_per_grain [erg], "            \
+    "rotational [erg]"
+#define CHANNEL(channel, sign) ", " #channel " [erg]"
+#define LEDGER                 ", start [erg]" DEM_LEDGER_LIST(CHANNEL) ", at_walls [erg], turnover [erg], residual [erg]"
 
 void dem_write_energy_columns(bool ledger, FILE *out)
 {
-    static const char *const columns[][2] = {{"step", ""},
-                                             {"t", "s"},
-                                             {"grains", ""},
-                                             {"kinetic", "erg"},
-                                             {"elastic", "erg"},
-                                             {"gravity", "erg"},
-                                             {"kinetic_per_grain", "erg"},
-                                             {"rotational", "erg"},
-                                             {"start", "erg"},
-#define X(channel, sign) {#channel, "erg"},
-                                             DEM_LEDGER_LIST(X)
-#undef X
-                                                 {"at_walls", "erg"},
-                                             {"turnover", "erg"},
-                                             {"residual", "erg"}};
-    rp_table_columns(out, ledger ? sizeof columns / sizeof *columns : ENERGY_COLUMNS, columns);
+    rp_table_header(out, ledger ? ENERGIES LEDGER : ENERGIES);
 }
 
 void dem_write_energy(const dem_sim *sim, FILE *out)
 {
+    enum { WITHOUT_LEDGER = 8 };
     const double n = (double)dem_count(sim);
     dem_energy e;
     dem_ledger l = {0};
     const bool ledger = dem_ledger_read(sim, &l);
     dem_energies(sim, &e);
+    const double per_grain = n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0;
+#define VALUE(channel, sign) l.channel,
     const double row[] = {(double)dem_step(sim),
                           dem_time(sim),
                           n,
                           e.kinetic,
                           e.elastic,
                           e.gravity,
-                          n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0,
+                          per_grain,
                           e.rotational,
                           l.start,
-#define X(channel, sign) l.channel,
-                          DEM_LEDGER_LIST(X)
-#undef X
-                              l.at_walls,
+                          DEM_LEDGER_LIST(VALUE) l.at_walls,
                           l.turnover,
                           l.residual};
-    rp_table_row(out, ledger ? sizeof row / sizeof *row : ENERGY_COLUMNS, row);
+    rp_table_row(out, ledger ? sizeof row / sizeof *row : WITHOUT_LEDGER, row);
 }

@@ -13,7 +13,7 @@ static rp_status no_memory(void)
 rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
 {
     if (pairs->n + more + 8 <= pairs->capacity) return RP_OK;
-    const bool rotation = pairs->rotation, rolling = pairs->rolling;
+    const bool rotation = pairs->rotation, rolling = pairs->rolling, springs_only = pairs->springs_only;
     const size_t n = pairs->n, capacity = pairs->capacity = 9 * (pairs->n + more) / 512 * 64 + 128;
 #define X(type, name, need, share, role)                                                                     \
     if ((need) && !dem_array_grow(&pairs->name, sizeof(type), (n + share - 1) / share, capacity / share))    \
@@ -61,6 +61,15 @@ void dem_pairs_remove(dem_pairs *pairs, size_t k)
     const size_t last = --pairs->n;
 #define X(type, name, need, share, role)                                                                     \
     if (share == 1 && pairs->name) pairs->name[k] = pairs->name[last];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+void dem_pairs_take_springs(dem_pairs *pairs, size_t k, const dem_pairs *others, size_t l, bool turned)
+{
+#define X(type, name, need, share, role)                                                                     \
+    if (role != DEM_MADE && pairs->name)                                                                     \
+        pairs->name[k] = role == DEM_SPRING_TURN && turned ? -others->name[l] : others->name[l];
     DEM_PAIR_ARRAYS(X)
 #undef X
 }

@@ -21,8 +21,8 @@ typedef enum {
     X(uint32_t, i, true, 1, DEM_MADE)                                                                        \
     X(uint32_t, j, true, 1, DEM_MADE)                                                                        \
     X(uint64_t, touching, true, 64, DEM_MADE)                                                                \
-    X(double, radii, true, 1, DEM_MADE)                                                                      \
-    X(double, m_eff, true, 1, DEM_MADE)                                                                      \
+    X(double, radii, !springs_only, 1, DEM_MADE)                                                             \
+    X(double, m_eff, !springs_only, 1, DEM_MADE)                                                             \
     X(double, radius_i, rotation, 1, DEM_MADE)                                                               \
     X(double, radius_j, rotation, 1, DEM_MADE)                                                               \
     X(double, r_eff, rotation, 1, DEM_MADE)                                                                  \
@@ -31,6 +31,7 @@ typedef enum {
 
 typedef struct {
     bool rotation, rolling; /* the grains rotate; some contact resists rolling */
+    bool springs_only;      /* pairs whose springs a rebuilding keeps */
     size_t n, capacity; /* up to the next multiple of 8 follow pairs of grain 0 with itself, not touching */
 #define X(type, name, need, share, role) type *name;
     DEM_PAIR_ARRAYS(X)
@@ -53,6 +54,9 @@ void dem_pairs_pad(dem_pairs *pairs);
 
 /* The last pair replaces pair k; `touching` is not valid then. */
 void dem_pairs_remove(dem_pairs *pairs, size_t k);
+
+/* Let pair k have the springs of pair l of others, where i and j are exchanged with `turned`. */
+void dem_pairs_take_springs(dem_pairs *pairs, size_t k, const dem_pairs *others, size_t l, bool turned);
 
 /* Divide the pairs of n grains into chunks, if there are enough. Errors: RP_NO_MEMORY. */
 rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n);

@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-#include "dem/limits.h"
-
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
     DEM_PHYSICS(ROW){0}};

@@ -277,24 +277,35 @@ static rp_status read_grains(const char *path, const config_setting_t *root, con
     return status;
 }
 
+/* Read "v = VALUE;"; a bare word is a string. Afterwards config_destroy, also after an error. */
+static rp_status read_value(const char *value, config_t *one)
+{
+    char line[512];
+    rp_status status = RP_OK;
+    config_init(one);
+    for (int quoted = 0; quoted < 2 && !status; quoted++) {
+        const int n = snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
+        if (n >= (int)sizeof line) return rp_fail(RP_BAD_INPUT, "--set: a value of more than 500 bytes");
+        status = rp_config_scan_text("--set", line);
+        if (!status && config_read_string(one, line) && config_setting_length(config_root_setting(one)) == 1)
+            return RP_OK;
+    }
+    return status ? status : rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
+}
+
 /* Put "group.key=value" into the tree that was read, in place of what stands there. */
 static rp_status change(config_t *config, const char *text)
 {
-    char path[128], line[512];
+    char path[128];
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || equals - text >= (long)sizeof path)
         return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
     snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
     config_t one;
-    config_init(&one);
-    /* a bare word is a string */
-    snprintf(line, sizeof line, "v = %s;", equals + 1);
-    if (!config_read_string(&one, line)) {
-        snprintf(line, sizeof line, "v = \"%s\";", equals + 1);
-        if (!config_read_string(&one, line)) {
-            config_destroy(&one);
-            return rp_fail(RP_BAD_INPUT, "--set %s: cannot read the value", text);
-        }
+    rp_status status = read_value(equals + 1, &one);
+    if (status) {
+        config_destroy(&one);
+        return status;
     }
     const config_setting_t *value = config_lookup(&one, "v");
     config_setting_t *parent = config_root_setting(config);
@@ -303,7 +314,6 @@ static rp_status change(config_t *config, const char *text)
         *dot = '\0';
         parent = config_lookup(config, path);
     }
-    rp_status status = RP_OK;
     int type = config_setting_type(value);
     if (!parent || !config_setting_is_group(parent) || config_setting_is_aggregate(value))
         status = rp_fail(RP_BAD_INPUT, "--set %s: %s", text,

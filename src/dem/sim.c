@@ -6,77 +6,48 @@
 #include <string.h>
 
 #include "dem/definition.h"
-#include "dem/gravity.h"
-#include "dem/ground.h"
-#include "dem/integrator.h"
 #include "dem/ledger.h"
-#include "dem/limits.h"
-#include "dem/neighbours.h"
-#include "dem/step.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };
 
-/* Springs of the contact between grains i and j, if it is listed so; pairs, with hard collisions those that
- * touch, are in the order of i. */
-static bool set_pair_springs(dem_pairs *pairs, bool hard, size_t i, size_t j, double shear, double roll)
+/* List the contacts of the start; the first rebuilding keeps the springs of the pairs that touch. */
+static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contacts)
 {
-    size_t lo = 0, hi = hard ? dem_count_touching(pairs) : pairs->n;
-    while (lo < hi) {
-        const size_t middle = (lo + hi) / 2;
-        if (pairs->i[middle] < i)
-            lo = middle + 1;
-        else
-            hi = middle;
-    }
-    for (; lo < pairs->n && pairs->i[lo] == i; lo++) {
-        if (pairs->j[lo] != j || !dem_touches(pairs, lo)) continue;
-        pairs->spring[lo] = shear;
-        if (pairs->roll) pairs->roll[lo] = roll;
-        return true;
-    }
-    return false;
-}
-
-static void set_wall_springs(dem_sim *sim, const dem_contact *contact)
-{
-    for (size_t k = 0; k < sim->walls.n_slots; k++) {
-        dem_wall_slot *slot = &sim->walls.slot[k];
-        if (sim->grains.id[slot->grain] != contact->id_a || (int)slot->wall != contact->wall) continue;
-        slot->roll = contact->rolling_spring;
-        slot->well = contact->well;
-        if (contact->well == DEM_WELL_NONE)
-            slot->spring = contact->shear_spring;
-        else
-            slot->rest = dem_ground_displacement(sim, slot) - contact->shear_spring;
-        return;
-    }
-}
-
-static rp_status set_springs(dem_sim *sim, size_t n, const dem_contact *contacts)
-{
+    dem_pairs *const pairs = &sim->pairs;
+    dem_walls *const walls = &sim->walls;
     if (n == 0) return RP_OK;
-    size_t *index = malloc((sim->grains.n + 1) * sizeof *index); /* of each id */
-    if (!index) return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
-    for (size_t i = 0; i < sim->grains.n; i++) index[sim->grains.id[i]] = i;
+    if (dem_pairs_reserve(pairs, n) || !dem_grow(&walls->slot, sizeof *walls->slot, walls->capacity = n))
+        return rp_fail(RP_NO_MEMORY, "springs of the start: out of memory");
     for (size_t k = 0; k < n; k++) {
         const dem_contact *c = &contacts[k];
-        const double shear = c->shear_spring, roll = c->rolling_spring;
-        const bool hard = sim->def.hard.on;
-        if (c->id_b == 0)
-            set_wall_springs(sim, c);
-        else if (!set_pair_springs(&sim->pairs, hard, index[c->id_a], index[c->id_b], shear, roll))
-            set_pair_springs(&sim->pairs, hard, index[c->id_b], index[c->id_a], shear, -roll);
+        const uint32_t a = c->id_a - 1, w = (uint32_t)c->wall;
+        if (c->id_b > 0) {
+            pairs->i[pairs->n] = a, pairs->j[pairs->n] = c->id_b - 1;
+            pairs->spring[pairs->n] = c->shear_spring;
+            if (pairs->roll) pairs->roll[pairs->n] = c->rolling_spring;
+            pairs->touching[pairs->n / 64] |= 1ull << pairs->n % 64;
+            pairs->n++;
+            continue;
+        }
+        const double distance =
+            dem_dot(sim->grains.motion[a].x - walls->line[w].point, walls->line[w].direction);
+        dem_wall_slot slot = {w, a, .roll = c->rolling_spring, .well = c->well};
+        slot.side = distance < 0.0 ? -1.0 : 1.0;
+        if (c->well == DEM_WELL_NONE)
+            slot.spring = c->shear_spring;
+        else
+            slot.rest = dem_ground_displacement(sim, &slot) - c->shear_spring;
+        walls->slot[walls->n_slots++] = slot;
     }
-    free(index);
     return RP_OK;
 }
 
 /* Forces of the start, with velocities and springs of the start; then the integrator's own start. */
 static rp_status start_forces(dem_sim *sim, const dem_definition *def)
 {
-    rp_status status = dem_neighbours_rebuild(sim);
-    if (!status) status = set_springs(sim, def->n_contacts, def->contacts);
+    rp_status status = list_contacts(sim, def->n_contacts, def->contacts);
+    if (!status) status = dem_neighbours_rebuild(sim);
     if (status) return status;
     sim->kernels.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
@@ -140,7 +111,6 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     dem_walls_place(sim);
     dem_kernels_choose(sim);
     rp_status status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
-    if (!status && sim->scheme->alloc) status = sim->scheme->alloc(sim);
     if (status) return status;
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
@@ -173,7 +143,6 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
 static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
 {
     rp_status status = dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains);
-    if (!status && c->scheme->alloc) status = c->scheme->alloc(c);
     if (!status) status = dem_pairs_copy(&sim->pairs, &c->pairs);
     if (!status && sim->pairs.n_chunks > 0) status = dem_pairs_plan_chunks(&c->pairs, c->grains.n);
     if (!status) status = dem_walls_copy(&sim->walls, &c->walls);

@@ -3,6 +3,7 @@
 #define DEM_SIM_H
 
 #include "dem/grains.h"
+#include "dem/integrator.h"
 #include "dem/kernels.h"
 #include "dem/pairs.h"
 #include "dem/walls.h"
@@ -23,10 +24,10 @@ struct dem_sim {
 
     dem_definition def; /* its `grains` is NULL */
 
-    const struct dem_scheme *scheme; /* the integrator */
-    void *work;                      /* its own; NULL where it has none */
-    bool ahead;                      /* Verlet: grains are already where the step to come takes them */
-    unsigned ahead_left;             /* as of dem_step_lists */
+    const dem_scheme *scheme; /* the integrator */
+    void *work;               /* its own; NULL where it has none */
+    bool ahead;               /* Verlet: grains are already where the step to come takes them */
+    unsigned ahead_left;      /* as of dem_step_lists */
 
     /* neighbour list */
     struct {
@@ -84,6 +85,26 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
+/* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
+ * wall, whose slot is NULL of a pair. */
+#define DEM_NOBODY SIZE_MAX
+typedef struct {
+    size_t i, j;
+    dem_wall_slot *slot;
+} dem_ends;
+
+static inline size_t dem_contact_numbers(const dem_sim *sim)
+{
+    return sim->pairs.n + sim->walls.n_slots;
+}
+
+static inline dem_ends dem_contact_ends(const dem_sim *sim, size_t k)
+{
+    if (k < sim->pairs.n) return (dem_ends){sim->pairs.i[k], sim->pairs.j[k], NULL};
+    dem_wall_slot *slot = &sim->walls.slot[k - sim->pairs.n];
+    return (dem_ends){slot->grain, DEM_NOBODY, slot};
+}
+
 /* Put fixed grains back to where they were at the last rebuilding, at rest. */
 static inline void dem_hold_fixed(dem_sim *sim)
 {
@@ -91,5 +112,44 @@ static inline void dem_hold_fixed(dem_sim *sim)
     for (size_t k = 0; k < g->n_fixed; k++)
         g->motion[g->fixed[k]] = (dem_motion){g->listed_x[g->fixed[k]], {0.0, 0.0}};
 }
+
+/* ---- Neighbour list; neighbours.c. dem_neighbours_rebuild is in dem.h. ---- */
+
+/* Work space of a simulation, or of the copy of another, for its capacity of grains. Errors: RP_NO_MEMORY. */
+rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
+void dem_neighbours_free(dem_sim *sim);
+
+/* For hard collisions: let every grain's margin hold its displacement of the coming step. Few grains get
+ * their part of the list anew, else all of it is rebuilt. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_neighbours_renew(dem_sim *sim);
+
+/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is. */
+void dem_neighbours_drop(dem_sim *sim);
+
+/* ---- Parts of a step that integrators share, in this order; step.c. ---- */
+
+/* Once grains are where the step takes them: count it, and rebuild the neighbour list or take grains out as
+ * `left` asks. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_step_lists(dem_sim *sim, unsigned left);
+
+/* All forces, checks of overlaps, and the ledger's notes. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_step_forces(dem_sim *sim);
+
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
+ * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain);
+
+/* Record a fault with step and grain; returns RP_BROKEN. */
+rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* ---- Gravity; gravity.c. ---- */
+
+/* Gravity and its turn are the definition's; turn gravity by a step's angle if it turns now. */
+void dem_gravity_start(dem_sim *sim);
+void dem_gravity_advance(dem_sim *sim);
+
+/* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
+void dem_sine_cosine(double angle, double *sine, double *cosine);
 
 #endif

@@ -1,5 +1,4 @@
 /* Stepping, and why it stops. */
-#include "dem/step.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -15,10 +14,7 @@
 
 #include "core/clock.h"
 #include "dem/definition.h"
-#include "dem/gravity.h"
-#include "dem/integrator.h"
 #include "dem/ledger.h"
-#include "dem/neighbours.h"
 #include "dem/sim.h"
 
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)

@@ -4,9 +4,7 @@
 #include <math.h>
 
 #include "dem/hard.h"
-#include "dem/integrator.h"
 #include "dem/sim.h"
-#include "dem/step.h"
 
 /* Spins and angles by the same leapfrog, of the grains i..to. */
 static void integrate_spins(dem_sim *sim, size_t i, size_t to)

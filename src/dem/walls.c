@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/gravity.h"
-#include "dem/ground.h"
-#include "dem/law.h"
-#include "dem/sim.h"
+#include "dem/observe.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
 {
@@ -133,39 +130,26 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
 
 static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
 {
-    dem_vec n, wall_velocity;
-    double overlap;
-    if (!dem_wall_touch(sim, slot, &n, &overlap, &wall_velocity) || overlap <= 0.0) {
+    const size_t i = slot->grain;
+    dem_relative r;
+    if (!dem_slot_relative(sim, slot, &r)) {
         slot->spring = slot->roll = 0.0;
         slot->well = DEM_WELL_NONE;
         return;
     }
-    const size_t i = slot->grain;
-    const dem_material *c = &sim->def.walls[slot->wall].material;
-    dem_vec v = sim->grains.motion[i].v - wall_velocity;
-    sim->too_deep |= !(overlap <= sim->grains.radius[i]);
-    double f_n = dem_law_normal(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, sim->grains.mass[i],
-                                overlap, dem_dot(v, n));
-    dem_vec f = f_n * n;
-    if (dem_has_friction(sim->def.tangential)) {
-        dem_vec s = dem_clockwise(n);
-        if (sim->grains.excess && dem_has_spring(sim->def.tangential))
-            slot->spring += dem_dot(sim->grains.excess[i], s);
-        double v_s = dem_dot(v, s), arm = sim->grains.radius[i] - overlap;
-        if (sim->grains.omega) v_s += arm * sim->grains.omega[i];
-        const dem_slider shear = dem_shear_of(&sim->def, c, sim->walls.mu[slot->wall]);
-        double f_s =
-            dem_law_tangential(sim->def.tangential, shear, sim->grains.mass[i], v_s, f_n, h, &slot->spring);
-        f += s * f_s;
-        if (sim->grains.omega) sim->grains.force_torque[i].torque += arm * f_s;
-        if (sim->pairs.rolling)
-            sim->grains.force_torque[i].torque +=
-                dem_law_rolling(dem_rolls_of(c), sim->grains.radius[i], sim->grains.mass[i],
-                                sim->grains.omega[i] + sim->walls.swing[1], f_n, h, &slot->roll);
-    }
-    if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, f_n, f, wall_velocity);
+    sim->too_deep |= !(r.overlap <= sim->grains.radius[i]);
+    if (sim->grains.excess && dem_has_spring(sim->def.tangential))
+        r.spring += dem_dot(sim->grains.excess[i], r.s);
+    const dem_contact c = dem_law_forces(sim, &r, h);
+    slot->spring = c.shear_spring;
+    slot->roll = c.rolling_spring;
+    dem_vec f = c.normal_force * r.n + c.shear_force * r.s;
+    if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, c.normal_force, f, r.wall_velocity);
     *dem_force(sim, i) += f;
     sim->walls.force[slot->wall] -= f;
+    if (!sim->grains.omega) return;
+    sim->grains.force_torque[i].torque += r.arm_a * c.shear_force;
+    sim->grains.force_torque[i].torque += c.rolling_torque;
 }
 
 void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)

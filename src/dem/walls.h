@@ -69,6 +69,17 @@ bool dem_wall_rests(const dem_sim *sim, size_t k);
 bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
                     dem_vec *velocity);
 
+/* The ground, see dem_ground; ground.c. Displacement of a grain in its well, and the force along the ground's
+ * tangent that this gives. */
+bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot);
+double dem_ground_displacement(const dem_sim *sim, const dem_wall_slot *slot);
+double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double normal_force);
+
+/* Set or break the well of a contact under forces of the contact `f` and of the pairs, and give the well's
+ * force. */
+dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
+                        dem_vec ground_velocity);
+
 /* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on. */
 void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
 

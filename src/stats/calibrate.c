@@ -1,11 +1,12 @@
 /* From measured angles to parameters: the inverse of the response; see calibrate.h. */
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_math.h>
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "stats/calibrate_private.h"
+#include "stats/calibrate.h"
 #include "stats/stats.h"
 
 /* Values of a parameter that are scanned, alone or for each value of the other one. */
@@ -33,32 +34,37 @@ const char *stats_calibrated_meaning(stats_calibrated_status status)
     return texts[status][1];
 }
 
-/* Measured less response, and the covariance of that: measured or simulated, the two angles are of the same
- * piles. */
-static void difference(const problem *s, const double x[], double d[2], double covariance[3])
+/* Covariance of measured less response at x: of the first angle, of both, of the second. Measured or
+ * simulated, the two angles are of the same piles. A second angle that there is not has the variance 1. */
+static void covariance(const problem *s, const double x[], double v[3])
 {
-    double v[STATS_MAX_ANGLES] = {0.0, 0.0};
-    covariance[1] = 0.0;
-    for (size_t a = 0; a < s->c->n_angles; a++) {
-        d[a] = s->m->angle[a] - stats_response_value(&s->c->response[a], x, &v[a]);
-        covariance[2 * a] = v[a] + s->m->error[a] * s->m->error[a];
-    }
-    if (s->c->n_angles == 2)
-        covariance[1] = s->c->correlation * (sqrt(v[0] * v[1]) + s->m->error[0] * s->m->error[1]);
+    double fitted[STATS_MAX_ANGLES] = {0.0, 1.0};
+    const double *error = s->m->error;
+    for (size_t a = 0; a < s->c->n_angles; a++) stats_response_value(&s->c->response[a], x, &fitted[a]);
+    v[0] = fitted[0] + error[0] * error[0];
+    v[1] = 0.0;
+    v[2] = fitted[1];
+    if (s->c->n_angles == 1) return;
+    v[1] = s->c->correlation * (sqrt(fitted[0] * fitted[1]) + error[0] * error[1]);
+    v[2] += error[1] * error[1];
 }
 
-static double chi2_at(const problem *s, const double x[])
+/* Two numbers of this covariance as independent ones of variance 1. */
+static void whiten(const double v[3], double d[2])
 {
-    double d[2], v[3];
-    difference(s, x, d, v);
-    if (s->c->n_angles == 1) return d[0] * d[0] / v[0];
-    return (v[2] * d[0] * d[0] - 2.0 * v[1] * d[0] * d[1] + v[0] * d[1] * d[1]) / (v[0] * v[2] - v[1] * v[1]);
+    d[0] /= sqrt(v[0]);
+    d[1] = (d[1] - v[1] / sqrt(v[0]) * d[0]) / sqrt(v[2] - v[1] * v[1] / v[0]);
 }
 
-static double objective(unsigned n, const double *x, double *gradient, void *data)
+static double chi2_at(const double x[], void *data)
 {
-    (void)n, (void)gradient;
-    return chi2_at(data, x);
+    const problem *s = data;
+    double d[STATS_MAX_ANGLES] = {0.0}, v[3], unused;
+    for (size_t a = 0; a < s->c->n_angles; a++)
+        d[a] = s->m->angle[a] - stats_response_value(&s->c->response[a], x, &unused);
+    covariance(s, x, v);
+    whiten(v, d);
+    return d[0] * d[0] + d[1] * d[1];
 }
 
 static double scanned(const problem *s, size_t p, int i, int n)
@@ -66,62 +72,29 @@ static double scanned(const problem *s, size_t p, int i, int n)
     return s->c->lo[p] + (s->c->hi[p] - s->c->lo[p]) * i / n;
 }
 
-/* Least chi2 with parameter p in [from, to], from the best scanned value of the other one; x is left there.
- */
-static rp_status descend(problem *s, size_t p, double from, double to, double x[], double *chi2)
+/* Least chi2 with parameter p in [from, to], at x. */
+static rp_status least(problem *s, size_t p, double from, double to, double x[], double *chi2)
 {
-    double lo[2] = {from, from}, hi[2] = {to, to};
-    const size_t other = 1 - p;
-    x[p] = 0.5 * (from + to);
-    *chi2 = HUGE_VAL;
-    for (int i = 0; s->c->n_params == 2 && i <= SCAN_OTHER; i++) {
-        double y[2];
-        y[p] = x[p];
-        y[other] = scanned(s, other, i, SCAN_OTHER);
-        double value = chi2_at(s, y);
-        if (value < *chi2) *chi2 = value, x[other] = y[other];
-    }
-    if (s->c->n_params == 2) {
-        double part = (s->c->hi[other] - s->c->lo[other]) / SCAN_OTHER;
-        lo[other] = fmax(s->c->lo[other], x[other] - part);
-        hi[other] = fmin(s->c->hi[other], x[other] + part);
-    } else if (to == from) {
-        *chi2 = chi2_at(s, x);
-        return RP_OK;
-    }
-    return stats_descend(objective, s, (unsigned)s->c->n_params, lo, hi, x, chi2);
+    double lo[STATS_MAX_PARAMS], hi[STATS_MAX_PARAMS];
+    memcpy(lo, s->c->lo, sizeof lo);
+    memcpy(hi, s->c->hi, sizeof hi);
+    lo[p] = from;
+    hi[p] = to;
+    return stats_least(chi2_at, s, lo, hi, s->c->n_params == 1 ? SCAN_ONE : SCAN_OTHER, x, chi2);
+}
+
+static rp_status search(problem *s, double x[], double *chi2)
+{
+    return least(s, 0, s->c->lo[0], s->c->hi[0], x, chi2);
 }
 
 static rp_status profile(problem *s, size_t p, double value, double *chi2)
 {
-    double x[2];
-    return descend(s, p, value, value, x, chi2);
+    double x[STATS_MAX_PARAMS];
+    return least(s, p, value, value, x, chi2);
 }
 
-/* The parameters with the least chi2, searched over the whole range. */
-static rp_status search(const stats_calibration *c, const stats_measured *m, double x[], double *chi2)
-{
-    problem s = {c, m};
-    const int n = c->n_params == 1 ? SCAN_ONE : SCAN_OTHER;
-    double best[2] = {NAN, NAN};
-    *chi2 = HUGE_VAL;
-    for (int i = 0; i <= n; i++)
-        for (int j = 0; j <= (c->n_params == 2 ? n : 0); j++) {
-            double y[2] = {scanned(&s, 0, i, n), c->n_params == 2 ? scanned(&s, 1, j, n) : 0.0};
-            double value = chi2_at(&s, y);
-            if (value < *chi2) *chi2 = value, memcpy(best, y, sizeof best);
-        }
-    double lo[2], hi[2];
-    for (size_t p = 0; p < c->n_params; p++) {
-        double part = (s.c->hi[p] - s.c->lo[p]) / n;
-        lo[p] = fmax(s.c->lo[p], best[p] - part);
-        hi[p] = fmin(s.c->hi[p], best[p] + part);
-        x[p] = best[p];
-    }
-    return stats_descend(objective, &s, (unsigned)c->n_params, lo, hi, x, chi2);
-}
-
-/* Where the profile passes `limit`, between a value inside and one outside. */
+/* Where the profile passes `limit`, between a value inside and one outside; NaN if that is NaN. */
 static rp_status crossing(problem *s, size_t p, double inside, double outside, double limit, double *at)
 {
     const double tolerance = 1e-9 * (s->c->hi[p] - s->c->lo[p]);
@@ -138,93 +111,79 @@ static rp_status crossing(problem *s, size_t p, double inside, double outside, d
     return RP_OK;
 }
 
-/* The end of the interval around `inside`, in the direction `step` along the scan; NaN if the range cuts it.
- */
-static rp_status find_end(problem *s, size_t p, const double scan[], int n, int from, int step, double inside,
-                          double limit, double *end)
-{
-    *end = NAN;
-    for (int i = from; i >= 0 && i <= n; i += step)
-        if (scan[i] > limit)
-            return crossing(s, p, inside, scanned(s, p, i, n), limit, end);
-        else
-            inside = scanned(s, p, i, n);
-    return RP_OK;
-}
+/* The profile, its minima in place of the scanned values next to them. Beyond its ends there is no value,
+ * and chi2 is infinite. */
+typedef struct {
+    int n; /* intervals; scanned values 1 to n + 1 */
+    double value[SCAN_ONE + 3], chi2[SCAN_ONE + 3], least;
+} scan;
 
-/* A minimum of the profile near scanned value number i: a new solution, or a better value of the last one. */
-static rp_status add_solution(problem *s, size_t p, const double scan[], int n, int i, double limit,
-                              stats_calibrated *r, double *best)
+static rp_status scan_profile(problem *s, size_t p, scan *q)
 {
-    double x[2], chi2, value = scanned(s, p, i, n);
-    rp_status status =
-        descend(s, p, scanned(s, p, i > 0 ? i - 1 : i, n), scanned(s, p, i < n ? i + 1 : i, n), x, &chi2);
-    if (status) return status;
-    if (chi2 <= scan[i])
-        value = x[p];
-    else
-        chi2 = scan[i];
-    if (chi2 > limit) return RP_OK;
-    if (r->n_solutions > 0) {
-        double upper = r->solutions[r->n_solutions - 1].upper;
-        if (isnan(upper) || value <= upper) {
-            if (chi2 < *best) *best = chi2, r->solutions[r->n_solutions - 1].value = value;
-            return RP_OK;
-        }
-    }
-    if (r->n_solutions == STATS_MAX_SOLUTIONS) return RP_OK;
-    size_t k = r->n_solutions++;
-    *best = chi2;
-    r->solutions[k].value = value;
-    int below = scanned(s, p, i, n) < value ? i : i - 1;
-    status = find_end(s, p, scan, n, below, -1, value, limit, &r->solutions[k].lower);
-    return status ? status : find_end(s, p, scan, n, below + 1, 1, value, limit, &r->solutions[k].upper);
-}
-
-static rp_status find_intervals(problem *s, size_t p, double limit, stats_calibrated *r)
-{
-    double scan[SCAN_ONE + 1], best = HUGE_VAL;
-    const int n = s->c->n_params == 1 ? SCAN_ONE : SCAN_TWO;
+    double x[STATS_MAX_PARAMS];
     rp_status status = RP_OK;
-    for (int i = 0; !status && i <= n; i++) status = profile(s, p, scanned(s, p, i, n), &scan[i]);
-    for (int i = 0; !status && i <= n; i++)
-        if ((i == 0 || scan[i] <= scan[i - 1]) && (i == n || scan[i] <= scan[i + 1]))
-            status = add_solution(s, p, scan, n, i, limit, r, &best);
+    const int n = q->n = s->c->n_params == 1 ? SCAN_ONE : SCAN_TWO;
+    q->value[0] = q->value[n + 2] = NAN;
+    q->least = q->chi2[0] = q->chi2[n + 2] = INFINITY;
+    for (int i = 1; !status && i <= n + 1; i++) {
+        q->value[i] = scanned(s, p, i - 1, n);
+        status = profile(s, p, q->value[i], &q->chi2[i]);
+    }
+    for (int i = 1; !status && i <= n + 1; i++) {
+        if (q->chi2[i] <= q->chi2[i - 1] && q->chi2[i] <= q->chi2[i + 1]) {
+            status = least(s, p, scanned(s, p, i > 1 ? i - 2 : 0, n), scanned(s, p, i <= n ? i : n, n), x,
+                           &q->chi2[i]);
+            q->value[i] = x[p];
+        }
+        q->least = fmin(q->least, q->chi2[i]);
+    }
+    return status;
+}
+
+/* Each run of values within the limit is an interval, and its best value the solution. */
+static rp_status find_intervals(problem *s, size_t p, stats_calibrated *r)
+{
+    scan q;
+    rp_status status = scan_profile(s, p, &q);
+    const double limit = q.least + gsl_cdf_chisq_Pinv(confidence, 1.0);
+    for (int i = 1, best = 0; !status && i <= q.n + 1; i++) {
+        if (q.chi2[i] > limit) continue;
+        if (q.chi2[i - 1] > limit) {
+            if (r->n_solutions == STATS_MAX_SOLUTIONS) break;
+            best = i;
+            status = crossing(s, p, q.value[i], q.value[i - 1], limit, &r->solutions[r->n_solutions++].lower);
+        }
+        if (q.chi2[i] < q.chi2[best]) best = i;
+        r->solutions[r->n_solutions - 1].value = q.value[best];
+        if (!status && q.chi2[i + 1] > limit)
+            status =
+                crossing(s, p, q.value[i], q.value[i + 1], limit, &r->solutions[r->n_solutions - 1].upper);
+    }
     return status;
 }
 
 /* Delta method: the inverse of J' S^-1 J, with J the slopes of the responses at x. */
 static void standard_errors(const problem *s, const double x[], stats_calibrated result[])
 {
-    double jacobian[2][2] = {{0.0}}, d[2], v[3] = {0.0, 0.0, 0.0}, unused;
-    const size_t n_params = s->c->n_params, n_angles = s->c->n_angles;
-    for (size_t p = 0; p < n_params; p++) {
+    double slope[STATS_MAX_PARAMS][STATS_MAX_ANGLES] = {{0.0}}, v[3], unused;
+    covariance(s, x, v);
+    for (size_t p = 0; p < s->c->n_params; p++) {
         double up[2] = {x[0], x[1]}, down[2] = {x[0], x[1]}, h = 1e-5 * (s->c->hi[p] - s->c->lo[p]);
         up[p] = fmin(x[p] + h, s->c->hi[p]);
         down[p] = fmax(x[p] - h, s->c->lo[p]);
-        for (size_t a = 0; a < n_angles; a++)
-            jacobian[a][p] = (stats_response_value(&s->c->response[a], up, &unused) -
-                              stats_response_value(&s->c->response[a], down, &unused)) /
-                             (up[p] - down[p]);
+        for (size_t a = 0; a < s->c->n_angles; a++)
+            slope[p][a] = (stats_response_value(&s->c->response[a], up, &unused) -
+                           stats_response_value(&s->c->response[a], down, &unused)) /
+                          (up[p] - down[p]);
+        whiten(v, slope[p]);
     }
-    difference(s, x, d, v);
-    double inverse[2][2] = {{1.0 / v[0], 0.0}, {0.0, 0.0}};
-    if (n_angles == 2) {
-        double det = v[0] * v[2] - v[1] * v[1];
-        memcpy(inverse, (double[2][2]){{v[2] / det, -v[1] / det}, {-v[1] / det, v[0] / det}}, sizeof inverse);
+    for (size_t p = 0; p < s->c->n_params; p++) {
+        const double *own = slope[p], *other = slope[1 - p];
+        const double shared = own[0] * other[0] + own[1] * other[1],
+                     most = gsl_pow_2(gsl_hypot(other[0], other[1]));
+        result[p].se =
+            1.0 / sqrt(own[0] * own[0] + own[1] * own[1] - (most > 0.0 ? shared * shared / most : 0.0));
     }
-    double f[2][2] = {{0.0}};
-    for (size_t p = 0; p < n_params; p++)
-        for (size_t q = 0; q < n_params; q++)
-            for (size_t a = 0; a < n_angles; a++)
-                for (size_t b = 0; b < n_angles; b++)
-                    f[p][q] += jacobian[a][p] * inverse[a][b] * jacobian[b][q];
-    if (n_params == 1) {
-        result[0].se = sqrt(1.0 / f[0][0]);
-        return;
-    }
-    double det = f[0][0] * f[1][1] - f[0][1] * f[1][0];
-    for (size_t p = 0; p < 2; p++) result[p].se = sqrt(f[1 - p][1 - p] / det);
 }
 
 static rp_status check_measured(const stats_calibration *c, const stats_measured *m)
@@ -280,21 +239,21 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
                                    stats_calibrated result[])
 {
     problem s = {c, measured};
-    double x[2] = {NAN, NAN}, chi2;
+    double x[STATS_MAX_PARAMS], chi2;
     for (size_t p = 0; p < c->n_params; p++)
         result[p] =
             (stats_calibrated){.value = NAN, .se = NAN, .boot_se = NAN, .boot_lower = NAN, .boot_upper = NAN};
     rp_status status = check_measured(c, measured);
-    if (!status) status = search(c, measured, x, &chi2);
+    if (!status) status = search(&s, x, &chi2);
     if (status) return status;
     double dof = (double)(c->n_angles > c->n_params ? c->n_angles - c->n_params : c->n_angles);
-    if (gsl_cdf_chisq_Q(chi2, dof) < match_level) {
+    if (!(gsl_cdf_chisq_Q(chi2, dof) >= match_level)) {
         no_match(&s, x, result);
         return RP_OK;
     }
     standard_errors(&s, x, result);
     for (size_t p = 0; !status && p < c->n_params; p++) {
-        status = find_intervals(&s, p, chi2 + gsl_cdf_chisq_Pinv(confidence, 1.0), &result[p]);
+        status = find_intervals(&s, p, &result[p]);
         if (!status) judge(&s, p, &result[p]);
     }
     return status;
@@ -302,92 +261,68 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
 
 /* ---- bootstrap ---- */
 
-/* Piles sorted by point: those of point g are pile[first[g]] to pile[first[g + 1] - 1]. */
-typedef struct {
-    const stats_ensemble *piles;
-    size_t *point_of, *pile, *first;
-    double *y; /* of the points, for each angle */
-} resampler;
-
-static rp_status resampler_make(resampler *s, const stats_ensemble *piles, size_t n_points)
-{
-    stats_calibration points;
-    *s = (resampler){.piles = piles};
-    s->point_of = calloc(2 * piles->n + n_points + 2, sizeof *s->point_of);
-    s->y = calloc(n_points * STATS_MAX_ANGLES, sizeof *s->y);
-    if (!s->point_of || !s->y) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    s->pile = s->point_of + piles->n;
-    s->first = s->pile + piles->n;
-    rp_status status = stats_points_make(piles, s->point_of, &points);
-    stats_calibration_free(&points);
-    if (status) return status;
-    for (size_t i = 0; i < piles->n; i++) s->first[s->point_of[i] + 2]++;
-    for (size_t g = 2; g < n_points + 2; g++) s->first[g] += s->first[g - 1];
-    for (size_t i = 0; i < piles->n; i++) s->pile[s->first[s->point_of[i] + 1]++] = i;
-    return RP_OK;
-}
-
 /* Means of piles drawn again within each point, the same for both angles. Their spread is that of n piles
  * with n, not n - 1, below the root: made up for. */
-static void resample(resampler *s, const stats_calibration *c, gsl_rng *rng)
+static void resample(const stats_ensemble *piles, const stats_calibration *c, gsl_rng *rng, double y[])
 {
     for (size_t g = 0; g < c->n_points; g++) {
-        size_t first = s->first[g], n = s->first[g + 1] - first;
+        const size_t n = c->first[g + 1] - c->first[g];
         double sum[STATS_MAX_ANGLES] = {0.0, 0.0}, number[STATS_MAX_ANGLES] = {0.0, 0.0};
         for (size_t k = 0; k < n; k++) {
-            size_t i = s->pile[first + gsl_rng_uniform_int(rng, n)];
+            size_t i = c->pile[c->first[g] + gsl_rng_uniform_int(rng, n)];
             for (size_t a = 0; a < c->n_angles; a++)
-                if (!isnan(s->piles->angle[a][i])) {
-                    sum[a] += s->piles->angle[a][i];
+                if (!isnan(piles->angle[a][i])) {
+                    sum[a] += piles->angle[a][i];
                     number[a] += 1.0;
                 }
         }
         for (size_t a = 0; a < c->n_angles; a++) {
             double mean = c->mean[a][g], m = c->number[a][g];
             double drawn = number[a] > 0.0 ? sum[a] / number[a] : mean;
-            s->y[a * c->n_points + g] = mean + sqrt(m / (m - 1.0)) * (drawn - mean);
+            y[a * c->n_points + g] = mean + sqrt(m / (m - 1.0)) * (drawn - mean);
         }
     }
+}
+
+/* The parameters of one resample. */
+static rp_status search_again(const stats_ensemble *piles, const stats_calibration *c, stats_measured m,
+                              gsl_rng *rng, double y[], double x[])
+{
+    stats_calibration again = *c; /* shares the points */
+    double draw[2], chi2;
+    rp_status status = RP_OK;
+    resample(piles, c, rng, y);
+    gsl_ran_bivariate_gaussian(rng, 1.0, 1.0, c->correlation, &draw[0], &draw[1]);
+    for (size_t a = 0; !status && a < c->n_angles; a++) {
+        m.angle[a] += draw[a] * m.error[a];
+        status = stats_response_solve(&again.response[a], c, a, y + a * c->n_points);
+    }
+    return status ? status : search(&(problem){&again, &m}, x, &chi2);
 }
 
 rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_calibration *c,
                                       const stats_measured *measured, size_t n_resamples, gsl_rng *rng,
                                       stats_calibrated result[])
 {
-    resampler s = {0};
-    size_t n = 0;
     rp_status status = stats_check_resamples(n_resamples);
     if (status) return status;
-    double *values = malloc(n_resamples * STATS_MAX_PARAMS * sizeof *values);
-    status = resampler_make(&s, piles, c->n_points);
-    if (!status && !values) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    double *y = malloc(STATS_MAX_ANGLES * c->n_points * sizeof *y);
+    double *values = malloc(STATS_MAX_PARAMS * n_resamples * sizeof *values);
+    if (!y || !values) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     for (size_t k = 0; !status && k < n_resamples; k++) {
-        stats_calibration again = *c; /* shares the points */
-        stats_measured m = *measured;
-        double x[2], chi2;
-        resample(&s, c, rng);
-        double draw[2];
-        gsl_ran_bivariate_gaussian(rng, 1.0, 1.0, c->correlation, &draw[0], &draw[1]);
-        for (size_t a = 0; a < c->n_angles; a++) m.angle[a] += draw[a] * m.error[a];
-        for (size_t a = 0; !status && a < c->n_angles; a++)
-            status = stats_response_solve(&again.response[a], c, a, s.y + a * c->n_points);
-        if (!status) status = search(&again, &m, x, &chi2);
-        if (status == RP_NO_RESULT) { /* no scale: the resample says nothing */
-            status = RP_OK;
-            continue;
-        }
-        for (size_t p = 0; !status && p < c->n_params; p++) values[p * n_resamples + n] = x[p];
-        n++;
+        double x[STATS_MAX_PARAMS] = {NAN, NAN};
+        status = search_again(piles, c, *measured, rng, y, x);
+        for (size_t p = 0; p < STATS_MAX_PARAMS; p++) values[p * n_resamples + k] = x[p];
+        if (status == RP_NO_RESULT) status = RP_OK; /* no scale: the resample says nothing */
     }
-    for (size_t p = 0; !status && n > 1 && p < c->n_params; p++) {
-        const stats_spread spread = stats_resampled(n, values + p * n_resamples);
+    for (size_t p = 0; !status && p < c->n_params; p++) {
+        const stats_spread spread = stats_resampled(n_resamples, values + p * n_resamples);
         if (!isfinite(result[p].value)) continue;
         result[p].boot_se = spread.sd;
         result[p].boot_lower = spread.lo;
         result[p].boot_upper = spread.hi;
     }
-    free(s.point_of);
-    free(s.y);
+    free(y);
     free(values);
     return status;
 }

@@ -56,7 +56,8 @@ typedef struct {
     double correlation;                                    /* of the two angles of a pile, within its point */
     double *x[STATS_MAX_PARAMS], *mean[STATS_MAX_ANGLES];  /* of the points; sd and n of the piles of each */
     double *sd[STATS_MAX_ANGLES], *number[STATS_MAX_ANGLES];
-    double *block; /* holds these arrays */
+    size_t *pile, *first; /* piles of point g: pile[first[g]] to pile[first[g + 1] - 1] */
+    double *block;        /* holds the arrays of numbers */
 } stats_calibration;
 
 /* What was measured; error: its standard error, >= 0. Two angles are of the same piles: their errors are as
@@ -97,6 +98,15 @@ typedef struct {
 const char *stats_calibrated_word(stats_calibrated_status status);
 const char *stats_calibrated_meaning(stats_calibrated_status status);
 const char *stats_shape_word(stats_shape shape);
+
+/* Sort piles into points, in the order of their first piles: the arrays and the correlation of *c, no
+ * response. Free with stats_calibration_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c);
+
+/* Fit the coefficients of a response, whose form is set, to the means y[] of the points.
+ * Errors: RP_NO_RESULT (the scale is not determined), RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
+                               const double y[]);
 
 /* Fit the responses: least squares with the weights n/SD^2 of the points, SD from stats_calibration_sd. The
  * form with the least AIC, chi2 + 2k with k coefficients, is taken (the points' errors are known, of their

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stats/calibrate_private.h"
+#include "stats/calibrate.h"
 #include "stats/stats.h"
 
 /* How much better, in AIC, a form must be that does not rise or fall throughout. */
@@ -19,68 +19,60 @@ const char *stats_shape_word(stats_shape shape)
     return words[shape];
 }
 
-rp_status stats_descend(nlopt_func f, void *data, unsigned n, const double lo[], const double hi[],
-                        double x[], double *value)
-{
-    double step[STATS_MAX_PARAMS], tolerance[STATS_MAX_PARAMS];
-    nlopt_opt o = nlopt_create(NLOPT_LN_SBPLX, n);
-    if (!o) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    for (unsigned i = 0; i < n; i++) {
-        step[i] = hi[i] > lo[i] ? 0.25 * (hi[i] - lo[i]) : 1.0;
-        tolerance[i] = 1e-10 * step[i];
-    }
-    nlopt_set_min_objective(o, f, data);
-    nlopt_set_lower_bounds(o, lo);
-    nlopt_set_upper_bounds(o, hi);
-    nlopt_set_initial_step(o, step);
-    nlopt_set_xtol_abs(o, tolerance);
-    nlopt_set_maxeval(o, 2000);
-    nlopt_result result = nlopt_optimize(o, x, value);
-    nlopt_destroy(o);
-    return result > 0 || result == NLOPT_ROUNDOFF_LIMITED
-               ? RP_OK
-               : rp_fail(RP_BROKEN, "calibrate: minimum not found: %s", nlopt_result_to_string(result));
-}
-
 /* ---- points ---- */
 
-static size_t find_point(const stats_calibration *c, const stats_ensemble *piles, size_t pile)
+static bool same_point(const stats_ensemble *piles, size_t i, size_t k)
 {
-    size_t g = 0;
-    for (; g < c->n_points; g++) {
-        bool same = true;
-        for (size_t p = 0; p < c->n_params; p++) same = same && c->x[p][g] == piles->x[p][pile];
-        if (same) break;
-    }
-    return g;
+    for (size_t p = 0; p < piles->n_params; p++)
+        if (piles->x[p][i] != piles->x[p][k]) return false;
+    return true;
 }
 
-/* Means, then standard deviations about them, then the correlation of the deviations. */
-static void point_moments(const stats_ensemble *piles, const size_t point_of[], stats_calibration *c)
+/* Sort the piles by point: points in the order of their first piles. */
+static void sort_piles(const stats_ensemble *piles, stats_calibration *c)
 {
-    double product = 0.0, squares[STATS_MAX_ANGLES] = {0.0, 0.0};
-    for (size_t a = 0; a < c->n_angles; a++) {
-        for (size_t i = 0; i < piles->n; i++)
-            if (!isnan(piles->angle[a][i])) {
-                c->number[a][point_of[i]] += 1.0;
-                c->mean[a][point_of[i]] += piles->angle[a][i];
-            }
-        for (size_t g = 0; g < c->n_points; g++) c->mean[a][g] /= c->number[a][g];
-        for (size_t i = 0; i < piles->n; i++) {
-            double d = piles->angle[a][i] - c->mean[a][point_of[i]];
-            if (!isnan(d)) c->sd[a][point_of[i]] += d * d;
+    size_t sorted = 0;
+    for (size_t i = 0; i < piles->n; i++) {
+        size_t g = 0;
+        while (g < c->n_points && !same_point(piles, c->pile[c->first[g]], i)) g++;
+        if (g < c->n_points) continue;
+        c->first[c->n_points++] = sorted;
+        for (size_t k = i; k < piles->n; k++)
+            if (same_point(piles, i, k)) c->pile[sorted++] = k;
+        for (size_t p = 0; p < c->n_params; p++) c->x[p][g] = piles->x[p][i];
+    }
+    c->first[c->n_points] = sorted;
+}
+
+/* Means and standard deviations of the piles that have the angle; work[piles->n]. */
+static void point_moments(const stats_ensemble *piles, stats_calibration *c, double work[])
+{
+    for (size_t a = 0; a < c->n_angles; a++)
+        for (size_t g = 0; g < c->n_points; g++) {
+            stats_summary stats;
+            size_t n = 0;
+            for (size_t k = c->first[g]; k < c->first[g + 1]; k++)
+                if (!isnan(piles->angle[a][c->pile[k]])) work[n++] = piles->angle[a][c->pile[k]];
+            (void)stats_mean(n, work, &stats); /* nan without piles */
+            c->number[a][g] = (double)n;
+            c->mean[a][g] = stats.mean;
+            c->sd[a][g] = stats.sd;
         }
-        for (size_t g = 0; g < c->n_points; g++) c->sd[a][g] = sqrt(c->sd[a][g] / (c->number[a][g] - 1.0));
-    }
-    for (size_t i = 0; c->n_angles == 2 && i < piles->n; i++) {
-        double d[2];
-        for (size_t a = 0; a < 2; a++)
-            d[a] = (piles->angle[a][i] - c->mean[a][point_of[i]]) / c->sd[a][point_of[i]];
-        if (isnan(d[0] * d[1]) || isinf(d[0] * d[1])) continue;
-        product += d[0] * d[1];
-        for (size_t a = 0; a < 2; a++) squares[a] += d[a] * d[a];
-    }
-    c->correlation = product != 0.0 ? product / sqrt(squares[0] * squares[1]) : 0.0;
+}
+
+/* Correlation of the two angles' deviations from their points. It stays below 1, as few piles may not show:
+ * the covariance of the two must have an inverse. */
+static double correlation(const stats_ensemble *piles, const stats_calibration *c)
+{
+    const double most = 0.999;
+    double sum[3] = {0.0};
+    for (size_t g = 0; g < c->n_points; g++)
+        for (size_t k = c->first[g]; k < c->first[g + 1]; k++) {
+            double d[2];
+            for (size_t a = 0; a < 2; a++) d[a] = (piles->angle[a][c->pile[k]] - c->mean[a][g]) / c->sd[a][g];
+            for (size_t a = 0; isfinite(d[0] * d[1]) && a < 3; a++) sum[a] += d[a / 2] * d[(a + 1) / 2];
+        }
+    return sum[1] != 0.0 ? fmax(fmin(sum[1] / sqrt(sum[0] * sum[2]), most), -most) : 0.0;
 }
 
 static rp_status check_piles(const stats_ensemble *piles)
@@ -102,35 +94,33 @@ static rp_status check_piles(const stats_ensemble *piles)
     return RP_OK;
 }
 
-rp_status stats_points_make(const stats_ensemble *piles, size_t point_of[], stats_calibration *c)
+rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c)
 {
+    enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
     rp_status status = check_piles(piles);
     if (status) return status;
-    enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
-    size_t *points = point_of ? point_of : malloc((piles->n + 1) * sizeof *points);
-    double *next = c->block = calloc(N_ARRAYS * (piles->n + 1), sizeof *c->block);
-    if (!points || !next) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    for (size_t p = 0; !status && p < c->n_params; p++, next += piles->n) c->x[p] = next;
-    for (size_t a = 0; !status && a < c->n_angles; a++, next += 3 * piles->n) {
+    c->block = calloc((N_ARRAYS + 1) * (piles->n + 1), sizeof *c->block);
+    c->pile = calloc(2 * (piles->n + 1), sizeof *c->pile);
+    if (!c->block || !c->pile) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    c->first = c->pile + piles->n + 1;
+    double *next = c->block, *work = next + N_ARRAYS * piles->n;
+    for (size_t p = 0; p < c->n_params; p++, next += piles->n) c->x[p] = next;
+    for (size_t a = 0; a < c->n_angles; a++, next += 3 * piles->n) {
         c->mean[a] = next;
         c->sd[a] = next + piles->n;
         c->number[a] = next + 2 * piles->n;
     }
-    for (size_t i = 0; !status && i < piles->n; i++) {
-        size_t g = points[i] = find_point(c, piles, i);
-        if (g < c->n_points) continue;
-        for (size_t p = 0; p < c->n_params; p++) c->x[p][g] = piles->x[p][i];
-        c->n_points++;
-    }
-    if (!status) point_moments(piles, points, c);
-    if (points != point_of) free(points);
-    return status;
+    sort_piles(piles, c);
+    point_moments(piles, c, work);
+    if (c->n_angles == 2) c->correlation = correlation(piles, c);
+    return RP_OK;
 }
 
 void stats_calibration_free(stats_calibration *c)
 {
     free(c->block);
+    free(c->pile);
     *c = (stats_calibration){0};
 }
 
@@ -177,15 +167,20 @@ static void set_range(stats_calibration *c)
     }
 }
 
+/* x from -1 to 1 over its range; 0 for a parameter that there is not. */
+static double unit(double x, double lo, double hi)
+{
+    return hi > lo ? (2.0 * x - lo - hi) / (hi - lo) : 0.0;
+}
+
 /* 1, x, x^2 and, with two parameters, y, y^2, each parameter from -1 to 1. */
 static size_t scatter_terms(const stats_calibration *c, const double x[], double terms[STATS_SD_TERMS])
 {
     size_t n = 1;
     terms[0] = 1.0;
-    for (size_t p = 0; p < c->n_params; p++) {
-        double unit = (2.0 * x[p] - c->lo[p] - c->hi[p]) / (c->hi[p] - c->lo[p]);
-        terms[n++] = unit;
-        terms[n++] = unit * unit;
+    for (size_t p = 0; p < c->n_params; p++, n += 2) {
+        terms[n] = unit(x[p], c->lo[p], c->hi[p]);
+        terms[n + 1] = terms[n] * terms[n];
     }
     return n;
 }
@@ -239,21 +234,22 @@ static double saturation(const stats_response_fit *r, double x, double *by_scale
 /* The terms at x, and for a saturating shape one more, the derivative of the sum by the scale. */
 static void terms_at(const stats_response_fit *r, const double x[], double terms[STATS_MAX_TERMS])
 {
-    double unit[STATS_MAX_PARAMS] = {0.0, 0.0}, first = 1.0, by_scale = 0.0;
+    const double first_unit = unit(x[0], r->lo[0], r->hi[0]),
+                 second_unit = r->n_params == 2 ? unit(x[1], r->lo[1], r->hi[1]) : 0.0;
+    double first = 1.0, by_scale = 0.0;
     size_t n = 0, n_second = r->degree[1] + 1;
-    for (size_t p = 0; p < r->n_params; p++)
-        unit[p] = (2.0 * x[p] - r->lo[p] - r->hi[p]) / (r->hi[p] - r->lo[p]);
     for (size_t i = 0; i <= r->degree[0]; i++) {
         double term = first;
-        for (size_t j = 0; j < n_second; j++, term *= unit[1]) terms[n++] = term;
-        first = r->shape == STATS_POWERS ? first * unit[0]
+        for (size_t j = 0; j < n_second; j++, term *= second_unit) terms[n++] = term;
+        first = r->shape == STATS_POWERS ? first * first_unit
                 : i == 0                 ? saturation(r, x[0], &by_scale)
-                                         : unit[0];
+                                         : first_unit;
     }
     if (r->shape == STATS_POWERS) return;
     double term = by_scale;
     terms[n] = 0.0;
-    for (size_t j = 0; j < n_second; j++, term *= unit[1]) terms[n] += r->coefficients[n_second + j] * term;
+    for (size_t j = 0; j < n_second; j++, term *= second_unit)
+        terms[n] += r->coefficients[n_second + j] * term;
 }
 
 static size_t n_linear(const stats_response_fit *r)
@@ -298,9 +294,8 @@ static rp_status solve_linear(problem *s)
                           s->covariance, &s->chi2, &rank);
 }
 
-static double chi2_of_scale(unsigned n, const double *log_scale, double *gradient, void *data)
+static double chi2_of_scale(const double log_scale[], void *data)
 {
-    (void)n, (void)gradient;
     problem *s = data;
     s->r->scale = exp(*log_scale);
     return solve_linear(s) ? HUGE_VAL : s->chi2;
@@ -311,19 +306,13 @@ static double chi2_of_scale(unsigned n, const double *log_scale, double *gradien
 static rp_status find_scale(problem *s)
 {
     const double range = s->r->hi[0] - s->r->lo[0];
-    const double lo = log(0.05 * range), hi = log(3.0 * range);
-    double best = HUGE_VAL, at = lo, value;
-    for (int i = 0; i <= 12; i++) {
-        double x = fmin(lo + (hi - lo) * i / 12.0, hi); /* round-off must not leave the bounds */
-        value = chi2_of_scale(1, &x, NULL, s);
-        if (value < best) best = value, at = x;
-    }
-    double from = fmax(lo, at - (hi - lo) / 12.0), to = fmin(hi, at + (hi - lo) / 12.0);
-    rp_status status = stats_descend(chi2_of_scale, s, 1, &from, &to, &at, &value);
+    const double lo[2] = {log(0.05 * range)}, hi[2] = {log(3.0 * range)};
+    double at[2], value;
+    rp_status status = stats_least(chi2_of_scale, s, lo, hi, 12, at, &value);
     if (status) return status;
-    if (!(isfinite(value) && at > lo + 1e-6 && at < hi - 1e-6))
+    if (!(isfinite(value) && *at > *lo + 1e-6 && *at < *hi - 1e-6))
         return rp_fail(RP_NO_RESULT, "scale: not determined by the points");
-    chi2_of_scale(1, &at, NULL, s);
+    chi2_of_scale(at, s);
     return RP_OK;
 }
 
@@ -425,7 +414,7 @@ static rp_status choose_form(stats_calibration *c, size_t angle)
 
 rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c)
 {
-    rp_status status = stats_points_make(piles, NULL, c);
+    rp_status status = stats_points_make(piles, c);
     if (!status && c->n_points < 4 * c->n_params)
         status = rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response",
                          c->n_points, 4 * c->n_params);

@@ -159,6 +159,14 @@ typedef struct {
 rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
                            stats_prefix prefixes[], double *linear_to, double *bend_free_to);
 
+/* ---- least value of a function (least.c) ---- */
+
+/* Least value of f over a box of two dimensions: downhill from the best of a grid of so many cells a side. A
+ * side with lo = hi is held, so that f may have one variable. Sets x[2] and *value.
+ * Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_least(double (*f)(const double x[], void *data), void *data, const double lo[2],
+                      const double hi[2], int cells, double x[2], double *value);
+
 /* ---- settings compared by runs (settings.c) ---- */
 
 /* Where an outcome turns as x grows. */

@@ -111,10 +111,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     if (!tables) return RP_OK;
     run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
-    if (!status)
-        status =
-            sweep_table_open(tables, "energy.tsv", run->energy_path, sizeof run->energy_path, &run->energy);
-    if (!status) dem_write_energy_columns(tables->ledger, run->energy);
+    if (!status) status = sweep_table_open(tables, "energy.tsv", &run->energy);
+    if (!status) dem_write_energy_columns(tables->ledger, run->energy.out);
     return status;
 }
 
@@ -126,21 +124,13 @@ rp_status sweep_box_end(sweep_box_run *run, rp_status status)
     free(run->work);
     /* a status word was given: physics without a result, which is an answer */
     if (status == RP_NO_RESULT) status = RP_OK;
-    return run->energy ? rp_file_close(run->energy_path, run->energy, status) : status;
-}
-
-void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message)
-{
-    sweep_result *r = run->result;
-    snprintf(r->status, sizeof r->status, "%s", status);
-    if (message != r->message) snprintf(r->message, sizeof r->message, "%s", message);
+    return run->energy.out ? sweep_table_close(&run->energy, status) : status;
 }
 
 rp_status sweep_box_start(sweep_box_run *run)
 {
     rp_status status = dem_scene_start(&run->scene, &run->sim);
-    if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_room", rp_message());
-    return status;
+    return status == RP_NO_RESULT ? sweep_conclude(run->result, "no_room", "%s", rp_message()) : status;
 }
 
 rp_status sweep_box_advance(sweep_box_run *run, long steps)
@@ -151,13 +141,11 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps)
         long to_next = every > 0 ? every - dem_step(run->sim) % every : steps;
         if (to_next < part) part = to_next;
         rp_status status = dem_run(run->sim, part);
-        if (status == RP_BROKEN) {
-            sweep_box_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), rp_message());
-            return RP_NO_RESULT;
-        }
+        if (status == RP_BROKEN)
+            return sweep_conclude(run->result, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
         if (status) return status;
         steps -= part;
-        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy);
+        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy.out);
     }
     return RP_OK;
 }
@@ -170,32 +158,25 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-static rp_status settle(sweep_box_run *run, const char *phase, rp_status (*watch)(sweep_box_run *run))
+/* With `pile`, only while there are cells enough for a slope. */
+static rp_status settle(sweep_box_run *run, const char *phase, bool pile)
 {
     const long every = 500;
     const int in_a_row = 10;
     for (long steps = 0, passed = 0; passed < in_a_row; steps += every) {
-        if (steps >= run->max_steps) {
-            char text[96];
-            snprintf(text, sizeof text, "%s: not at rest after %ld further steps", phase, steps);
-            sweep_box_conclude(run, "not_at_rest", text);
-            return RP_NO_RESULT;
-        }
+        if (steps >= run->max_steps)
+            return sweep_conclude(run->result, "not_at_rest", "%s: not at rest after %ld further steps",
+                                  phase, steps);
         dem_rest rest;
         bool quiet = false;
+        ang_slope slopes[ANG_N_METHODS];
         rp_status status = sweep_box_advance(run, every);
         if (!status) status = sweep_box_rest(run, &rest, &quiet);
-        if (!status && watch) status = watch(run);
+        if (!status && pile) status = sweep_box_slopes(run, slopes);
         if (status) return status;
         passed = quiet ? passed + 1 : 0;
     }
     return RP_OK;
-}
-
-static rp_status watch_slope(sweep_box_run *run)
-{
-    ang_slope slopes[ANG_N_METHODS];
-    return sweep_box_slopes(run, slopes);
 }
 
 rp_status sweep_box_open(sweep_box_run *run, long steps)
@@ -204,12 +185,12 @@ rp_status sweep_box_open(sweep_box_run *run, long steps)
     dem_wall_open(run->sim, DEM_BOX_RIGHT, run->box->open);
     run->scene.def.walls[DEM_BOX_RIGHT].open_at_step = dem_step(run->sim) + 1;
     rp_status status = sweep_box_advance(run, steps < 1 ? least : steps);
-    return status || steps > 0 ? status : settle(run, "after the opening", watch_slope);
+    return status || steps > 0 ? status : settle(run, "after the opening", true);
 }
 
 rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
 {
-    return settle(run, phase, NULL);
+    return settle(run, phase, false);
 }
 
 ang_options sweep_box_options(const sweep_box *b)
@@ -234,8 +215,7 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
     }
     status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
     run->cells = (double)surface->n_occupied;
-    if (status == RP_NO_RESULT) sweep_box_conclude(run, "no_pile", rp_message());
-    return status;
+    return status == RP_NO_RESULT ? sweep_conclude(run->result, "no_pile", "%s", rp_message()) : status;
 }
 
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS])
@@ -252,23 +232,22 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 {
     if (run->scene.def.walls[DEM_BOX_FLOOR].material.mu != 0.0 || run->box->floor_grains)
         return sweep_box_slopes(run, slopes);
-    sweep_box_conclude(run, "no_pile", "a floor without friction, and no wall on the right");
-    return RP_NO_RESULT;
+    return sweep_conclude(run->result, "no_pile", "a floor without friction, and no wall on the right");
 }
 
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
 {
-    char name[64], path[4096];
-    FILE *out;
+    char name[64];
+    sweep_file f;
     if (!tables) return RP_OK;
     snprintf(name, sizeof name, "%s_grains.tsv", stage);
-    rp_status status = sweep_table_open(tables, name, path, sizeof path, &out);
+    rp_status status = sweep_table_open(tables, name, &f);
     if (status) return status;
-    dem_write_state_columns(out);
-    status = rp_file_close(path, out, dem_write_states(sim, out));
+    dem_write_state_columns(f.out);
+    status = sweep_table_close(&f, dem_write_states(sim, f.out));
     snprintf(name, sizeof name, "%s_contacts.tsv", stage);
-    if (!status) status = sweep_table_open(tables, name, path, sizeof path, &out);
-    return status ? status : rp_file_close(path, out, dem_write_contacts(sim, out));
+    if (!status) status = sweep_table_open(tables, name, &f);
+    return status ? status : sweep_table_close(&f, dem_write_contacts(sim, f.out));
 }
 
 long sweep_box_grains(const sweep_box *box)

@@ -24,16 +24,16 @@ typedef struct {
     bool floor_grains;
 } sweep_box;
 
-/* A protocol whose parameters hold a sweep_box `box` starts its schema with SWEEP_BOX_PHYSICS(its structure),
- * which brings all of dem/physics.h, and ends it, after {0}, with SWEEP_BOX_DEFAULTS and overrides of its
- * own. Of the other rows, R(field of sweep_box, unit, type, default, range, meaning), it takes those it
- * offers with R = SWEEP_BOX_ROW(its structure, ...), and sets the fields of the others itself. */
+/* A protocol of the box has a structure of parameters that begins with a sweep_box. Its schema starts with
+ * SWEEP_BOX_PHYSICS, which brings all of dem/physics.h, and ends, after {0}, with SWEEP_BOX_DEFAULTS and
+ * overrides of its own. Of the other rows it takes those it offers, and sets the fields of the others itself.
+ */
 #define SWEEP_PHYSICS_INDEX(kind, name, ...) SWEEP_ROW_##name,
 enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) };
 
-#define SWEEP_BOX_PHYSICS(R, F)   DEM_PHYSICS(R) DEM_RADIUS_PARAMS(F)
-#define SWEEP_PHYSICS_ROW(T, ...) DEM_NAME_ROW(T, box.physics., __VA_ARGS__)
-#define SWEEP_RADIUS_ROW(T, ...)  DEM_NAME_ROW(T, box., __VA_ARGS__)
+#define SWEEP_PHYSICS_ROW(...) DEM_NAME_ROW(sweep_box, physics., __VA_ARGS__)
+#define SWEEP_RADIUS_ROW(...)  DEM_NAME_ROW(sweep_box, , __VA_ARGS__)
+#define SWEEP_BOX_PHYSICS      DEM_PHYSICS(SWEEP_PHYSICS_ROW) DEM_RADIUS_PARAMS(SWEEP_RADIUS_ROW)
 
 /* Where the box differs from a scene. The later of two initialisers of a field holds. */
 #define SWEEP_BOX_DEFAULTS                                                                                   \
@@ -42,47 +42,46 @@ enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) }
         [SWEEP_ROW_k_n].range = "(0, inf)",             /* a box holds its grains */                         \
         [SWEEP_ROW_integrator].range = "verlet | gear5" /* the implicit one has no shear springs */
 
-#define SWEEP_BOX_ROW(T, field, unit, type, fallback, range, meaning)                                        \
-    {#field, unit, type, offsetof(T, box.field), fallback, range, meaning},
+#define SWEEP_ROW(field, unit, type, fallback, range, meaning)                                               \
+    {#field, unit, type, offsetof(sweep_box, field), fallback, range, meaning},
 
-#define SWEEP_BOX_WIDTH_ROW(R) R(W, "cm", RP_REAL, "4.0", "(0, 1000]", "width of the box")
+#define SWEEP_BOX_WIDTH_ROW SWEEP_ROW(W, "cm", RP_REAL, "4.0", "(0, 1000]", "width of the box")
 
-#define SWEEP_BOX_COUNT_ROWS(R)                                                                              \
-    R(H, "cm", RP_REAL, "4.0", "(0, 1000]", "height that the grains are counted for")                        \
-    R(N, "", RP_INT, "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2")
+#define SWEEP_BOX_COUNT_ROWS                                                                                 \
+    SWEEP_ROW(H, "cm", RP_REAL, "4.0", "(0, 1000]", "height that the grains are counted for")                \
+    SWEEP_ROW(N, "", RP_INT, "auto", "[1, 10000000] | auto", "number of grains; auto: W H / d^2")
 
-#define SWEEP_BOX_FILL_STEPS_ROW(R)                                                                          \
-    R(fill_steps, "", RP_INT, "30000", "[1, 1000000000]", "least steps of filling")
+#define SWEEP_BOX_FILL_STEPS_ROW                                                                             \
+    SWEEP_ROW(fill_steps, "", RP_INT, "30000", "[1, 1000000000]", "least steps of filling")
 
-#define SWEEP_BOX_MAX_STEPS_ROW(R)                                                                           \
-    R(max_steps, "", RP_INT, "auto", "[5000, 2000000000] | auto",                                            \
-      "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1")
+#define SWEEP_BOX_MAX_STEPS_ROW                                                                              \
+    SWEEP_ROW(max_steps, "", RP_INT, "auto", "[5000, 2000000000] | auto",                                    \
+              "most steps a phase; auto: 4e5, times 500/gamma_n and (H/4)^2 where these exceed 1")
 
-#define SWEEP_BOX_WALL_ROWS(R)                                                                               \
-    R(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "friction of the side walls; auto: mu")    \
-    R(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto", "friction of the floor; auto: mu")        \
-    R(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto",                                            \
-      "normal stiffness of floor and walls; auto: 2 k_n")                                                    \
-    R(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")
+#define SWEEP_BOX_WALL_ROWS                                                                                  \
+    SWEEP_ROW(mu_wall, "", RP_REAL, "auto", "[0, inf) | infinite | auto",                                    \
+              "friction of the side walls; auto: mu")                                                        \
+    SWEEP_ROW(mu_floor, "", RP_REAL, "auto", "[0, inf) | infinite | auto",                                   \
+              "friction of the floor; auto: mu")                                                             \
+    SWEEP_ROW(k_n_wall, "dyn/cm^1.5", RP_REAL, "auto", "(0, inf) | auto",                                    \
+              "normal stiffness of floor and walls; auto: 2 k_n")                                            \
+    SWEEP_ROW(g, "cm/s^2", RP_REAL, "981.0", "(0, inf)", "gravity")
 
-#define SWEEP_BOX_FLOOR_GRAINS_ROW(R)                                                                        \
-    R(floor_grains, "", RP_BOOL, "false", "",                                                                \
-      "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")
+#define SWEEP_BOX_OPENING_ROWS                                                                               \
+    SWEEP_ROW(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                   \
+              "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")   \
+    SWEEP_ROW(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant",                                        \
+              "speed at which the right wall is lifted")
 
-#define SWEEP_BOX_OPENING_ROWS(R)                                                                            \
-    R(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                           \
-      "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")           \
-    R(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant", "speed at which the right wall is lifted")
+#define SWEEP_BOX_REST_ROWS                                                                                  \
+    SWEEP_ROW(rest_energy, "m g d", RP_REAL, "1e-7", "(0, inf)", "at rest: mean kinetic energy below")       \
+    SWEEP_ROW(rest_force, "m g", RP_REAL, "1e-2", "(0, inf)", "at rest: largest net force below")
 
-#define SWEEP_BOX_REST_ROWS(R)                                                                               \
-    R(rest_energy, "m g d", RP_REAL, "1e-7", "(0, inf)", "at rest: mean kinetic energy below")               \
-    R(rest_force, "m g", RP_REAL, "1e-2", "(0, inf)", "at rest: largest net force below")
-
-#define SWEEP_BOX_SURFACE_ROWS(R)                                                                            \
-    R(height, "", RP_CHOICE, "centre", ANG_HEIGHT_WORDS,                                                     \
-      "h of a cell: highest centre less d/2, highest centre, highest point")                                 \
-    R(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")                   \
-    R(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
+#define SWEEP_BOX_SURFACE_ROWS                                                                               \
+    SWEEP_ROW(height, "", RP_CHOICE, "centre", ANG_HEIGHT_WORDS,                                             \
+              "h of a cell: highest centre less d/2, highest centre, highest point")                         \
+    SWEEP_ROW(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")           \
+    SWEEP_ROW(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
 
 /* The scene of the box, closed, empty and without a fill. Where the floor is of grains, its wall lies below
  * them; the protocol adds them. */
@@ -108,8 +107,7 @@ typedef struct {
     double cells;      /* occupied when the surface was looked at last; NaN before */
     dem_state *states; /* room for the most grains */
     double *work;      /* and for 3 numbers each */
-    FILE *energy;
-    char energy_path[4096];
+    sweep_file energy;
 } sweep_box_run;
 
 /* Clear the result, make the scene and room for `most` grains at a time. Afterwards sweep_box_end with what
@@ -118,9 +116,6 @@ typedef struct {
 rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most, const sweep_tables *tables,
                           sweep_result *result);
 rp_status sweep_box_end(sweep_box_run *run, rp_status status);
-
-/* Give the result its status word and message. */
-void sweep_box_conclude(sweep_box_run *run, const char *status, const char *message);
 
 /* Start the simulation of run->scene. Errors: RP_NO_RESULT with the word no_room. */
 rp_status sweep_box_start(sweep_box_run *run);

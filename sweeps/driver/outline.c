@@ -1,16 +1,11 @@
-/* Close-packed piles of disks; see outline.h. */
-#include "sweeps/driver/outline.h"
+/* Outlines of close-packed piles; see pile.h. */
+#include "sweeps/driver/pile.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/random.h"
-
-static rp_status no_memory(void)
-{
-    return rp_fail(RP_NO_MEMORY, "pile: out of memory");
-}
 
 /* Rows of the lattice that stay below an outline over its base, from the centre of the first base disk to
  * that of the last: the rule of an_lattice_cut for any polygon. */
@@ -47,7 +42,7 @@ static rp_status fill_outline(sweep_outline *h, const long up[], double theta)
                        STATICS_MAX);
     h->disks = malloc(h->n * sizeof *h->disks);
     h->exact = malloc(h->k * sizeof *h->exact);
-    if (!h->disks || !h->exact) return no_memory();
+    if (!h->disks || !h->exact) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     size_t n = 0;
     for (size_t s = 0; s < h->k; s++)
         for (long j = 0; j < up[s]; j++)
@@ -56,37 +51,20 @@ static rp_status fill_outline(sweep_outline *h, const long up[], double theta)
     return an_lattice_counts((long)h->k, up, theta, h->exact);
 }
 
-/* Angle of the diagonals to the vertical. */
-static double lattice_angle(double gap)
+rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha, size_t n, const an_point v[])
 {
-    return asin((1 + gap) / 2);
-}
-
-rp_status sweep_outline_slope(sweep_outline *h, long k, double gap, double alpha)
-{
-    const double theta = lattice_angle(gap);
-    if (!(alpha > 0)) alpha = M_PI / 2 - theta;
-    long *up = malloc((size_t)k * sizeof *up);
-    if (!up) return no_memory();
-    h->k = (size_t)k;
-    rp_status status = an_lattice_cut(k, theta, alpha, up);
-    if (!status) status = fill_outline(h, up, theta);
-    if (!status) h->B = an_lattice_base((double)h->n, theta, alpha);
-    free(up);
-    return status;
-}
-
-rp_status sweep_outline_polygon(sweep_outline *h, long k, double gap, const an_point *v, size_t n)
-{
-    const double theta = lattice_angle(gap);
+    const double theta = asin((1 + gap) / 2); /* of the diagonals to the vertical */
     an_profile profile;
     long *up = malloc((size_t)k * sizeof *up);
-    if (!up) return no_memory();
+    if (!up) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    if (!(alpha > 0)) alpha = M_PI / 2 - theta;
     h->k = (size_t)k;
-    rp_status status = an_profile_set(&profile, v, n);
-    if (!status) status = cut_profile(&profile, k, theta, up);
+    rp_status status = n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut(k, theta, alpha, up);
+    if (!status && n > 0) status = cut_profile(&profile, k, theta, up);
     if (!status) status = fill_outline(h, up, theta);
-    if (!status) h->B = sqrt((double)h->n * sin(2 * theta) / area(&profile));
+    if (!status)
+        h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
+                     : an_lattice_base((double)h->n, theta, alpha);
     free(up);
     return status;
 }
@@ -101,7 +79,7 @@ rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed,
 {
     const double CUT = 3;
     gsl_rng *radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
-    if (!radii) return no_memory();
+    if (!radii) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     for (size_t i = 0; i < h->n; i++) {
         statics_disk *p = &h->disks[i];
         if (p->y <= p->r) continue; /* on the ground */
@@ -127,16 +105,6 @@ sweep_outline_error sweep_outline_compare(const sweep_outline *h, const double N
         exact_thrust += side * h->exact[i].H;
     }
     return (sweep_outline_error){sqrt(sum / (double)h->k), most, H_most / exact_most, thrust / exact_thrust};
-}
-
-rp_status sweep_outline_base(size_t k, const double x[], const double N[], stress_base *base)
-{
-    double *r = malloc(k * sizeof *r);
-    if (!r) return no_memory();
-    for (size_t i = 0; i < k; i++) r[i] = 0.5;
-    rp_status status = stress_base_profile(k, x, r, N, base);
-    free(r);
-    return status;
 }
 
 rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS])

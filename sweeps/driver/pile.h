@@ -1,9 +1,52 @@
-/* Static piles as protocol `pile` and `repose pile` have them: parameters, solution, results, tables. */
+/* Close-packed piles of disks on a flat base, as the static solver takes them (statics/equilibrium.h): their
+ * outlines, with what diagonal contacts alone would carry in them; parameters, solution, results and tables
+ * of protocol `pile` and `repose pile`. Lengths in sigma, forces in m g, angles in radians. Liffman, Chan &
+ * Hughes 1992. */
 #ifndef SWEEP_PILE_H
 #define SWEEP_PILE_H
 
-#include "sweeps/driver/outline.h"
+#include "analytic/analytic.h"
+#include "statics/equilibrium.h"
 #include "sweeps/driver/protocol.h"
+
+typedef struct {
+    size_t n, k; /* disks; in the base */
+    statics_disk *disks;
+    an_force *exact; /* [k] by diagonals alone, of equal disks; NULL if not known */
+    double B;        /* base of the same outline and the same weight; NAN if not known */
+} sweep_outline;
+
+/* k disks in the base and slopes alpha on both sides, by an_lattice_cut; alpha <= 0 is the full triangle. Or
+ * by the same rule under a polygon of n > 0 vertices from left to right (an_profile_set), which the base is
+ * scaled to. The disks of a row are `gap` apart, those of the diagonals touch. Errors: RP_BAD_INPUT,
+ * RP_NO_MEMORY. Free the outline, which is zero at first, also after an error. */
+rp_status sweep_outline_make(sweep_outline *outline, long k, double gap, double alpha, size_t n,
+                             const an_point v[]);
+void sweep_outline_free(sweep_outline *outline);
+
+/* Unequal disks at the same positions: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed,
+ * run, RP_PURPOSE_RADII); weights as r^2. Disks of the base stay as they are: wells would hold the squeeze
+ * between unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
+rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
+
+/* How far N and H on the base are from diagonals alone. */
+typedef struct {
+    double N_rms, N_max; /* relative deviation of N */
+    double H_ratio;      /* largest H over that of diagonals alone */
+    double thrust_ratio; /* sum of H outwards, both halves, over that of diagonals alone */
+} sweep_outline_error;
+sweep_outline_error sweep_outline_compare(const sweep_outline *outline, const double N[], const double H[]);
+
+/* Profile of the continuum triangle of slope alpha, eqs (50), (54), over the base that holds 98 % of its
+ * load. alpha in (0, pi/3). Errors: those of an_continuum and stress_base_profile. */
+rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
+
+/* N of the middle of the base, of the two there if k is even, over the largest. */
+double sweep_outline_centre(size_t k, const double N[]);
+
+/* Friction that the base must have at least: largest |H|/N of its disks. INFINITY for a disk that
+ * carries H but no N. */
+double sweep_outline_friction(size_t k, const double N[], const double H[]);
 
 /* The fields of protocol `pile`; lengths in sigma, angles in degrees. */
 typedef struct {
@@ -44,7 +87,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
 /* What the solver says, as header lines; the forces on the base, a row a disk; all tables of a pile in a
  * folder: base.tsv (of an equilibrium), wells.tsv, contacts.tsv, disks.tsv. Errors: RP_IO, RP_NO_MEMORY. */
 void sweep_pile_notes(const sweep_solved *s, FILE *out);
-void sweep_pile_write_base(const sweep_solved *s, FILE *out);
+rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out);
 rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables);
 
 #endif

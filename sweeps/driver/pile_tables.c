@@ -38,16 +38,14 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     rp_table_note(out, "H_ratio", "%.6g, the largest H over that of diagonals alone", s->error.H_ratio);
 }
 
-void sweep_pile_write_base(const sweep_solved *s, FILE *out)
+rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out)
 {
-    static const char *const columns[][2] = {{"i", ""},    {"x", "sigma"},         {"N/mg", ""},
-                                             {"H/mg", ""}, {"N_diagonals/mg", ""}, {"H_diagonals/mg", ""},
-                                             {"x/B", ""},  {"N/(chi*g*B)", ""},    {"H/(chi*g*B)", ""}};
     const sweep_outline *h = s->h;
     const size_t k = s->r.wells, *disk = s->disk;
     const double *N = s->N, *H = s->H;
     const double middle = (h->disks[disk[0]].x + h->disks[disk[k - 1]].x) / 2;
-    rp_table_columns(out, 9, columns);
+    rp_table_header(out, "i, x [sigma], N/mg, H/mg, N_diagonals/mg, H_diagonals/mg, x/B, N/(chi*g*B), "
+                         "H/(chi*g*B)");
     for (size_t i = 0; i < k; i++) {
         const double x = h->disks[disk[i]].x;
         const an_force exact = h->exact ? h->exact[i] : (an_force){NAN, NAN};
@@ -55,104 +53,78 @@ void sweep_pile_write_base(const sweep_solved *s, FILE *out)
                      (double[]){(double)i + 1, x, N[i], H[i], exact.N, exact.H, 0.5 + (x - middle) / h->B,
                                 N[i] / h->B, H[i] / h->B});
     }
+    return RP_OK;
 }
 
-static rp_status open_table(const sweep_solved *s, const sweep_tables *tables, const char *name,
-                            char path[4096], FILE **out)
+static rp_status write_contacts(const sweep_solved *s, FILE *out)
 {
-    rp_status status = sweep_table_open(tables, name, path, 4096, out);
-    if (!status) sweep_pile_notes(s, *out);
-    return status;
-}
-
-static rp_status write_contacts(const sweep_solved *s, const sweep_tables *tables)
-{
-    static const char *const columns[][2] = {
-        {"a", ""},        {"b", ""},        {"x", "sigma"},     {"y", "sigma"},    {"x_b", "sigma"},
-        {"y_b", "sigma"}, {"force", "m g"}, {"horizontal", ""}, {"strongest", ""}, {"weakest", ""}};
-    char path[4096];
-    FILE *out;
     statics_contact *list;
     size_t n;
     rp_status status = statics_contacts(s->pile, &list, &n);
     if (status) return status;
-    status = open_table(s, tables, "contacts.tsv", path, &out);
-    if (!status) {
-        rp_table_columns(out, 10, columns);
-        for (const statics_contact *c = list; c < list + n; c++)
-            rp_table_row(out, 10,
-                         (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
-                                    c->horizontal, c->strongest, c->weakest});
-        status = rp_file_close(path, out, RP_OK);
-    }
+    rp_table_header(out, "a, b, x [sigma], y [sigma], x_b [sigma], y_b [sigma], force [m g], horizontal, "
+                         "strongest, weakest");
+    for (const statics_contact *c = list; c < list + n; c++)
+        rp_table_row(out, 10,
+                     (double[]){(double)c->a + 1, (double)c->b + 1, c->x, c->y, c->x_b, c->y_b, c->force,
+                                c->horizontal, c->strongest, c->weakest});
     free(list);
-    return status;
+    return RP_OK;
 }
 
-static rp_status write_disks(const sweep_solved *s, const sweep_tables *tables)
+static rp_status write_disks(const sweep_solved *s, FILE *out)
 {
-    static const char *const columns[][2] = {{"id", ""},     {"x", "sigma"},       {"y", "sigma"},
-                                             {"r", "sigma"}, {"u_x", "eps sigma"}, {"u_y", "eps sigma"}};
-    char path[4096];
-    FILE *out;
     double *u = malloc(2 * s->h->n * sizeof *u);
     if (!u) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     const double eps = s->r.eps;
     statics_displacements(s->pile, u);
-    rp_status status = open_table(s, tables, "disks.tsv", path, &out);
-    if (!status) {
-        rp_table_columns(out, 6, columns);
-        for (size_t i = 0; i < s->h->n; i++)
-            rp_table_row(out, 6,
-                         (double[]){(double)i + 1, s->h->disks[i].x + eps * u[2 * i],
-                                    s->h->disks[i].y + eps * u[2 * i + 1], s->h->disks[i].r, u[2 * i],
-                                    u[2 * i + 1]});
-        status = rp_file_close(path, out, RP_OK);
+    rp_table_header(out, "id, x [sigma], y [sigma], r [sigma], u_x [eps sigma], u_y [eps sigma]");
+    for (size_t i = 0; i < s->h->n; i++) {
+        const statics_disk *p = &s->h->disks[i];
+        const double u_x = u[2 * i], u_y = u[2 * i + 1];
+        rp_table_row(out, 6, (double[]){(double)i + 1, p->x + eps * u_x, p->y + eps * u_y, p->r, u_x, u_y});
     }
     free(u);
-    return status;
+    return RP_OK;
 }
 
-static rp_status write_wells(const sweep_solved *s, const sweep_tables *tables)
+static rp_status write_wells(const sweep_solved *s, FILE *out)
 {
-    static const char *const columns[][2] = {{"disk", ""},           {"x", "sigma"}, {"x_0", "sigma"},
-                                             {"x-x_0", "eps sigma"}, {"N", "m g"},   {"H", "m g"},
-                                             {"state", ""}};
     static const char *const states[] = {
         [STATICS_WELL_HOLDS] = "holds", [STATICS_WELL_BROKEN] = "broken", [STATICS_WELL_ANEW] = "set_anew"};
-    char path[4096];
-    FILE *out;
     statics_well *wells = malloc((s->r.wells + 1) * sizeof *wells);
     if (!wells) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     statics_wells(s->pile, wells);
-    rp_status status = open_table(s, tables, "wells.tsv", path, &out);
-    if (!status) {
-        rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
-        rp_table_columns(out, 7, columns);
-        for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
-            const double x = s->h->disks[w->disk].x;
-            rp_table_row_word(out, 6,
-                              (double[]){(double)w->disk + 1, x + s->r.eps * w->x, x + s->r.eps * w->x_0,
-                                         w->x - w->x_0, w->N, w->H},
-                              states[w->state]);
-        }
-        status = rp_file_close(path, out, RP_OK);
+    rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
+    rp_table_header(out, "disk, x [sigma], x_0 [sigma], x-x_0 [eps sigma], N [m g], H [m g], state");
+    for (const statics_well *w = wells; w < wells + s->r.wells; w++) {
+        const double x = s->h->disks[w->disk].x;
+        rp_table_row_word(out, 6,
+                          (double[]){(double)w->disk + 1, x + s->r.eps * w->x, x + s->r.eps * w->x_0,
+                                     w->x - w->x_0, w->N, w->H},
+                          states[w->state]);
     }
     free(wells);
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables)
 {
-    char path[4096];
-    FILE *out;
+    static const struct {
+        const char *name;
+        rp_status (*write)(const sweep_solved *s, FILE *out);
+    } list[] = {{"wells.tsv", write_wells},
+                {"contacts.tsv", write_contacts},
+                {"disks.tsv", write_disks},
+                {"base.tsv", sweep_pile_write_base}};
+    const size_t n = sizeof list / sizeof *list - (s->r.fault != 0); /* no forces on the base */
     rp_status status = rp_make_directory(tables->directory);
-    if (!status) status = write_wells(s, tables);
-    if (!status) status = write_contacts(s, tables);
-    if (!status) status = write_disks(s, tables);
-    if (status || s->r.fault) return status;
-    status = open_table(s, tables, "base.tsv", path, &out);
-    if (status) return status;
-    sweep_pile_write_base(s, out);
-    return rp_file_close(path, out, RP_OK);
+    for (size_t i = 0; !status && i < n; i++) {
+        sweep_file f;
+        status = sweep_table_open(tables, list[i].name, &f);
+        if (status) return status;
+        sweep_pile_notes(s, f.out);
+        status = sweep_table_close(&f, list[i].write(s, f.out));
+    }
+    return status;
 }

@@ -168,8 +168,7 @@ static rp_status give_up(pool *p, worker *w, const char *word, const char *cause
         p->tries[end] = w->tries + 1;
     } else {
         sweep_result_clear(&row.result);
-        strcpy(row.result.status, word);
-        snprintf(row.result.message, sizeof row.result.message, "%s", cause);
+        sweep_conclude(&row.result, word, "%s", cause);
         status = store_row(p, &row);
     }
     return status || p->waiting == 0 ? status : start_worker(p, w);

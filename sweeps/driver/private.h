@@ -98,9 +98,6 @@ rp_status sweep_folder_open(const char *dir, const sweep_protocol *const *protoc
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
 
-/* Is this the status of a result? */
-bool sweep_is_result(const char *status);
-
 /* Is this the status of a run that the machine ended, or a limit? It has no outcome, and the next drive tries
  * it again. Errors of sweep_check_aborted: RP_NO_RESULT while there is such a run. */
 #define SWEEP_ABORTED "'crashed', 'no_memory', 'time_limit'"

@@ -84,14 +84,26 @@ typedef struct {
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
-/* Open the table `name` of the run, header written; close it with rp_file_close(path, ...).
- * Errors: RP_IO. */
-rp_status sweep_table_open(const sweep_tables *tables, const char *name, char *path, size_t size, FILE **out);
+/* Is this the status of a result? */
+bool sweep_is_result(const char *status);
 
-/* Hash of chosen outputs of n short runs; indices end with -1. Angles count to a millionth of a degree,
+/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
+ */
+rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
+typedef struct {
+    char path[4096];
+    FILE *out;
+} sweep_file;
+rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
+rp_status sweep_table_close(const sweep_file *file, rp_status status);
+
+/* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
-                          const int indices[], char digits[33]);
+                          const char *names, char digits[33]);
 
 /* One list: every protocol. */
 #define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)

@@ -442,12 +442,8 @@ static void conclude(const drop *d)
     if (!pile)
         snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_height],
                  v[OUT_left_deg], v[OUT_right_deg], *drops ? "; " : "");
-    snprintf(d->result->status, sizeof d->result->status, "%s",
-             !pile         ? "no_pile"
-             : *drops      ? "drops_not_at_rest"
-             : !d->relaxed ? "not_at_rest"
-                           : "ok");
-    snprintf(d->result->message, sizeof d->result->message, "%s%s", layer, drops);
+    const char *word = !pile ? "no_pile" : *drops ? "drops_not_at_rest" : !d->relaxed ? "not_at_rest" : "ok";
+    sweep_conclude(d->result, word, "%s%s", layer, drops);
 }
 
 static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run,
@@ -472,9 +468,7 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
 static rp_status finish(drop *d, rp_status status)
 {
     if (status == RP_BROKEN || status == RP_NO_RESULT) {
-        const char *word = status == RP_BROKEN ? "broken" : "no_pile";
-        snprintf(d->result->status, sizeof d->result->status, "%s", word);
-        snprintf(d->result->message, sizeof d->result->message, "%s", rp_message());
+        sweep_conclude(d->result, status == RP_BROKEN ? "broken" : "no_pile", "%s", rp_message());
         status = RP_OK;
     }
     if (d->radii) gsl_rng_free(d->radii);
@@ -486,14 +480,13 @@ static rp_status finish(drop *d, rp_status status)
 
 static rp_status write_drops(const drop *d, const sweep_tables *tables)
 {
-    static const char *const columns[][2] = {{"drop", ""}, {"moved", ""}};
-    char path[4096];
-    FILE *out;
-    rp_status status = sweep_table_open(tables, "drops.tsv", path, sizeof path, &out);
+    sweep_file f;
+    rp_status status = sweep_table_open(tables, "drops.tsv", &f);
     if (status) return status;
-    rp_table_columns(out, 2, columns);
-    for (long k = 0; k < d->p->N; k++) rp_table_row(out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
-    return rp_file_close(path, out, RP_OK);
+    rp_table_header(f.out, "drop, moved");
+    for (long k = 0; k < d->p->N; k++)
+        rp_table_row(f.out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});
+    return sweep_table_close(&f, RP_OK);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,

@@ -23,16 +23,13 @@ typedef struct {
     long insertions, steps_max, avalanche, draws;
 } flux_params;
 
-#define AT(field)    offsetof(flux_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(flux_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(flux_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(flux_params, __VA_ARGS__)
+#define AT(field) offsetof(flux_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_WALL_ROWS
     {"v_cut", "cm/s", RP_REAL, AT(v_cut), "0.1", "(0, inf)", "the pile is quiet below this speed"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "0", "[0, 100]", "of a new grain, above where it would touch"},
     {"entry_width", "d", RP_REAL, AT(entry_width), "0", "[0, 100]",
@@ -43,8 +40,8 @@ static const rp_param schema[] = {
     {"avalanche", "", RP_INT, AT(avalanche), "5", "[1, 1000000]",
      "least outflow between two insertions that counts as an avalanche"},
     {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
 /* clang-format on */
@@ -141,10 +138,8 @@ static rp_status insert(flux *f, uint32_t *id)
     double y = sweep_touch_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
     const dem_grain grain = grain_at(f, x, y + f->p.drop_height * d, r);
     status = dem_add(f->box.sim, &grain, id);
-    if (status != RP_BAD_INPUT) return status;
     /* a fall from there is too fast for dt */
-    sweep_box_conclude(&f->box, "too_high", rp_message());
-    return RP_NO_RESULT;
+    return status == RP_BAD_INPUT ? sweep_conclude(f->box.result, "too_high", "%s", rp_message()) : status;
 }
 
 /* Advance until the pile is quiet, or the steps are used up. */
@@ -237,11 +232,12 @@ static rp_status analyse(flux *f)
     size_t from;
     stats_series series;
     rp_status status = stats_level_off(f->n, f->theta, &from);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "not_level", rp_message());
+    if (status == RP_NO_RESULT) return sweep_conclude(f->box.result, "not_level", "%s", rp_message());
     if (status) return status;
-    sweep_box_conclude(&f->box, "ok", "");
+    sweep_conclude(f->box.result, "ok", NULL);
     status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
-    if (status == RP_NO_RESULT) sweep_box_conclude(&f->box, "ok", rp_message()); /* no errors, but a mean */
+    if (status == RP_NO_RESULT) /* no errors, but a mean */
+        sweep_conclude(f->box.result, "ok", "%s", rp_message());
     if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_theta_max_draws_deg]);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {
@@ -264,21 +260,17 @@ static rp_status analyse(flux *f)
 
 static rp_status write_series(const flux *f)
 {
-    static const char *const columns[][2] = {{"step", ""},    {"insertion", ""},
-                                             {"grains", ""},  {"theta_r3_deg", "degree"},
-                                             {"outflow", ""}, {"tower", "d"}};
-    char path[4096];
-    FILE *out;
+    sweep_file series;
     if (!f->box.tables) return RP_OK;
-    rp_status status = sweep_table_open(f->box.tables, "series.tsv", path, sizeof path, &out);
+    rp_status status = sweep_table_open(f->box.tables, "series.tsv", &series);
     if (status) return status;
-    rp_table_note(out, "v_cut", "%g cm/s", f->p.v_cut);
-    rp_table_columns(out, 6, columns);
+    rp_table_note(series.out, "v_cut", "%g cm/s", f->p.v_cut);
+    rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)
-        rp_table_row(out, 6,
+        rp_table_row(series.out, 6,
                      (double[]){(double)f->step[k], (double)k + 1.0, (double)f->grains[k], f->theta[k],
                                 (double)outflow(f, k), f->tower[k]});
-    return rp_file_close(path, out, RP_OK);
+    return sweep_table_close(&series, RP_OK);
 }
 
 /* The series, with its simulation still there to look at; afterwards `finish`. */

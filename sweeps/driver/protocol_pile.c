@@ -93,9 +93,8 @@ rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned l
     size_t n;
     rp_status status = outline(p, v, &n);
     if (!status)
-        status = p->inner_deg > 0 ? sweep_outline_polygon(h, p->base, p->gap, v, n)
-                                  : sweep_outline_slope(h, p->base, p->gap,
-                                                        p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0);
+        status = sweep_outline_make(h, p->base, p->gap, p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0,
+                                    p->inner_deg > 0 ? n : 0, v);
     return status || !(p->disorder > 0) ? status : sweep_outline_disorder(h, p->disorder, seed, run);
 }
 
@@ -194,17 +193,19 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
 }
 
 /* As of protocol drop, from the load of the base disks alone. A single disk has no profile. */
-static rp_status base_profile(size_t k, const double x[], const double N[], double *dip, double profile[])
+static rp_status base_profile(size_t k, const double x[], const double r[], const double N[], double *dip,
+                              double profile[])
 {
     stress_base base;
-    rp_status status = sweep_outline_base(k, x, N, &base);
+    rp_status status = stress_base_profile(k, x, r, N, &base);
     if (!status) *dip = stress_dip(base.N);
     for (int i = 0; !status && profile && i < STRESS_DIP_BINS; i++) profile[i] = base.N[i];
     return status == RP_NO_RESULT ? RP_OK : status;
 }
 
 /* Beside diagonals alone, `exact` is room for 2 k numbers. */
-static rp_status compare_diagonals(sweep_solved *s, const double x[], double exact[], double *v)
+static rp_status compare_diagonals(sweep_solved *s, const double x[], const double r[], double exact[],
+                                   double *v)
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
@@ -220,7 +221,7 @@ static rp_status compare_diagonals(sweep_solved *s, const double x[], double exa
     v[OUT_N_error_rms] = e.N_rms;
     v[OUT_N_error_max] = e.N_max;
     v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
-    return base_profile(k, x, exact, &v[OUT_D_diagonals], NULL);
+    return base_profile(k, x, r, exact, &v[OUT_D_diagonals], NULL);
 }
 
 static rp_status measure(sweep_solved *s, double *v)
@@ -228,11 +229,14 @@ static rp_status measure(sweep_solved *s, double *v)
     const size_t k = s->r.wells;
     an_point outside[5];
     size_t n = 0;
-    double *x = malloc((3 * k + 1) * sizeof *x), deviation[2];
-    rp_status status = x ? RP_OK : rp_fail(RP_NO_MEMORY, "pile: out of memory");
-    for (size_t i = 0; !status && i < k; i++) x[i] = s->h->disks[s->disk[i]].x;
-    if (!status && s->h->exact) status = compare_diagonals(s, x, x + k, v);
-    if (!status) status = base_profile(k, x, s->N, &v[OUT_D], &v[OUT_n_01]);
+    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k, deviation[2];
+    if (!x) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < k; i++) {
+        x[i] = s->h->disks[s->disk[i]].x;
+        r[i] = 0.5;
+    }
+    rp_status status = s->h->exact ? compare_diagonals(s, x, r, r + k, v) : RP_OK;
+    if (!status) status = base_profile(k, x, r, s->N, &v[OUT_D], &v[OUT_n_01]);
     if (!status) status = find_level(s->pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
     if (!status) {
         v[OUT_N_centre] = sweep_outline_centre(k, s->N);
@@ -245,12 +249,6 @@ static rp_status measure(sweep_solved *s, double *v)
         v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
     free(x);
     return status;
-}
-
-static void conclude(const char *word, rp_status status, sweep_result *results)
-{
-    snprintf(results->status, sizeof results->status, "%s", word);
-    if (status) snprintf(results->message, sizeof results->message, "%s", rp_message());
 }
 
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
@@ -266,7 +264,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
-    conclude(statics_fault_text(s->r.fault), status, results);
+    sweep_conclude(results, statics_fault_text(s->r.fault), "%s", status ? rp_message() : "");
     double *v = results->values;
     v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
     v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
@@ -318,21 +316,19 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         statics_result r;
         rp_status status = is_stable(p, h, eps, &stable, &r);
         if (status == RP_NO_RESULT) {
-            status = rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
-            conclude(statics_fault_text(r.fault), status, results);
+            rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
+            return sweep_conclude(results, statics_fault_text(r.fault), "%s", rp_message());
         }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
         if (!(lo < EPS_MAX)) {
-            status = rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
-            conclude("no_threshold", status, results);
-            return status;
+            rp_fail(RP_NO_RESULT, "stable up to eps = %g: no threshold below", lo);
+            return sweep_conclude(results, "no_threshold", "%s", rp_message());
         }
         eps = !(hi > 0) ? fmin(lo * WIDEN, EPS_MAX) : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
     }
     results->values[OUT_eps_c] = lo;
-    conclude("ok", RP_OK, results);
-    return RP_OK;
+    return sweep_conclude(results, "ok", NULL);
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
@@ -356,21 +352,8 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     const double DIGITS = 1e6;
-    static const int hashed[] = {OUT_n_disks,
-                                 OUT_D,
-                                 OUT_D_diagonals,
-                                 OUT_H_ratio,
-                                 OUT_N_error_rms,
-                                 OUT_N_continuum_rms,
-                                 OUT_H_continuum_rms,
-                                 OUT_negative_modes,
-                                 OUT_smallest_pivot,
-                                 OUT_contacts,
-                                 OUT_strongest_level,
-                                 OUT_broken,
-                                 OUT_load,
-                                 OUT_n_05,
-                                 -1};
+    static const char hashed[] = "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
+                                 "negative_modes smallest_pivot contacts strongest_level broken load n_05";
     sweep_pile p;
     sweep_result result;
     rp_params_defaults(sweep_pile_schema, &p);

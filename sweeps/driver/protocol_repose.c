@@ -25,35 +25,33 @@ typedef struct {
     unsigned measure;
 } repose_params;
 
-#define AT(field)    offsetof(repose_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(repose_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(repose_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(repose_params, __VA_ARGS__)
+#define AT(field) offsetof(repose_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
-    SWEEP_BOX_OPENING_ROWS(BOX)
-    SWEEP_BOX_FLOOR_GRAINS_ROW(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_COUNT_ROWS
+    SWEEP_BOX_WALL_ROWS
+    SWEEP_BOX_OPENING_ROWS
+    SWEEP_ROW(floor_grains, "", RP_BOOL, "false", "",
+              "a row of fixed grains of the mean radius for a floor, tops at y = 0; touched as any other grain")
     {"fill", "", RP_CHOICE, AT(fill), "auto", "drop | ramp | auto",
      "gravity from the start, or growing from 0 in the first half of fill_steps; auto: growing where a fall "
      "would press grains in by half the smallest radius"},
-    SWEEP_BOX_FILL_STEPS_ROW(BOX)
+    SWEEP_BOX_FILL_STEPS_ROW
     {"stop", "", RP_CHOICE, AT(stop), "rest", "rest | steps",
      "measure at rest, or relax_steps after an opening at fill_steps, at rest or not"},
     {"relax_steps", "", RP_INT, AT(relax_steps), "50000", "[1, 1000000000]",
      "steps after the opening for stop = steps"},
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_MAX_STEPS_ROW(BOX)
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_MAX_STEPS_ROW
     {"measure", "", RP_FLAGS, AT(measure), "theta_r", "theta_r | theta_t | theta_t_static",
      "slopes (always); tilt at a rate; tilt by 0.1 degree from rest to rest"},
     {"tilt", "", RP_CHOICE, AT(tilt), "gravity", "gravity | box",
      "what turns: gravity, or the walls about the origin, as in the paper"},
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
 /* clang-format on */
@@ -324,14 +322,13 @@ static rp_status tilt_pile(experiment *e)
 
 static rp_status write_scene(experiment *e)
 {
-    char path[4096];
-    FILE *out;
+    sweep_file f;
     if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
-    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", path, sizeof path, &out);
+    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", &f);
     if (status) return status;
     e->box.scene.steps = dem_step(e->box.sim);
-    dem_scene_write(&e->box.scene, out);
-    return rp_file_close(path, out, RP_OK);
+    dem_scene_write(&e->box.scene, f.out);
+    return sweep_table_close(&f, RP_OK);
 }
 
 /* The experiment from an empty box to its last measurement. */
@@ -345,7 +342,7 @@ static rp_status run_phases(experiment *e)
     if (!status) status = write_scene(e);
     if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
     if (!status)
-        sweep_box_conclude(&e->box, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", e->box.result->message);
+        status = sweep_conclude(e->box.result, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", NULL);
     if (e->box.sim) e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */
@@ -371,18 +368,9 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 static rp_status fingerprint(char digits[33])
 {
     enum { N_RUNS = 4 };
-    static const int hashed[] = {OUT_theta_r1_deg,
-                                 OUT_theta_r2_deg,
-                                 OUT_theta_r3_deg,
-                                 OUT_theta_t_displacement_deg,
-                                 OUT_theta_t_energy_deg,
-                                 OUT_theta_lower_less_upper_deg,
-                                 OUT_grains,
-                                 OUT_cells,
-                                 OUT_contact_number,
-                                 OUT_residual_energy,
-                                 OUT_residual_force,
-                                 -1};
+    static const char hashed[] =
+        "theta_r1_deg theta_r2_deg theta_r3_deg theta_t_displacement_deg theta_t_energy_deg "
+        "theta_lower_less_upper_deg grains cells contact_number residual_energy residual_force";
     repose_params p[N_RUNS];
     sweep_result results[N_RUNS];
     for (int k = 0; k < N_RUNS; k++) {

@@ -20,23 +20,20 @@ typedef struct {
     double tilt_rate_deg;
 } stress_params;
 
-#define AT(field)    offsetof(stress_params, field)
-#define BOX(...)     SWEEP_BOX_ROW(stress_params, __VA_ARGS__)
-#define PHYSICS(...) SWEEP_PHYSICS_ROW(stress_params, __VA_ARGS__)
-#define RADIUS(...)  SWEEP_RADIUS_ROW(stress_params, __VA_ARGS__)
+#define AT(field) offsetof(stress_params, field)
 
 /* clang-format off */
 static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS(PHYSICS, RADIUS)
-    SWEEP_BOX_WIDTH_ROW(BOX)
-    SWEEP_BOX_COUNT_ROWS(BOX)
-    SWEEP_BOX_WALL_ROWS(BOX)
-    SWEEP_BOX_OPENING_ROWS(BOX)
-    SWEEP_BOX_FILL_STEPS_ROW(BOX)
-    SWEEP_BOX_REST_ROWS(BOX)
-    SWEEP_BOX_MAX_STEPS_ROW(BOX)
+    SWEEP_BOX_PHYSICS
+    SWEEP_BOX_WIDTH_ROW
+    SWEEP_BOX_COUNT_ROWS
+    SWEEP_BOX_WALL_ROWS
+    SWEEP_BOX_OPENING_ROWS
+    SWEEP_BOX_FILL_STEPS_ROW
+    SWEEP_BOX_REST_ROWS
+    SWEEP_BOX_MAX_STEPS_ROW
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
-    SWEEP_BOX_SURFACE_ROWS(BOX)
+    SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS,
     [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
@@ -256,10 +253,8 @@ static rp_status conclude(experiment *e)
     v[OUT_bulk_friction_0] = tan(stress_mohr(&first->s).mobilised);
     for (size_t k = 0; k < e->n_readings; k++)
         v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
-    if (e->n_readings < LEAST_TILTS) {
-        sweep_box_conclude(&e->box, "no_response", "the pile moves at the first tilts");
-        return RP_NO_RESULT;
-    }
+    if (e->n_readings < LEAST_TILTS)
+        return sweep_conclude(e->box.result, "no_response", "the pile moves at the first tilts");
     rp_status status = respond(e, offsetof(reading, n), &r.n[0], &r.n[1]);
     if (!status) status = respond(e, offsetof(reading, h), &r.h[0], &r.h[1]);
     for (size_t k = 0; k < 4 && !status; k++)
@@ -272,8 +267,7 @@ static rp_status conclude(experiment *e)
     if (e->n_readings == N_TILTS)
         v[OUT_floor_friction_beyond] =
             last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
-    sweep_box_conclude(&e->box, "ok", "");
-    return RP_OK;
+    return sweep_conclude(e->box.result, "ok", NULL);
 }
 
 static rp_status run_phases(experiment *e)
@@ -316,20 +310,9 @@ static rp_status fingerprint(char digits[33])
 {
     stress_params p = {0}; /* the schema has not every field of the box */
     sweep_result result;
-    static const int hashed[] = {OUT_theta_r3_deg,
-                                 OUT_theta_t_displacement_deg,
-                                 OUT_n_0,
-                                 OUT_n_1,
-                                 OUT_h_0,
-                                 OUT_h_1,
-                                 OUT_sxx_0,
-                                 OUT_syx_1,
-                                 OUT_floor_tilt_deg,
-                                 OUT_weight_error,
-                                 OUT_balance_error,
-                                 OUT_grains,
-                                 OUT_steps,
-                                 -1};
+    static const char hashed[] =
+        "theta_r3_deg theta_t_displacement_deg n_0 n_1 h_0 h_1 sxx_0 syx_1 floor_tilt_deg "
+        "weight_error balance_error grains steps";
     rp_params_defaults(schema, &p);
     p.box.W = 2.0;
     p.box.H = 1.0;

@@ -12,13 +12,6 @@
 enum { N_STATISTICS = 6 };
 static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
 
-static void statistics(const double *x, size_t n, double s[N_STATISTICS])
-{
-    stats_summary a;
-    stats_mean(n, x, &a); /* without values every field but n is NaN: a result too */
-    memcpy(s, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)n}, N_STATISTICS * sizeof *s);
-}
-
 typedef struct {
     const sweep_plan *plan;
     FILE *out;
@@ -48,16 +41,13 @@ static void note_maker(const char *program, size_t runs, void *context)
     rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
 }
 
-static rp_status add_seconds(const sweep_row *row, void *sum)
-{
-    if (isfinite(row->seconds)) *(double *)sum += row->seconds;
-    return RP_OK;
-}
-
+/* Of the rows that are stored. */
 typedef struct {
     const sweep_plan *plan;
     XXH3_state_t *state;
     size_t n_rows, n_outputs;
+    double seconds;
+    char text[33];
 } digester;
 
 static rp_status digest_row(const sweep_row *row, void *context)
@@ -69,33 +59,29 @@ static rp_status digest_row(const sweep_row *row, void *context)
     XXH3_128bits_update(d->state, d->plan->keys[row->run], sizeof d->plan->keys[row->run]);
     XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
     XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
+    if (isfinite(row->seconds)) d->seconds += row->seconds;
     d->n_rows++;
     return RP_OK;
 }
 
-/* Of the rows that are stored; *n_rows is their number. */
-static rp_status find_digest(const sweep_plan *plan, sweep_store *store, char digest[33], size_t *n_rows)
+static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digester *d)
 {
-    digester d = {.plan = plan, .state = XXH3_createState(), .n_outputs = count_outputs(plan->protocol)};
-    XXH3_128bits_reset(d.state);
-    rp_status status = sweep_store_visit(store, plan, digest_row, &d);
-    rp_hash_digits(XXH3_128bits_digest(d.state), digest);
-    XXH3_freeState(d.state);
-    *n_rows = d.n_rows;
+    *d = (digester){.plan = plan, .state = XXH3_createState(), .n_outputs = count_outputs(plan->protocol)};
+    XXH3_128bits_reset(d->state);
+    rp_status status = sweep_store_visit(store, plan, digest_row, d);
+    rp_hash_digits(XXH3_128bits_digest(d->state), d->text);
+    XXH3_freeState(d->state);
     return status;
 }
 
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command, FILE *out)
 {
-    char text[256];
-    char hash[33], digest[33];
-    double seconds = 0.0;
-    size_t rows;
+    char text[256], hash[33];
+    digester digest;
     sweep_counts counts;
     rp_status status = sweep_store_note(store, "file", text, sizeof text);
     if (!status) status = sweep_store_count(store, plan, &counts);
-    if (!status) status = sweep_store_visit(store, plan, add_seconds, &seconds);
-    if (!status) status = find_digest(plan, store, digest, &rows);
+    if (!status) status = find_digest(plan, store, &digest);
     if (status) return status;
     rp_hash_digits(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
     rp_table_provenance(out, command);
@@ -104,10 +90,10 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
                   plan->shared_piles ? ", shared piles" : "");
     status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", hash);
-    rp_table_note(out, "digest", "%s (%zu runs)", digest, rows);
+    rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
-    rp_table_note(out, "run_time", "%.1f s", seconds);
+    rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
         if (!is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, plan->points, text, sizeof text),
@@ -115,43 +101,32 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     return status;
 }
 
-typedef struct {
-    size_t n;
-    const char *(*pairs)[2];
-    char (*names)[64];
-} columns;
-
-static void add_column(columns *c, const char *name, const char *suffix, const char *unit)
+static void add_column(FILE *list, const char *name, const char *suffix, const char *unit)
 {
-    snprintf(c->names[c->n], sizeof c->names[c->n], "%s%s%s", name, *suffix ? "_" : "", suffix);
-    c->pairs[c->n][0] = c->names[c->n];
-    c->pairs[c->n++][1] = unit;
+    fprintf(list, "%s%s%s", name, *suffix ? "_" : "", suffix);
+    fprintf(list, *unit ? " [%s], " : "%s, ", unit);
 }
 
 static rp_status write_columns(const table *t, bool reduce)
 {
     const sweep_output *o = t->plan->protocol->outputs;
-    size_t n_max = t->plan->n_axes + 5 + t->n_outputs * N_STATISTICS;
-    columns c = {0, calloc(n_max, sizeof *c.pairs), calloc(n_max, sizeof *c.names)};
-    rp_status status = c.pairs && c.names ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
-    if (!status) {
-        if (!reduce) add_column(&c, "run", "", ""), add_column(&c, "status", "", "");
-        for (size_t a = 0; a < t->plan->n_axes; a++)
-            add_column(&c, t->plan->axes[a]->name, "", t->plan->axes[a]->unit);
-        if (!reduce) add_column(&c, "replica", "", ""), add_column(&c, "pile", "", "");
-        for (size_t i = 0; i < t->n_outputs; i++)
-            for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
-                add_column(&c, o[i].name, reduce ? statistics_names[k] : "",
-                           reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
-        if (reduce)
-            add_column(&c, "n", "", ""), add_column(&c, "n_failed", "", "");
-        else
-            add_column(&c, "seconds", "", "s");
-        rp_table_columns(t->out, c.n, (const char *const(*)[2])c.pairs);
-    }
-    free(c.pairs);
-    free(c.names);
-    return status;
+    char *text = NULL;
+    size_t size;
+    FILE *list = open_memstream(&text, &size);
+    if (!list) return rp_fail(RP_NO_MEMORY, "table: out of memory");
+    if (!reduce) fputs("run, status, ", list);
+    for (size_t a = 0; a < t->plan->n_axes; a++)
+        add_column(list, t->plan->axes[a]->name, "", t->plan->axes[a]->unit);
+    if (!reduce) fputs("replica, pile, ", list);
+    for (size_t i = 0; i < t->n_outputs; i++)
+        for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
+            add_column(list, o[i].name, reduce ? statistics_names[k] : "",
+                       reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
+    fputs(reduce ? "n, n_failed" : "seconds [s]", list);
+    fclose(list);
+    rp_table_header(t->out, text);
+    free(text);
+    return RP_OK;
 }
 
 static void write_axes(const table *t, size_t point)
@@ -180,8 +155,12 @@ static void write_point(table *t)
 {
     double values[SWEEP_MAX_OUTPUTS * N_STATISTICS + 2];
     size_t n = 0;
-    for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS)
-        statistics(t->finite + i * t->plan->replicas, t->n_finite[i], values + n);
+    for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS) {
+        stats_summary a;
+        stats_mean(t->n_finite[i], t->finite + i * t->plan->replicas, &a); /* NaN without values */
+        memcpy(values + n, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)a.n},
+               N_STATISTICS * sizeof *values);
+    }
     values[n++] = (double)t->n_results;
     values[n++] = (double)(t->n_rows - t->n_results);
     if (t->n_rows > 0) {
@@ -240,8 +219,11 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows)
 {
     sweep_folder f;
+    digester d = {0};
     rp_status status = sweep_folder_open(dir, protocols, false, &f);
-    if (!status) status = find_digest(&f.plan, f.store, digest, n_rows);
+    if (!status) status = find_digest(&f.plan, f.store, &d);
+    memcpy(digest, d.text, sizeof d.text);
+    *n_rows = d.n_rows;
     if (!status && *n_rows < f.plan.n_runs)
         status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
                          f.plan.n_runs - *n_rows, f.plan.n_runs);

@@ -64,11 +64,6 @@ static rp_status finish(sweep_store *s, const char *what, sqlite3_stmt *q)
     return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : fail(s, what);
 }
 
-bool sweep_is_result(const char *status)
-{
-    return strncmp(status, "ok", 2) == 0;
-}
-
 rp_status sweep_store_open(const char *dir, sweep_store_mode mode, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);

@@ -48,6 +48,20 @@ void sweep_folder_close(sweep_folder *folder)
     if (folder->lock >= 0) close(folder->lock);
 }
 
+rp_status sweep_check_output(const char *dir, const char *path)
+{
+    static const char *const names[] = {
+        "store.sqlite", "store.sqlite-journal", "store.sqlite-wal", "store.sqlite-shm", "sweep.cfg", "lock"};
+    char own[4096];
+    struct stat a, b;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(own, sizeof own, "%s/%s", dir, names[i]);
+        if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+            return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
+    }
+    return RP_OK;
+}
+
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, sweep_counts *counts)
 {

@@ -92,6 +92,9 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
 /* Count what is stored. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
+/* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
+rp_status sweep_check_output(const char *dir, const char *path);
+
 /* Write a table of what is stored: one row a run or, if `reduce`, one row a grid point with mean, standard
  * deviation, standard error, 95 % interval (Student's t) and number of the finite values of each output,
  * over the rows with a result. `command` is for the header and may be NULL.
