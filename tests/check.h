@@ -26,6 +26,8 @@
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
+    X(suite_keys)                                                                                            \
+    X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \

@@ -1,12 +1,7 @@
 /* The program from the shell: exit statuses, one message that names the fault, values on standard output, and
  * a sweep from its file to its digest. The environment variable REPOSE names the program. */
-#include <ftw.h>
-#include <limits.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "angle/angle.h"
@@ -14,116 +9,12 @@
 #include "dem/scene.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
+#include "tests/program.h"
 
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
 /* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
 #define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
-
-/* ---- running it ---- */
-
-/* The folder of one test; output of the last run, also in its files `out` and `err`. */
-static char folder[64], program[PATH_MAX];
-static char out[1 << 20], err[1 << 14];
-
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
-
-static void leave(void)
-{
-    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
-}
-
-static void enter(void)
-{
-    const char *name = getenv("REPOSE");
-    strcpy(folder, "/tmp/repose_cli_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
-    if (!realpath(name ? name : "build/repose", program)) {
-        leave();
-        CU_FAIL_FATAL("no program; REPOSE=path of the program");
-    }
-}
-
-static void path_of(const char *name, char path[256])
-{
-    snprintf(path, 256, "%s/%s", folder, name);
-}
-
-/* A name without special characters of the shell. */
-static void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void write_text(const char *name, const char *format, ...)
-{
-    char path[256];
-    va_list args;
-    path_of(name, path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    va_start(args, format);
-    vfprintf(file, format, args);
-    va_end(args);
-    fclose(file);
-}
-
-static void slurp(const char *name, char *text, size_t size)
-{
-    char path[256];
-    path_of(name, path);
-    FILE *file = fopen(path, "r");
-    size_t n = file ? fread(text, 1, size - 1, file) : 0;
-    text[n] = '\0';
-    CU_ASSERT(file && n < size - 1);
-    if (file) fclose(file);
-}
-
-/* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE is the program. */
-static int shell(const char *text)
-{
-    static char line[2 * PATH_MAX];
-    snprintf(line, sizeof line, "cd %s; REPOSE='%s'; %s", folder, program, text);
-    int status = system(line);
-    slurp("out", out, sizeof out);
-    slurp("err", err, sizeof err);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-static int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static int run(const char *format, ...)
-{
-    char line[2048] = "exec \"$REPOSE\" >out 2>err ";
-    size_t used = strlen(line);
-    va_list args;
-    va_start(args, format);
-    vsnprintf(line + used, sizeof line - used, format, args);
-    va_end(args);
-    return shell(line);
-}
-
-/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
-static bool good(int line, int status)
-{
-    bool right = status == 0 && err[0] == '\0';
-    if (!right) fprintf(stderr, "%s:%d: exit status %d, message \"%s\"\n", __FILE__, line, status, err);
-    return right;
-}
-
-/* A failure is an exit status and one line that contains `text`. */
-static bool failed(int line, int status, int expected, const char *text)
-{
-    const char *end = strchr(err, '\n');
-    bool right =
-        status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
-    if (!right)
-        fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__, line,
-                status, err, expected, text);
-    return right;
-}
-
-#define GOOD(...)                CU_ASSERT(good(__LINE__, run(__VA_ARGS__)))
-#define FAILS(status, text, ...) CU_ASSERT(failed(__LINE__, run(__VA_ARGS__), status, text))
 
 typedef struct {
     int status;
@@ -141,46 +32,6 @@ static void check_failures(size_t n, const failure list[])
 
 /* Measured after a fixed time, which is sooner than rest. */
 #define SHORT_RUN "W = 2.0; H = 2.0; stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;"
-
-/* ---- tables ---- */
-
-static rp_table read_table(const char *name)
-{
-    static char path[256];
-    rp_table table;
-    path_of(name, path);
-    rp_status status = rp_table_read(path, &table);
-    CHECK_OK(status);
-    if (status) rp_table_free(&table);
-    return table;
-}
-
-/* "" if there is no such cell. */
-static const char *word(const rp_table *t, size_t row, const char *column)
-{
-    int c = rp_table_column(t, column);
-    bool there = c >= 0 && row < t->n_rows;
-    if (!there) fprintf(stderr, "%s: no row %zu of column %s\n", t->path, row, column);
-    CU_ASSERT(there);
-    return there ? t->cells[row * t->n_columns + (size_t)c] : "";
-}
-
-static double cell(const rp_table *t, size_t row, const char *column)
-{
-    const char *text = word(t, row, column);
-    return *text ? strtod(text, NULL) : NAN;
-}
-
-/* The same rows and columns, as text. */
-static bool equal_tables(const char *name_a, const char *name_b)
-{
-    rp_table a = read_table(name_a), b = read_table(name_b);
-    bool equal = a.n_rows > 0 && a.n_rows == b.n_rows && a.n_columns == b.n_columns;
-    for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
-    rp_table_free(&a);
-    rp_table_free(&b);
-    return equal;
-}
 
 /* ---- help ---- */
 
@@ -521,7 +372,7 @@ static void test_broken_output(void)
     CHECK_FAILURES(list);
     /* a limit of the file's size is a failed write, and no half table stays */
     CU_ASSERT(failed(
-        __LINE__,
+        __FILE__, __LINE__,
         shell("ulimit -f 1; exec \"$REPOSE\" run scene.cfg --every 1 --set steps=99 -o full >out 2>err"), 74,
         "File too large"));
     CU_ASSERT_EQUAL(shell("test -z \"$(ls full)\""), 0);
@@ -1572,7 +1423,7 @@ static void test_stopped(void)
                        "while [ $i -lt 200 ] && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do\n"
                        "  sleep 0.05; i=$((i + 1)); done\n"
                        "kill -TERM $p; wait $p");
-    CU_ASSERT(failed(__LINE__, status, 75, "1 of 2 stored"));
+    CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
     GOOD("sweep status d");
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
@@ -1617,7 +1468,8 @@ static void test_run_stopped(void)
                  "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d >out 2>err & p=$!\n"
                  "sleep 0.5; kill -%s $p; wait $p",
                  signals[k]);
-        CU_ASSERT(failed(__LINE__, shell(line), 75, "of 2000000000; the tables so far are in d/unfinished"));
+        CU_ASSERT(failed(__FILE__, __LINE__, shell(line), 75,
+                         "of 2000000000; the tables so far are in d/unfinished"));
         rp_table t = read_table("d/unfinished/states.tsv");
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
         rp_table_free(&t);
@@ -1625,7 +1477,8 @@ static void test_run_stopped(void)
         snprintf(line, sizeof line,
                  "\"$REPOSE\" run r.cfg --row 20 -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
                  signals[k]);
-        CU_ASSERT(failed(__LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
+        CU_ASSERT(
+            failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
     CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
     GOOD("run s.cfg --every 10 -o d");

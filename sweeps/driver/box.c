@@ -101,13 +101,19 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
                           sweep_result *result)
 {
     sweep_result_clear(result);
-    *run = (sweep_box_run){
-        .box = box, .tables = tables, .result = result, .d = 2.0 * box->radius_mean, .cells = NAN};
+    *run = (sweep_box_run){.box = box,
+                           .tables = tables,
+                           .result = result,
+                           .d = 2.0 * box->radius_mean,
+                           .cells = NAN,
+                           .most = most};
     sweep_box_scene(box, &run->scene);
     run->mg = dem_mass(box->physics.shape, box->physics.density, box->radius_mean) * box->g;
     run->states = malloc(most * sizeof *run->states);
     run->work = malloc(3 * most * sizeof *run->work);
-    if (!run->states || !run->work) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    run->x = malloc(2 * (most + 1) * sizeof *run->x);
+    if (!run->states || !run->work || !run->x) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    run->y = run->x + most + 1;
     if (!tables) return RP_OK;
     run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
@@ -122,6 +128,7 @@ rp_status sweep_box_end(sweep_box_run *run, rp_status status)
     free(run->scene.grains);
     free(run->states);
     free(run->work);
+    free(run->x);
     /* a status word was given: physics without a result, which is an answer */
     if (status == RP_NO_RESULT) status = RP_OK;
     return run->energy.out ? sweep_table_close(&run->energy, status) : status;
@@ -250,7 +257,7 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
     return status ? status : sweep_table_close(&f, dem_write_contacts(sim, f.out));
 }
 
-long sweep_box_grains(const sweep_box *box)
+static long count_grains(const sweep_box *box)
 {
     const double r = box->radius_mean;
     return box->N > 0 ? box->N : lround(box->W * box->H / (4.0 * r * r));
@@ -259,16 +266,18 @@ long sweep_box_grains(const sweep_box *box)
 rp_status sweep_box_check_fill(const sweep_box *box)
 {
     rp_status status = sweep_box_check(box, 2.0 * box->H);
-    if (!status && sweep_box_grains(box) < 1)
+    if (!status && count_grains(box) < 1)
         status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, box->H);
     return status;
 }
 
-static void fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
+rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *b, unsigned long seed,
+                                 unsigned long stream, const sweep_tables *tables, sweep_result *result)
 {
-    const sweep_box *b = run->box;
+    const size_t most = (size_t)count_grains(b) + sweep_box_floor(b, NULL);
+    rp_status status = sweep_box_begin(run, b, most, tables, result);
     run->scene.has_fill = true;
-    run->scene.fill = (dem_fill){.N = sweep_box_grains(b),
+    run->scene.fill = (dem_fill){.N = count_grains(b),
                                  .W = b->W,
                                  .H = 2.0 * b->H,
                                  .radius_mean = b->radius_mean,
@@ -281,74 +290,55 @@ static void fill(sweep_box_run *run, unsigned long seed, unsigned long stream)
                                  .run = (long)stream};
     const double rows = b->H / (20.0 * run->d);
     const double gamma_n = run->scene.def.material.gamma_n; /* negative: by restitution */
-    double most =
+    const double patience =
         4e5 * (gamma_n < 0.0 ? 1.0 : fmax(1.0, 500.0 / fmax(gamma_n, 1.0))) * fmax(1.0, rows * rows);
-    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(most, 2e9));
-}
-
-rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
-                                 unsigned long stream, const sweep_tables *tables, sweep_result *result)
-{
-    const size_t most = (size_t)sweep_box_grains(box) + sweep_box_floor(box, NULL);
-    rp_status status = sweep_box_begin(run, box, most, tables, result);
-    fill(run, seed, stream);
+    run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(patience, 2e9));
     return status;
 }
 
-rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at)
+rp_status sweep_box_note(sweep_box_run *run)
 {
-    const size_t n_all = (size_t)run->scene.fill.N + sweep_box_floor(run->box, NULL);
-    at->n = 0;
-    at->x = malloc((n_all + 1) * sizeof *at->x);
-    at->y = malloc((n_all + 1) * sizeof *at->y);
-    if (!at->x || !at->y) return rp_fail(RP_NO_MEMORY, "tilt: out of memory");
-    for (size_t id = 0; id <= n_all; id++) at->x[id] = NAN;
+    run->n_noted = 0;
+    for (size_t id = 0; id <= run->most; id++) run->x[id] = NAN;
     rp_status status = dem_states(run->sim, run->states);
     for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
-        at->x[s->id] = s->x;
-        at->y[s->id] = s->y;
-        at->n++;
+        run->x[s->id] = s->x;
+        run->y[s->id] = s->y;
+        run->n_noted++;
     }
     return status;
 }
 
-void sweep_positions_free(sweep_positions *at)
-{
-    free(at->x);
-    free(at->y);
-}
-
-rp_status sweep_positions_moved(sweep_box_run *run, const sweep_positions *at, double reach, int contacts,
-                                size_t *moved)
+rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved)
 {
     rp_status status = dem_states(run->sim, run->states);
     size_t seen = 0;
     *moved = 0;
     for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
-        if (isnan(at->x[s->id])) continue;
+        if (isnan(run->x[s->id])) continue;
         seen++;
         double x = s->x, y = s->y;
         dem_box_frame(run->sim, &x, &y);
-        double dx = x - at->x[s->id], dy = y - at->y[s->id];
+        double dx = x - run->x[s->id], dy = y - run->y[s->id];
         *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
     }
-    *moved += at->n - seen;
+    *moved += run->n_noted - seen;
     return status;
 }
 
-rp_status sweep_positions_onset(sweep_box_run *run, const sweep_positions *at, bool *moves)
+rp_status sweep_box_onset(sweep_box_run *run, bool *moves)
 {
     size_t moved;
-    rp_status status = sweep_positions_moved(run, at, 0.1 * run->d, 0, &moved);
-    *moves = !status && (double)moved >= 0.05 * (double)at->n;
+    rp_status status = sweep_box_moved(run, 0.1 * run->d, 0, &moved);
+    *moves = !status && (double)moved >= 0.05 * (double)run->n_noted;
     return status;
 }
 
-rp_status sweep_box_tilt(sweep_box_run *run, const sweep_positions *at, bool box, double rate_deg,
-                         double *displacement_deg, double *energy_deg)
+rp_status sweep_box_tilt(sweep_box_run *run, bool box, double rate_deg, double *displacement_deg,
+                         double *energy_deg)
 {
     const double sway_deg = 0.5, most_deg = 60.0;
     const long every = (long)fmin(10.0, fmax(1.0, 0.01 / rate_deg));
@@ -360,7 +350,7 @@ rp_status sweep_box_tilt(sweep_box_run *run, const sweep_positions *at, bool box
         dem_rest rest;
         rp_status status = sweep_box_advance(run, every);
         turned += (double)every * rate_deg;
-        if (!status) status = sweep_positions_onset(run, at, &onset);
+        if (!status) status = sweep_box_onset(run, &onset);
         if (!status) status = dem_rest_state(run->sim, 0.0, run->box->W, &rest);
         if (status) return status;
         if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);

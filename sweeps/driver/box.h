@@ -107,6 +107,9 @@ typedef struct {
     double cells;      /* occupied when the surface was looked at last; NaN before */
     dem_state *states; /* room for the most grains */
     double *work;      /* and for 3 numbers each */
+    size_t most;       /* number of these */
+    size_t n_noted;    /* by sweep_box_note: grains in the pile, */
+    double *x, *y;     /* [1 + most] by id from 1 on, in the box's frame; NaN for grains outside the pile */
     sweep_file energy;
 } sweep_box_run;
 
@@ -150,10 +153,8 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 /* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
-/* Number of grains of a box: N, or for N < 1 as many as W H holds squares of the diameter d. */
-long sweep_box_grains(const sweep_box *box);
-
-/* Check a box that these grains fill from W x 2 H. Errors: RP_BAD_INPUT. */
+/* Check a box that is filled from W x 2 H: by N grains, or for N < 1 by as many as W H holds squares of the
+ * diameter d. Errors: RP_BAD_INPUT. */
 rp_status sweep_box_check_fill(const sweep_box *box);
 
 /* sweep_box_begin with room for the grains of such a box and of its floor, with the fill of the random
@@ -162,30 +163,22 @@ rp_status sweep_box_check_fill(const sweep_box *box);
 rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *box, unsigned long seed,
                                  unsigned long stream, const sweep_tables *tables, sweep_result *result);
 
-/* Positions of the grains of the pile, 0 < x < W. Free with sweep_positions_free, also after an error. */
-typedef struct {
-    size_t n;      /* grains in the pile */
-    double *x, *y; /* in the box's frame, by id, from 1; NaN for grains outside the pile */
-} sweep_positions;
+/* Note the positions of the grains of the pile, 0 < x < W, none of them fixed. */
+rp_status sweep_box_note(sweep_box_run *run);
 
-/* Errors: RP_NO_MEMORY. */
-rp_status sweep_positions_note(sweep_box_run *run, sweep_positions *at);
-void sweep_positions_free(sweep_positions *at);
+/* Number of these grains, with at least `contacts` contacts, that are further than `reach` from their
+ * positions; grains that have left the scene count. */
+rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved);
 
-/* Number of the pile's grains, with at least `contacts` contacts, that are further than `reach` from their
- * positions; grains that have left the scene count. Errors: RP_NO_MEMORY. */
-rp_status sweep_positions_moved(sweep_box_run *run, const sweep_positions *at, double reach, int contacts,
-                                size_t *moved);
-
-/* Onset by displacement: 5 % of the pile's grains are further than 0.1 d from their positions. */
-rp_status sweep_positions_onset(sweep_box_run *run, const sweep_positions *at, bool *moves);
+/* Onset by displacement: 5 % of these grains are further than 0.1 d from their positions. */
+rp_status sweep_box_onset(sweep_box_run *run, bool *moves);
 
 /* Turn gravity, or with `box` the walls, by `rate_deg` a step until the pile moves, at most by 60 degrees.
  * Sets the turned angle, in degrees, at the onset by displacement and, unless NULL, by kinetic energy: above
  * 1e-5 m g d and ten times the elastic sway that the start excites, the largest within half a degree. What
  * does not occur keeps its value. */
-rp_status sweep_box_tilt(sweep_box_run *run, const sweep_positions *at, bool box, double rate_deg,
-                         double *displacement_deg, double *energy_deg);
+rp_status sweep_box_tilt(sweep_box_run *run, bool box, double rate_deg, double *displacement_deg,
+                         double *energy_deg);
 
 double sweep_degrees(double radians);
 

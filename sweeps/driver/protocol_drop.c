@@ -4,29 +4,26 @@
  * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
  * resistance to rolling, without which disks roll away; the positions, uniform over the source's width; when
  * a disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a
- * pile creeps for as long as one waits, so that K_slip and the waiting time decide how steep it is. The
- * default is therefore shear springs, static friction mu between disks and on the ground, with which neither
- * matters. k_s = K_s/4 and k_roll = K_s/20 are soft enough to shorten the time step by no more than 3 %; eps
- * = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder contacts, K_slip
- * and rolling resistance change in piles of 150, and sweeps/studies/li20_rest.cfg what the waiting does. The
- * fall itself is not simulated: a disk starts just above what it will hit, with the speed of its fall. The
- * next falls when no disk is fast or far from balance, though the pile may still sway (twice as near to
- * balance takes a fifth more steps for piles that are the same within their scatter); after the last it comes
- * to rest entirely. That goes fast by kinetic damping: all velocities are set to 0 where the kinetic energy
- * has a maximum.
+ * pile creeps for as long as one waits, so that K_slip and the waiting time decide how steep it is. With
+ * shear springs, the default, neither matters. k_s = K_s/4 and k_roll = K_s/20 shorten the time step by no
+ * more than 3 %; eps = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder
+ * contacts, K_slip and rolling resistance change in piles of 150, li20_rest.cfg what the waiting does.
+ *
+ * The fall itself is not simulated: a disk starts just above what it will hit, with the speed of its fall.
+ * The next falls when no disk is fast or far from balance, though the pile may still sway. After the last the
+ * pile comes to rest entirely, by kinetic damping: all velocities are set to 0 where the kinetic energy has a
+ * maximum. All disks move at all times: with those farther than 4 to 9 d from the falling one held, whole
+ * flanks slip under it, and piles are 2 or 3 degrees steeper.
  *
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
  * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
- * outputs are kept.
- *
- * All disks move at all times. To hold those farther than 4 to 9 d from the one that falls, while it falls,
- * saves most of the time, but its weight and its impacts make whole flanks slip: held, piles are 2 or 3
- * degrees steeper. */
+ * outputs are kept. */
 #include <gsl/gsl_fit.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "analytic/analytic.h"
 #include "stress/dip.h"
 #include "core/random.h"
 #include "core/table.h"
@@ -68,10 +65,7 @@ static const rp_param schema[] = {
     {0},
     [ROW_mu].fallback = "0.5", /* of hard collisions too; the paper's */
     [ROW_mu_roll].fallback = "0.1" /* without it disks roll away */};
-/* clang-format on */
 
-/* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(disks, "", "disks there at the end") \
     X(base_disks, "", "disks on the ground within the base") \
@@ -141,12 +135,8 @@ static dem_definition make_scene(const drop_params *p)
                                   .k_roll = 0.05 * k,
                                   .gamma_roll = gamma_s};
     def.hard = (dem_hard){true, p->restitution, p->mu};
-    def.n_walls = 1;
-    def.walls[0] = (dem_wall){.direction = {0.0, 1.0},
-                              .material = def.material,
-                              .extent = {-INFINITY, INFINITY},
-                              .open_at_step = -1,
-                              .open_speed = INFINITY};
+    dem_box_walls(&def, 1.0, &def.material);
+    def.n_walls = 1; /* the floor of that box */
     if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
     /* of the lightest disk, when it falls from a pile as steep as can be */
     const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
@@ -162,10 +152,13 @@ static dem_definition make_scene(const drop_params *p)
 
 /* ---- Drops ---- */
 
-static double highest(const drop *d)
+/* The highest point. */
+static an_point highest(const drop *d)
 {
-    double top = 0.0;
-    for (size_t i = 0; i < d->n; i++) top = fmax(top, d->states[i].y + d->states[i].r);
+    an_point top = {0.0, 0.0};
+    for (size_t i = 0; i < d->n; i++)
+        if (d->states[i].y + d->states[i].r > top.y)
+            top = (an_point){d->states[i].x, d->states[i].y + d->states[i].r};
     return top;
 }
 
@@ -231,7 +224,8 @@ static rp_status drop_one(drop *d, bool *rest)
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
     const double x = p->source_width * (gsl_rng_uniform(d->positions) - 0.5),
-                 y = sweep_touch_height(d->n, d->states, x, r, 0.05), from = highest(d) + p->drop_height + r;
+                 y = sweep_touch_height(d->n, d->states, x, r, 0.05),
+                 from = highest(d).y + p->drop_height + r;
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
     mark_positions(d);
@@ -245,21 +239,17 @@ static rp_status drop_one(drop *d, bool *rest)
 
 static rp_status drop_all(drop *d)
 {
-    double capped = 0.0, *v = d->result->values;
-    rp_status status = RP_OK;
-    for (long k = 0; k < d->p->N && !status; k++) {
-        bool rest = false;
-        status = drop_one(d, &rest);
-        capped += !rest;
-    }
-    if (status) return status;
-    v[OUT_capped] = capped;
-    v[OUT_steps] = (double)dem_step(d->sim);
-    double most = 0.0, large = 0.0;
+    double capped = 0.0, most = 0.0, large = 0.0, *v = d->result->values;
     for (long k = 0; k < d->p->N; k++) {
+        bool rest = false;
+        rp_status status = drop_one(d, &rest);
+        if (status) return status;
+        capped += !rest;
         most = fmax(most, (double)d->moved[k]);
         large += d->moved[k] > 10;
     }
+    v[OUT_capped] = capped;
+    v[OUT_steps] = (double)dem_step(d->sim);
     v[OUT_moved_max] = most;
     v[OUT_moved_share] = large / (double)d->p->N;
     return RP_OK;
@@ -323,20 +313,20 @@ static rp_status relax(drop *d)
 
 /* Slope by a straight line through the highest points of columns one diameter wide, from the column of the
  * top to the side, between 0.1 and 0.9 of the height. */
-static double side_slope(const drop *d, double sign, double top_x, double height)
+static double side_slope(const drop *d, double sign, an_point highest)
 {
     enum { COLUMNS = 400 };
     double top[COLUMNS] = {0.0}, x[COLUMNS], intercept, slope, covariance[3], squares;
     size_t n = 0;
     for (size_t i = 0; i < d->n; i++) {
-        const double along = sign * (d->states[i].x - top_x);
+        const double along = sign * (d->states[i].x - highest.x);
         if (along < 0.0 || along >= COLUMNS) continue;
         double *t = &top[(size_t)along];
         *t = fmax(*t, d->states[i].y + d->states[i].r);
     }
     for (int k = 0; k < COLUMNS; k++) {
-        if (top[k] <= 0.1 * height) break; /* also where there is no disk at all */
-        if (top[k] > 0.9 * height) continue;
+        if (top[k] <= 0.1 * highest.y) break; /* also where there is no disk at all */
+        if (top[k] > 0.9 * highest.y) continue;
         x[n] = k + 0.5;
         top[n++] = top[k]; /* n <= k */
     }
@@ -347,15 +337,13 @@ static double side_slope(const drop *d, double sign, double top_x, double height
 
 static void measure_shape(const drop *d)
 {
-    double *v = d->result->values, height = 0.0, x = 0.0;
-    for (size_t i = 0; i < d->n; i++)
-        if (d->states[i].y + d->states[i].r > height)
-            height = d->states[i].y + d->states[i].r, x = d->states[i].x;
+    const an_point top = highest(d);
+    double *v = d->result->values;
     v[OUT_disks] = (double)d->n;
     v[OUT_away] = (double)d->p->N - (double)d->n;
-    v[OUT_height] = height;
-    v[OUT_left_deg] = side_slope(d, -1.0, x, height);
-    v[OUT_right_deg] = side_slope(d, 1.0, x, height);
+    v[OUT_height] = top.y;
+    v[OUT_left_deg] = side_slope(d, -1.0, top);
+    v[OUT_right_deg] = side_slope(d, 1.0, top);
 }
 
 /* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
@@ -412,7 +400,7 @@ static rp_status measure_base(const drop *d)
     v[OUT_width] = base.width;
     v[OUT_centroid] = base.centroid;
     v[OUT_dip] = stress_dip(base.N);
-    for (int k = 0; k < STRESS_DIP_BINS; k++) v[OUT_n_01 + k] = base.N[k];
+    memcpy(&v[OUT_n_01], base.N, sizeof base.N);
     return RP_OK;
 }
 

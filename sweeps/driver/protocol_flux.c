@@ -44,10 +44,7 @@ static const rp_param schema[] = {
     SWEEP_BOX_SURFACE_ROWS
     {0},
     SWEEP_BOX_DEFAULTS};
-/* clang-format on */
 
-/* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(level_step, "", "step at which the angle levels off (MSER)") \
     X(level_insertion, "", "insertions before that") \

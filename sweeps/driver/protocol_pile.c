@@ -38,10 +38,7 @@ const rp_param sweep_pile_schema[] = {
     {"threshold", "", RP_BOOL, AT(threshold), "false", "",
      "seek instead, from eps on, the eps_c above which the primary branch is not stable", true},
     {0}};
-/* clang-format on */
 
-/* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(n_disks, "", "disks") \
     X(D, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.3 B, over the mean N") \

@@ -61,7 +61,6 @@ static const rp_param schema[] = {
 enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
 
 /* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(theta_r1_deg, "degree", "slope by method 1, first to last cell") \
     X(theta_r2_deg, "degree", "slope by method 2, straight line") \
@@ -265,12 +264,10 @@ static void turn(experiment *e, double deg_per_step)
 static rp_status tilt_at_rate(experiment *e)
 {
     double *v = e->values;
-    sweep_positions at = {0};
-    rp_status status = sweep_positions_note(&e->box, &at);
+    rp_status status = sweep_box_note(&e->box);
     if (!status)
-        status = sweep_box_tilt(&e->box, &at, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
+        status = sweep_box_tilt(&e->box, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
                                 &v[OUT_theta_t_displacement_deg], &v[OUT_theta_t_energy_deg]);
-    sweep_positions_free(&at);
     v[OUT_theta_rt_deg] = v[OUT_theta_r3_deg] + v[OUT_theta_t_displacement_deg];
     if (!status && (isnan(v[OUT_theta_t_displacement_deg]) || isnan(v[OUT_theta_t_energy_deg])))
         snprintf(e->box.result->message, sizeof e->box.result->message,
@@ -285,8 +282,7 @@ static rp_status tilt_quasi_static(experiment *e)
     const double step_deg = 0.1, most_deg = 60.0;
     const long steps =
         lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
-    sweep_positions at = {0};
-    rp_status status = sweep_positions_note(&e->box, &at);
+    rp_status status = sweep_box_note(&e->box);
     for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
         turn(e, step_deg / (double)steps);
         status = sweep_box_advance(&e->box, steps);
@@ -295,11 +291,10 @@ static rp_status tilt_quasi_static(experiment *e)
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
-        if (!status) status = sweep_positions_moved(&e->box, &at, 0.5 * e->box.d, 2, &moved);
+        if (!status) status = sweep_box_moved(&e->box, 0.5 * e->box.d, 2, &moved);
         if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = turned;
         if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
     }
-    sweep_positions_free(&at);
     return status;
 }
 

@@ -45,7 +45,6 @@ static const double tilts_deg[] = {0.0, 0.5, 1.0, 2.0, 4.0};
 enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS = 3 };
 
 /* clang-format off */
-/* X(name, unit, meaning): OUT_name is its index among the values. */
 #define OUTPUTS(X) \
     X(theta_r3_deg, "degree", "slope by method 3") \
     X(theta_t_displacement_deg, "degree", "tilt at which 5 % of the grains have moved 0.1 d") \
@@ -86,10 +85,7 @@ typedef struct {
     const stress_params *p;
     sweep_box_run box;
     double *values;
-    double weight;      /* of all grains at rest */
-    sweep_positions at; /* of the pile at rest */
-    stress_contact *forces;
-    size_t room;
+    double weight; /* of all grains at rest */
     reading readings[N_TILTS];
     size_t n_readings;
 } experiment;
@@ -112,12 +108,13 @@ static rp_status make_pile(experiment *e)
     return status;
 }
 
-static rp_status note_positions(experiment *e)
+/* Of the pile at rest. */
+static rp_status note_grains(experiment *e)
 {
-    rp_status status = sweep_positions_note(&e->box, &e->at);
+    rp_status status = sweep_box_note(&e->box);
     if (status) return status;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
-    e->values[OUT_grains] = (double)e->at.n;
+    e->values[OUT_grains] = (double)e->box.n_noted;
     return RP_OK;
 }
 
@@ -136,13 +133,13 @@ static void contact_force(const dem_contact *c, stress_contact *force)
 /* Net force on each grain, from contacts and weight: the largest on a grain of the pile; and what is missing
  * in the vertical balance of the column 0 < x < W, between floor, left wall, the shear through the line x =
  * W, and the weight. The contacts within the column cancel. */
-static void check_balance(experiment *e, const dem_contact contacts[], size_t n, const double g[2],
-                          reading *r)
+static void check_balance(experiment *e, size_t n, const dem_contact contacts[],
+                          const stress_contact forces[], const double g[2], reading *r)
 {
     double *fx = e->box.work, *fy = fx + e->box.scene.fill.N;
     memset(fx, 0, 2 * (size_t)e->box.scene.fill.N * sizeof *fx);
     for (size_t k = 0; k < n; k++) {
-        const stress_contact *f = &e->forces[k];
+        const stress_contact *f = &forces[k];
         fx[contacts[k].id_a - 1] += f->fx;
         fy[contacts[k].id_a - 1] += f->fy;
         if (contacts[k].id_b == 0) continue;
@@ -158,48 +155,43 @@ static void check_balance(experiment *e, const dem_contact contacts[], size_t n,
     }
 }
 
-static rp_status make_room(experiment *e, size_t n)
+/* `forces` is room for those of the n contacts. */
+static rp_status sum_forces(experiment *e, size_t n, const dem_contact contacts[], stress_contact forces[],
+                            reading *r)
 {
-    if (n <= e->room) return RP_OK;
-    free(e->forces);
-    e->room = 2 * n;
-    e->forces = malloc(e->room * sizeof *e->forces);
-    return e->forces ? RP_OK : rp_fail(RP_NO_MEMORY, "stress: out of memory");
+    const sweep_box *b = &e->p->box;
+    double g[2];
+    dem_gravity(e->box.sim, g);
+    const double normal = e->weight * -g[1] / b->g; /* the weight's part normal to the floor */
+    *r = (reading){.t = -g[0] / g[1]};
+    for (size_t k = 0; k < n; k++) {
+        const dem_contact *c = &contacts[k];
+        contact_force(c, &forces[k]);
+        if (c->id_b || c->wall != DEM_BOX_FLOOR || !(c->x > 0.0 && c->x < b->W)) continue;
+        r->n += forces[k].fy / normal;
+        r->h -= forces[k].fx / normal;
+    }
+    /* one cell of unit area times weight times d */
+    const stress_grid grid = {0.0, 0.0, b->W, 4.0 * e->p->box.H, 1, 1};
+    rp_status status = stress_cells(n, forces, &grid, &r->s);
+    double *s = &r->s.xx;
+    for (int k = 0; k < 4; k++) s[k] *= grid.dx * grid.dy / (normal * e->box.d);
+    check_balance(e, n, contacts, forces, g, r);
+    return status;
 }
 
 static rp_status read_forces(experiment *e, double tilt_deg)
 {
-    const sweep_box *b = &e->p->box;
     dem_contact *contacts = NULL;
-    size_t n;
-    double g[2];
-    reading *r = &e->readings[e->n_readings++];
-    *r = (reading){0};
-    rp_status status = dem_contacts(e->box.sim, &contacts, &n);
-    if (!status) status = make_room(e, n);
-    if (!status) status = dem_states(e->box.sim, e->box.states);
-    if (status) {
-        free(contacts);
-        return status;
-    }
-    dem_gravity(e->box.sim, g);
-    const double normal = e->weight * -g[1] / b->g; /* the weight's part normal to the floor */
-    r->t = -g[0] / g[1];
-    for (size_t k = 0; k < n; k++) {
-        const dem_contact *c = &contacts[k];
-        contact_force(c, &e->forces[k]);
-        if (c->id_b || c->wall != DEM_BOX_FLOOR || !(c->x > 0.0 && c->x < b->W)) continue;
-        r->n += e->forces[k].fy / normal;
-        r->h -= e->forces[k].fx / normal;
-    }
-    /* one cell of unit area times weight times d */
-    const stress_grid grid = {0.0, 0.0, b->W, 4.0 * e->p->box.H, 1, 1};
-    status = stress_cells(n, e->forces, &grid, &r->s);
-    double *s = &r->s.xx;
-    for (int k = 0; k < 4; k++) s[k] *= grid.dx * grid.dy / (normal * e->box.d);
-    check_balance(e, contacts, n, g, r);
-    free(contacts);
+    size_t n = 0;
     char stage[64];
+    rp_status status = dem_contacts(e->box.sim, &contacts, &n);
+    stress_contact *forces = malloc((n + 1) * sizeof *forces);
+    if (!status && !forces) status = rp_fail(RP_NO_MEMORY, "stress: out of memory");
+    if (!status) status = dem_states(e->box.sim, e->box.states);
+    if (!status) status = sum_forces(e, n, contacts, forces, &e->readings[e->n_readings++]);
+    free(contacts);
+    free(forces);
     snprintf(stage, sizeof stage, "tilt_%g", tilt_deg);
     return status ? status : sweep_state_write(e->box.tables, e->box.sim, stage);
 }
@@ -216,7 +208,7 @@ static rp_status tilt_to_rest(experiment *e)
         status = sweep_box_advance(&e->box, steps);
         dem_gravity_turn(e->box.sim, 0.0);
         if (!status) status = sweep_box_settle(&e->box, "tilt");
-        if (!status) status = sweep_positions_onset(&e->box, &e->at, &moved);
+        if (!status) status = sweep_box_onset(&e->box, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[k]);
     }
@@ -260,9 +252,7 @@ static rp_status conclude(experiment *e)
     for (size_t k = 0; k < 4 && !status; k++)
         status = respond(e, offsetof(reading, s) + k * sizeof(double), &r.s[0].xx + k, &r.s[1].xx + k);
     if (status) return status;
-    memcpy(&v[OUT_n_0], r.n, sizeof r.n);
-    memcpy(&v[OUT_h_0], r.h, sizeof r.h);
-    memcpy(&v[OUT_sxx_0], r.s, sizeof r.s);
+    memcpy(&v[OUT_n_0], &r, sizeof r); /* in the order of the outputs */
     v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r, mu_floor));
     if (e->n_readings == N_TILTS)
         v[OUT_floor_friction_beyond] =
@@ -275,7 +265,7 @@ static rp_status run_phases(experiment *e)
     dem_sim *copy = NULL;
     rp_status status = make_pile(e);
     if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = note_positions(e);
+    if (!status) status = note_grains(e);
     if (!status) status = dem_clone(e->box.sim, &copy);
     if (!status) status = tilt_to_rest(e);
     long steps = e->box.sim ? dem_step(e->box.sim) : 0;
@@ -284,8 +274,8 @@ static rp_status run_phases(experiment *e)
         e->box.sim = copy;
         copy = NULL;
         steps -= dem_step(e->box.sim);
-        status = sweep_box_tilt(&e->box, &e->at, false, e->p->tilt_rate_deg,
-                                &e->values[OUT_theta_t_displacement_deg], NULL);
+        status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
+                                NULL);
     }
     if (!status) status = conclude(e);
     if (e->box.sim) e->values[OUT_steps] = (double)(steps + dem_step(e->box.sim));
@@ -300,8 +290,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
-    sweep_positions_free(&e.at);
-    free(e.forces);
     return sweep_box_end(&e.box, status);
 }
 

@@ -1,0 +1,143 @@
+/* The program from the shell; see program.h. */
+#include "tests/program.h"
+
+#include <ftw.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/check.h"
+
+static char folder[64], program[PATH_MAX];
+char out[1 << 20], err[1 << 14];
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type, (void)ftw;
+    return remove(path);
+}
+
+void leave(void)
+{
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+void enter(void)
+{
+    const char *name = getenv("REPOSE");
+    strcpy(folder, "/tmp/repose_cli_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    if (!realpath(name ? name : "build/repose", program)) {
+        leave();
+        CU_FAIL_FATAL("no program; REPOSE=path of the program");
+    }
+}
+
+void path_of(const char *name, char path[256])
+{
+    snprintf(path, 256, "%s/%s", folder, name);
+}
+
+void write_text(const char *name, const char *format, ...)
+{
+    char path[256];
+    va_list args;
+    path_of(name, path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    va_start(args, format);
+    vfprintf(file, format, args);
+    va_end(args);
+    fclose(file);
+}
+
+void slurp(const char *name, char *text, size_t size)
+{
+    char path[256];
+    path_of(name, path);
+    FILE *file = fopen(path, "r");
+    size_t n = file ? fread(text, 1, size - 1, file) : 0;
+    text[n] = '\0';
+    CU_ASSERT(file && n < size - 1);
+    if (file) fclose(file);
+}
+
+int shell(const char *text)
+{
+    static char line[2 * PATH_MAX];
+    snprintf(line, sizeof line, "cd %s; REPOSE='%s'; %s", folder, program, text);
+    int status = system(line);
+    slurp("out", out, sizeof out);
+    slurp("err", err, sizeof err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+int run(const char *format, ...)
+{
+    char line[2048] = "exec \"$REPOSE\" >out 2>err ";
+    size_t used = strlen(line);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line + used, sizeof line - used, format, args);
+    va_end(args);
+    return shell(line);
+}
+
+bool good(const char *file, int line, int status)
+{
+    bool right = status == 0 && err[0] == '\0';
+    if (!right) fprintf(stderr, "%s:%d: exit status %d, message \"%s\"\n", file, line, status, err);
+    return right;
+}
+
+bool failed(const char *file, int line, int status, int expected, const char *text)
+{
+    const char *end = strchr(err, '\n');
+    bool right =
+        status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
+    if (!right)
+        fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", file, line, status,
+                err, expected, text);
+    return right;
+}
+
+rp_table read_table(const char *name)
+{
+    static char path[256];
+    rp_table table;
+    path_of(name, path);
+    rp_status status = rp_table_read(path, &table);
+    CHECK_OK(status);
+    if (status) rp_table_free(&table);
+    return table;
+}
+
+const char *word(const rp_table *t, size_t row, const char *column)
+{
+    int c = rp_table_column(t, column);
+    bool there = c >= 0 && row < t->n_rows;
+    if (!there) fprintf(stderr, "%s: no row %zu of column %s\n", t->path, row, column);
+    CU_ASSERT(there);
+    return there ? t->cells[row * t->n_columns + (size_t)c] : "";
+}
+
+double cell(const rp_table *t, size_t row, const char *column)
+{
+    const char *text = word(t, row, column);
+    return *text ? strtod(text, NULL) : NAN;
+}
+
+bool equal_tables(const char *name_a, const char *name_b)
+{
+    rp_table a = read_table(name_a), b = read_table(name_b);
+    bool equal = a.n_rows > 0 && a.n_rows == b.n_rows && a.n_columns == b.n_columns;
+    for (size_t i = 0; equal && i < a.n_rows * a.n_columns; i++) equal = strcmp(a.cells[i], b.cells[i]) == 0;
+    rp_table_free(&a);
+    rp_table_free(&b);
+    return equal;
+}

@@ -1,0 +1,52 @@
+/* The program from the shell, in a folder of one test, and its tables. The environment variable REPOSE names
+ * the program. */
+#ifndef PROGRAM_H
+#define PROGRAM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/table.h"
+
+/* Output of the last run, also in the files `out` and `err` of the test's folder. */
+extern char out[1 << 20], err[1 << 14];
+
+/* Make the folder of a test, and remove it. */
+void enter(void);
+void leave(void);
+
+/* Path of a file of the folder. */
+void path_of(const char *name, char path[256]);
+
+/* Write a file. Its name has no special characters of the shell. */
+void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Read a file whole. */
+void slurp(const char *name, char *text, size_t size);
+
+/* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE is the program. */
+int shell(const char *text);
+
+/* Exit status of the program with these arguments. */
+int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
+bool good(const char *file, int line, int status);
+
+/* A failure is an exit status and one line that contains `text`. */
+bool failed(const char *file, int line, int status, int expected, const char *text);
+
+#define GOOD(...)                CU_ASSERT(good(__FILE__, __LINE__, run(__VA_ARGS__)))
+#define FAILS(status, text, ...) CU_ASSERT(failed(__FILE__, __LINE__, run(__VA_ARGS__), status, text))
+
+/* A table of the folder; free with rp_table_free. */
+rp_table read_table(const char *name);
+
+/* Text and number of a cell; a failed assertion, "" and NaN if there is no such cell. */
+const char *word(const rp_table *t, size_t row, const char *column);
+double cell(const rp_table *t, size_t row, const char *column);
+
+/* The same rows and columns, as text. */
+bool equal_tables(const char *name_a, const char *name_b);
+
+#endif

@@ -1,0 +1,360 @@
+/* Every key of a scene file and of a protocol matters: changing it changes the result of some run below. So
+ * does every word of a key that takes words. A key that is read and then ignored fails here, and a new key
+ * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "dem/scene.h"
+#include "sweeps/driver/sweep.h"
+#include "tests/check.h"
+
+enum { MOST_CANDIDATES = 24 };
+
+static const struct {
+    const char *group, *key, *reason;
+} exceptions[] = {{"scene", "kernel", "every pair loop gives the same bits: suite laws"},
+                  {"scene", "particles_file", "stands in place of the particles: suite scene"}};
+
+static bool is_exception(const char *group, const char *key)
+{
+    bool is = false;
+    for (size_t i = 0; i < sizeof exceptions / sizeof *exceptions; i++)
+        is |= strcmp(exceptions[i].group, group) == 0 && strcmp(exceptions[i].key, key) == 0;
+    return is;
+}
+
+/* Values to try in place of `now`: words of the range, or numbers near `now` and of several magnitudes. */
+typedef struct {
+    size_t n;
+    char text[MOST_CANDIDATES][64];
+} candidates;
+
+static void add(candidates *c, const char *text)
+{
+    if (c->n < MOST_CANDIDATES) snprintf(c->text[c->n++], sizeof c->text[0], "%s", text);
+}
+
+static candidates find_candidates(const rp_param *p, const char *now)
+{
+    static const char *const reals[] = {"0.3", "0.05", "0.2",  "7",   "0.9",  "1.5", "0.02",
+                                        "40",  "-2",   "0.09", "3e3", "1e-3", "1e5"},
+                             *const whole[] = {"2", "1", "3", "7", "40", "300", "5000"};
+    candidates c = {0};
+    char *end, text[64];
+    const double value = strtod(now, &end);
+    if (p->type == RP_BOOL) {
+        add(&c, "true");
+        add(&c, "false");
+    } else if (p->type == RP_CHOICE || p->type == RP_FLAGS) {
+        char words[256], *rest = words, *word;
+        snprintf(words, sizeof words, "%s", p->range);
+        while ((word = strsep(&rest, "| ")))
+            if (*word) add(&c, word);
+    } else {
+        const bool real = p->type == RP_REAL;
+        for (int k = 0; k < 3 && *now && !*end; k++) {
+            const double near = value * (k == 0 ? 1.25 : k == 1 ? 0.5 : 2.0);
+            snprintf(text, sizeof text, real ? "%.10g" : "%.0f", near);
+            if (near != value && strcmp(text, now) != 0) add(&c, text);
+        }
+        for (size_t k = 0; k < (real ? sizeof reals : sizeof whole) / sizeof *reals; k++)
+            add(&c, real ? reals[k] : whole[k]);
+    }
+    return c;
+}
+
+/* ---- scenes ---- */
+
+#define WALLS                                                                                                \
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"                                           \
+    "          { point = [1.0, 0.0]; direction = [-1.0, 0.0]; },\n"                                          \
+    "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; } );\n"
+/* The first slides along the floor against the second, and may roll; the third falls on both. */
+#define GRAINS(spin)                                                                                         \
+    "particles = ( { x = 0.3; y = 0.0998; r = 0.1; vx = 30.0;" spin " },\n"                                  \
+    "              { x = 0.51; y = 0.1; r = 0.11; }, { x = 0.37; y = 0.29; r = 0.09; vy = -5.0; } );\n"
+#define SPIN     " omega = 90.0;"
+#define FRICTION "tangential = { law = \"spring\"; mu = 0.3; };\n"
+
+#define FLOOR "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+#define SOFT  "normal = { law = \"linear\"; k_n = 1.0e5; "
+
+static const char *const scenes[] = {
+    "rotation = true; steps = 300; normal = { k_n = 1.0e5; }; rolling = { mu = 0.05; };\n" FRICTION WALLS
+        GRAINS(SPIN),
+    "rotation = true; steps = 300; ledger = true; normal = { restitution = 0.4; }; rolling = { };\n"
+    "gravity_turn_deg_per_step = 0.01;\n"
+    "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; gamma_s = 300.0; };\n" WALLS GRAINS(
+        SPIN),
+    "rotation = true; steps = 300; box_turn_deg_per_step = 0.01;\n" FRICTION SOFT
+    "gamma_n = 50.0; };\n" WALLS GRAINS(SPIN),
+    "steps = 400; normal = { law = \"tsuji\"; gamma_n = 0.3; };\n"
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-9.0, 9.0]; open_at_step = 100;\n"
+    "            open_speed = 20.0; } );\n" GRAINS(""),
+    "rotation = true; steps = 400; tangential = { law = \"slip_roll\"; gamma_s = 31.0; mu = 0.07; };\n" SOFT
+    "tension = false; };\n" WALLS GRAINS(
+        SPIN) "ground = { mu_static = 0.4; a = 0.013; set = \"touch\"; }; hard = { restitution = 0.3; };\n",
+    "integrator = \"implicit\"; dt = 2e-4; steps = 200; implicit = { solver = \"sor\"; };\n" SOFT
+    "};\n" WALLS GRAINS(""),
+    "steps = 300; normal = { }; tangential = { }; fill = { N = 12; W = 1.0; H = 1.2; };\n" WALLS,
+    "steps = 9000; gravity_turn_deg_per_step = 0.01; turn_from_step = 5000;\n"
+    "tangential = { law = \"slip_roll\"; gamma_s = 31.0; mu = 0.07; };\n" SOFT
+    "gamma_n = 400.0; }; ground = { mu_static = 0.4; a = 1e-4; };\n" FLOOR
+    "particles = ( { x = 0.3; y = 0.1; r = 0.1; } );\n"};
+enum { N_SCENES = sizeof scenes / sizeof *scenes };
+
+/* All tables of the scene's end; NULL if the scene is refused. A run that fails has a result: its end. */
+static char *outcome(const char *text, const char *change)
+{
+    char path[] = "/tmp/repose_keys_XXXXXX";
+    const rp_texts changes = {1, {change}};
+    const int file = mkstemp(path);
+    CU_ASSERT_FATAL(file >= 0 && write(file, text, strlen(text)) == (ssize_t)strlen(text));
+    close(file);
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    rp_status status = dem_scene_read(path, change ? &changes : NULL, &scene);
+    unlink(path);
+    if (!status) status = dem_scene_start(&scene, &sim);
+    char *tables = NULL;
+    size_t size;
+    if (!status) {
+        FILE *out = open_memstream(&tables, &size);
+        fprintf(out, "%d\n", (int)dem_run(sim, scene.steps));
+        dem_write_states(sim, out);
+        dem_write_contacts(sim, out);
+        dem_write_energy(sim, out);
+        double forces[2 * DEM_MAX_WALLS] = {0};
+        dem_wall_forces(sim, forces);
+        for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
+        fclose(out);
+    }
+    dem_free(sim);
+    dem_scene_free(&scene);
+    return tables;
+}
+
+/* Whether the scene's result changes with the key. */
+static bool scene_changes(size_t scene, const char *base, const char *path, const char *value)
+{
+    char change[160];
+    snprintf(change, sizeof change, "%s=%s", path, value);
+    char *now = outcome(scenes[scene], change);
+    const bool differs = now && strcmp(now, base) != 0;
+    free(now);
+    return differs;
+}
+
+static void check_scene_key(char *const bases[], const char *group, const rp_param *p)
+{
+    const bool list = strcmp(group, "walls") == 0 || strcmp(group, "particles") == 0;
+    char path[96];
+    snprintf(path, sizeof path,
+             strcmp(group, "scene") == 0 ? "%.0s%s"
+             : list                      ? "%s.[0].%s"
+                                         : "%s.%s",
+             group, p->name);
+    const candidates c = find_candidates(p, p->fallback ? p->fallback : "");
+    const bool words = p->type == RP_CHOICE;
+    size_t matter = 0;
+    for (size_t k = 0; k < c.n && (words || matter == 0); k++) {
+        bool differs = false;
+        for (size_t s = 0; s < N_SCENES && !differs; s++)
+            differs = scene_changes(s, bases[s], path, c.text[k]);
+        matter += differs;
+    }
+    /* one word may be that of every scene; the others then differ from it */
+    const bool good = words ? matter + 1 >= c.n : matter > 0;
+    if (!good) fprintf(stderr, "%s.%s: %zu of %zu values change a scene\n", group, p->name, matter, c.n);
+    CU_ASSERT(good);
+}
+
+static void test_scene_keys(void)
+{
+    char *bases[N_SCENES];
+    for (size_t s = 0; s < N_SCENES; s++) {
+        bases[s] = outcome(scenes[s], NULL);
+        if (!bases[s]) fprintf(stderr, "scene %zu: %s\n", s, rp_message());
+        CU_ASSERT_PTR_NOT_NULL_FATAL(bases[s]);
+    }
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        for (const rp_param *p = g->schema; p->name; p++)
+            if (!is_exception(g->name, p->name)) check_scene_key(bases, g->name, p);
+    for (size_t s = 0; s < N_SCENES; s++) free(bases[s]);
+}
+
+/* ---- protocols ---- */
+
+/* Quick runs: settings in place of the defaults, and values that only differ with further settings. */
+#define BOX   "W=1.2 H=0.8 fill_steps=500 "
+#define FIXED BOX "stop=steps relax_steps=500 "
+#define LOOSE "rest_energy=1e-3 rest_force=0.5 tilt_rate_deg=0.01 mu=0.6 "
+#define FLUX  "W=1.2 insertions=24 v_cut=2 avalanche=1 draws=2 "
+#define WORDS(protocol, settings)                                                                            \
+    {protocol, settings " k_n=1e5", "normal", "linear"},                                                     \
+        {protocol, settings " restitution=0.4 gamma_s=5", "normal", "tsuji"},                                \
+        {protocol, settings " mu=0 mu_floor=0", "tangential", "none"},                                       \
+        {protocol, settings, "restitution", "0.4"},                                                          \
+        {protocol, settings " mu=0.2 rotation=true", "rotation", "false"},                                   \
+    {                                                                                                        \
+        protocol, settings " gamma_n=500", "integrator", "gear5"                                             \
+    }
+static const struct {
+    const sweep_protocol *protocol;
+    const char *settings;
+    const char *key, *value; /* NULL: for all keys */
+} runs[] = {
+    {&sweep_protocol_repose, FIXED "rotation=true mu_roll=0.1"},
+    {&sweep_protocol_repose, "W=1.2 H=1.2 fill_steps=500 mu=0.05 stop=steps relax_steps=3000 open=200"},
+    {&sweep_protocol_repose, BOX "gamma_n=2000 mu=0.6 tilt_rate_deg=0.01 measure=theta_t"},
+    {&sweep_protocol_repose, FIXED "k_n=1e4", "fill", "drop"},
+    {&sweep_protocol_repose, "W=2 N=9 fill_steps=2500 stop=steps relax_steps=100", "empty", "skip"},
+    WORDS(&sweep_protocol_repose, FIXED),
+    {&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 rotation=true mu_roll=0.1"},
+    {&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 open=50 floor=ends"},
+    {&sweep_protocol_stress, BOX "tilt_rate_deg=0.01 mu=0.6 gamma_n=2000", "rest_energy", "1e-2"},
+    {&sweep_protocol_stress, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
+    WORDS(&sweep_protocol_stress, BOX LOOSE),
+    {&sweep_protocol_flux, FLUX "gamma_n=2000 rotation=true mu_roll=0.1"},
+    {&sweep_protocol_flux, "W=1.2 insertions=200 v_cut=5 avalanche=1 draws=2 gamma_n=2000", "draws", "4"},
+    {&sweep_protocol_flux, FLUX, "rest_energy", "1e-16"},
+    {&sweep_protocol_flux, FLUX, "rest_force", "1e-12"},
+    WORDS(&sweep_protocol_flux, FLUX),
+    {&sweep_protocol_drop, "N=16 damping=1"},
+    {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
+    {&sweep_protocol_drop, "N=30 damping=1 mu_roll=0 drop_height=20", "x_limit", "10"},
+    {&sweep_protocol_pile, "base=7"},
+    {&sweep_protocol_pile, "base=7 eps=1e-3 branch=minimum load_steps=4"},
+    {&sweep_protocol_pile, "base=9 alpha_deg=30 inner_deg=45 x_1=0.3 disorder=0.01"},
+    {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.3 mu=0.2 load_steps=4 eps=1e-3"},
+    {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.05 mu=0.05 load_steps=4 eps=1e-3", "set_again",
+     "true"},
+    {&sweep_protocol_pile, "base=9 threshold=true eps=1e-6"}};
+enum { N_RUNS = sizeof runs / sizeof *runs };
+
+/* The parameters of a run with one more setting "key=value"; NULL if a value is refused. */
+static void *settings_of(const sweep_protocol *p, const char *settings, const char *key, const char *value)
+{
+    void *params = calloc(1, p->params_size);
+    char text[512], *rest = text, *word;
+    snprintf(text, sizeof text, "%s %s=%s", settings, key ? key : "", value ? value : "");
+    rp_params_defaults(p->schema, params);
+    rp_status status = RP_OK;
+    while (!status && (word = strsep(&rest, " ")) && *word != '=') {
+        if (!*word) continue;
+        char *equals = strchr(word, '=');
+        *equals = '\0';
+        const rp_param *param = rp_params_find(p->schema, word);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
+        status = rp_params_set_text(param, params, equals + 1);
+    }
+    if (!status && p->check) status = p->check(params);
+    if (status) free(params);
+    return status ? NULL : params;
+}
+
+static bool result_of(const sweep_protocol *p, void *params, sweep_result *result)
+{
+    memset(result, 0, sizeof *result);
+    sweep_result_clear(result);
+    const rp_status status = p->run(params, 7, 3, NULL, result);
+    free(params);
+    return status == RP_OK;
+}
+
+static bool same_results(const sweep_result *a, const sweep_result *b)
+{
+    return strcmp(a->status, b->status) == 0 && memcmp(a->values, b->values, sizeof a->values) == 0;
+}
+
+enum { SAME, CHANGED, REFUSED };
+
+static int run_changes(size_t run, const sweep_result *base, const char *key, const char *value)
+{
+    sweep_result now;
+    void *params = settings_of(runs[run].protocol, runs[run].settings, key, value);
+    if (!params) return REFUSED;
+    return !result_of(runs[run].protocol, params, &now) || same_results(base, &now) ? SAME : CHANGED;
+}
+
+/* Values to try in run number r, from its own. */
+static candidates run_candidates(size_t r, const rp_param *p)
+{
+    candidates c = {0};
+    char now[128];
+    if (runs[r].key) {
+        if (strcmp(runs[r].key, p->name) == 0) add(&c, runs[r].value);
+        return c;
+    }
+    void *params = settings_of(runs[r].protocol, runs[r].settings, NULL, NULL);
+    c = find_candidates(p, rp_params_text(p, params, now, sizeof now));
+    free(params);
+    return c;
+}
+
+/* Of a key that takes words each word but the runs' own must change a run, or be refused by all; of a key
+ * that takes numbers some number. */
+static void check_protocol_key(const sweep_result bases[], const sweep_protocol *protocol, const rp_param *p)
+{
+    const bool words = p->type == RP_CHOICE || p->type == RP_FLAGS;
+    candidates c[N_RUNS] = {0}, matter = {0};
+    const size_t expected = words ? find_candidates(p, "").n - 1 : 1;
+    for (size_t r = 0; r < N_RUNS; r++)
+        if (runs[r].protocol == protocol) c[r] = run_candidates(r, p);
+    for (size_t k = 0; k < MOST_CANDIDATES && matter.n < expected; k++) {
+        size_t refused = 0, tried = 0;
+        const char *word = "";
+        for (size_t r = 0; r < N_RUNS && matter.n < expected; r++) {
+            bool known = k >= c[r].n;
+            for (size_t i = 0; i < matter.n && !known; i++) known = strcmp(matter.text[i], c[r].text[k]) == 0;
+            if (known) continue;
+            const int change = run_changes(r, &bases[r], p->name, word = c[r].text[k]);
+            if (change == CHANGED) add(&matter, word);
+            refused += change == REFUSED;
+            tried++;
+        }
+        if (words && tried && refused == tried) add(&matter, word);
+    }
+    if (matter.n < expected)
+        fprintf(stderr, "%s %s: %zu of %zu values change a run\n", protocol->name, p->name, matter.n,
+                expected);
+    CU_ASSERT(matter.n >= expected);
+}
+
+static void check_protocol(const sweep_protocol *protocol)
+{
+    sweep_result bases[N_RUNS];
+    for (size_t r = 0; r < N_RUNS; r++) {
+        if (runs[r].protocol != protocol) continue;
+        void *params = settings_of(protocol, runs[r].settings, NULL, NULL);
+        if (!params && runs[r].key) continue; /* it has no such word */
+        if (!params) fprintf(stderr, "%s: %s\n", runs[r].settings, rp_message());
+        CU_ASSERT_PTR_NOT_NULL_FATAL(params);
+        CU_ASSERT(result_of(protocol, params, &bases[r]));
+        const bool result = strncmp(bases[r].status, "ok", 2) == 0 || runs[r].key;
+        if (!result) fprintf(stderr, "%s: %s\n", runs[r].settings, bases[r].status);
+        CU_ASSERT(result);
+    }
+    /* under the sanitizers every fourth key */
+    for (const rp_param *p = protocol->schema; p->name; p++)
+        if ((p - protocol->schema) % (check_fast() ? 4 : 1) == 0) check_protocol_key(bases, protocol, p);
+}
+
+#define X(name)                                                                                              \
+    static void test_##name##_keys(void)                                                                     \
+    {                                                                                                        \
+        check_protocol(&sweep_protocol_##name);                                                              \
+    }
+SWEEP_PROTOCOLS(X)
+#undef X
+
+void suite_keys(void)
+{
+    static const check_case cases[] = {{"keys of a scene", test_scene_keys},
+#define X(name) {"keys of protocol " #name, test_##name##_keys},
+                                       SWEEP_PROTOCOLS(X)
+#undef X
+                                           {0}};
+    check_register("keys", cases);
+}

@@ -1,0 +1,482 @@
+/* Tables that a run leaves: every column of every table against a second computation from other columns. A
+ * column that no test reads fails, so that a new one needs its own check. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/scene.h"
+#include "sweeps/driver/protocol.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* Positions up to 1 and lengths of 1e-3 have relative errors of 1e-13, forces some more. */
+#define RELATIVE 1e-11
+
+/* ---- tables whose columns must all be read ---- */
+
+enum { MOST_COLUMNS = 64 };
+
+typedef struct {
+    rp_table t;
+    bool read[MOST_COLUMNS];
+} checked;
+
+static checked checked_read(const char *name)
+{
+    checked c = {.t = read_table(name)};
+    CU_ASSERT_FATAL(c.t.n_columns <= MOST_COLUMNS);
+    return c;
+}
+
+static double at(checked *c, size_t row, const char *column)
+{
+    const int k = rp_table_column(&c->t, column);
+    if (k >= 0) c->read[k] = true;
+    return cell(&c->t, row, column);
+}
+
+static void checked_end(checked *c)
+{
+    for (size_t k = 0; k < c->t.n_columns; k++) {
+        if (!c->read[k]) fprintf(stderr, "%s: column %s is not checked\n", c->t.path, c->t.names[k]);
+        CU_ASSERT(c->read[k]);
+    }
+    rp_table_free(&c->t);
+}
+
+#define NEAR_RELATIVE(a, b, relative) CHECK_NEAR(a, b, (relative)*fabs(b))
+
+/* ---- a scene of the simulator ---- */
+
+static const struct {
+    double nx, ny, k_n, k_s, k_roll, mu, mu_roll;
+} coefficients[] = {{0.0, 0.0, 1.1e5, 1.3e4, 1.7e4, 5.0, 3.0}, /* between grains */
+                    {0.0, 1.0, 1.6e5, 1.9e4, 2.3e4, 0.05, 3.0},
+                    {0.8, 0.6, 2.1e5, 1.1e4, 2.1e4, 5.0, 0.07}};
+
+enum { GRAINS = 5, STEPS = 80 };
+
+static void write_scene(const char *more)
+{
+    char walls[512] = "";
+    for (int w = 1; w < 3; w++)
+        snprintf(walls + strlen(walls), sizeof walls - strlen(walls),
+                 "%s{ point = [0.0, 0.0]; direction = [%g, %g]; k_n = %g; k_s = %g; k_roll = %g; mu = %g;\n"
+                 "  mu_roll = %g; }",
+                 w > 1 ? ", " : "", coefficients[w].nx, coefficients[w].ny, coefficients[w].k_n,
+                 coefficients[w].k_s, coefficients[w].k_roll, coefficients[w].mu, coefficients[w].mu_roll);
+    write_text("scene.cfg",
+               "dt = 1.0e-5; steps = %d; rotation = true; gravity = [40.0, -900.0];\n"
+               "normal = { k_n = %g; gamma_n = 0.0; };\n"
+               "tangential = { law = \"spring\"; k_s = %g; gamma_s = 0.0; mu = %g; };\n"
+               "rolling = { mu = %g; k = %g; gamma = 0.0; };\nwalls = ( %s );\n%s\n"
+               "particles = ( { x = 0.31; y = 0.1; r = 0.1; vx = 3.0; vy = -9.0; omega = 20.0; },\n"
+               "  { x = 0.5205; y = 0.1101; r = 0.11; vx = -4.0; vy = -2.0; omega = -31.0; angle = 0.3; },\n"
+               "  { x = 0.38; y = 0.2771; r = 0.09; vx = 1.0; vy = -25.0; },\n"
+               "  { x = 0.01; y = 0.1201; r = 0.08; m = 0.005; vx = -11.0; vy = -7.0; omega = 12.0; },\n"
+               "  { x = 0.9; y = 0.6; r = 0.07; vx = 2.0; } );\n",
+               STEPS, coefficients[0].k_n, coefficients[0].k_s, coefficients[0].mu, coefficients[0].mu_roll,
+               coefficients[0].k_roll, walls, more);
+}
+
+/* Row of a grain's state. */
+static size_t row_of(long step, double id)
+{
+    return (size_t)step * GRAINS + (size_t)id - 1;
+}
+
+/* A contact from the states of a step: overlap, arms, direction from the second body to the first, and the
+ * speeds that stretch its springs. */
+typedef struct {
+    double n[2], foot[2], overlap, arm[2], r_eff, v_s, v_roll;
+} geometry;
+
+static geometry contact_of(checked *s, long step, double id_a, double id_b, int wall)
+{
+    const size_t a = row_of(step, id_a), b = id_b > 0.0 ? row_of(step, id_b) : a;
+    const double r_a = at(s, a, "r"), r_b = at(s, b, "r"), x = at(s, a, "x"), y = at(s, a, "y");
+    const double spin_a = at(s, a, "omega"), spin_b = id_b > 0.0 ? at(s, b, "omega") : 0.0;
+    geometry g = {.n = {coefficients[wall].nx, coefficients[wall].ny}};
+    double vx = at(s, a, "vx"), vy = at(s, a, "vy");
+    if (id_b > 0.0) {
+        const double dx = x - at(s, b, "x"), dy = y - at(s, b, "y"), distance = hypot(dx, dy);
+        g.n[0] = dx / distance, g.n[1] = dy / distance;
+        g.overlap = r_a + r_b - distance;
+        g.foot[0] = at(s, b, "x"), g.foot[1] = at(s, b, "y");
+        g.arm[0] = r_a - 0.5 * g.overlap, g.arm[1] = r_b - 0.5 * g.overlap;
+        g.r_eff = r_a * r_b / (r_a + r_b);
+        vx -= at(s, b, "vx"), vy -= at(s, b, "vy");
+    } else {
+        const double height = x * g.n[0] + y * g.n[1];
+        g.overlap = r_a - height;
+        g.foot[0] = x - height * g.n[0], g.foot[1] = y - height * g.n[1];
+        g.arm[0] = height;
+        g.r_eff = r_a;
+    }
+    g.v_s = vx * g.n[1] - vy * g.n[0] + g.arm[0] * spin_a + g.arm[1] * spin_b;
+    g.v_roll = g.r_eff * (spin_a - spin_b);
+    return g;
+}
+
+/* Elongations of the springs by the trapezoidal rule since the contact began, cut at the limits. */
+static void stretch(checked *s, double id_a, double id_b, int wall, double dt, double *shear, double *roll)
+{
+    *shear = *roll = 0.0;
+    for (long step = 1; step <= STEPS; step++) {
+        const geometry before = contact_of(s, step - 1, id_a, id_b, wall),
+                       g = contact_of(s, step, id_a, id_b, wall);
+        const double limit = coefficients[wall].k_n * pow(fmax(g.overlap, 0.0), 1.5);
+        const double most = coefficients[wall].mu * limit / coefficients[wall].k_s,
+                     most_roll = coefficients[wall].mu_roll * limit / coefficients[wall].k_roll;
+        *shear = fmin(fmax(*shear + 0.5 * dt * (before.v_s + g.v_s), -most), most);
+        *roll = fmin(fmax(*roll + 0.5 * dt * (before.v_roll + g.v_roll), -most_roll), most_roll);
+    }
+}
+
+/* Sums over the contacts. */
+typedef struct {
+    double fx[GRAINS + 1], fy[GRAINS + 1], torque[GRAINS + 1], wall[3][2], elastic;
+    int contacts[GRAINS + 1];
+} sums;
+
+static void check_contact(checked *c, size_t row, checked *s, double dt, sums *sum)
+{
+    const double id_a = at(c, row, "id_a"), id_b = at(c, row, "id_b");
+    const int wall = (int)at(c, row, "wall");
+    CU_ASSERT_FATAL(id_a >= 1.0 && (id_b > 0.0 ? wall == 0 && id_b <= GRAINS : wall == 1 || wall == 2));
+    const geometry g = contact_of(s, STEPS, id_a, id_b, wall);
+    const double normal = at(c, row, "normal_force"), shear = at(c, row, "shear_force"),
+                 spring = at(c, row, "shear_spring"), torque = at(c, row, "rolling_torque"),
+                 roll = at(c, row, "rolling_spring"), overlap = at(c, row, "overlap");
+    const double k_n = coefficients[wall].k_n, k_s = coefficients[wall].k_s,
+                 k_roll = coefficients[wall].k_roll;
+    double by_steps, roll_by_steps;
+    CHECK_NEAR(at(c, row, "x"), at(s, row_of(STEPS, id_a), "x"), 0.0);
+    CHECK_NEAR(at(c, row, "y"), at(s, row_of(STEPS, id_a), "y"), 0.0);
+    CHECK_NEAR(at(c, row, "x_b"), g.foot[0], 1e-15);
+    CHECK_NEAR(at(c, row, "y_b"), g.foot[1], 1e-15);
+    NEAR_RELATIVE(overlap, g.overlap, RELATIVE);
+    NEAR_RELATIVE(normal, k_n * pow(g.overlap, 1.5), RELATIVE);
+    CU_ASSERT(overlap > 0.0 && fabs(spring) > 0.0 && fabs(roll) > 0.0);
+    NEAR_RELATIVE(shear, -k_s * spring, RELATIVE);
+    NEAR_RELATIVE(torque, -k_roll * roll * g.r_eff, RELATIVE);
+    stretch(s, id_a, id_b, wall, dt, &by_steps, &roll_by_steps);
+    NEAR_RELATIVE(spring, by_steps, 0.02); /* first touch lies within one of some fifty steps */
+    NEAR_RELATIVE(roll, roll_by_steps, 0.02);
+    const double fx = normal * g.n[0] + shear * g.n[1], fy = normal * g.n[1] - shear * g.n[0];
+    const int a = (int)id_a, b = (int)id_b;
+    sum->fx[a] += fx, sum->fy[a] += fy, sum->torque[a] += shear * g.arm[0] + torque, sum->contacts[a]++;
+    sum->fx[b] -= fx, sum->fy[b] -= fy, sum->torque[b] += shear * g.arm[1] - torque, sum->contacts[b]++;
+    sum->wall[wall][0] -= fx, sum->wall[wall][1] -= fy;
+    sum->elastic += 0.4 * normal * g.overlap + 0.5 * k_s * spring * spring + 0.5 * k_roll * roll * roll;
+}
+
+/* Newton's equations: forces at the end, and what the torques of the last step but one did to the spin. */
+static void check_states(checked *s, const sums *sum, double dt)
+{
+    for (int id = 1; id <= GRAINS; id++) {
+        const size_t row = row_of(STEPS, id), before = row_of(STEPS - 1, id);
+        const double m = at(s, row, "m"), r = at(s, row, "r"), inertia = 0.4 * m * r * r;
+        const double size = fabs(sum->fx[id]) + fabs(sum->fy[id]) + 900.0 * m;
+        CHECK_NEAR(at(s, row, "id"), id, 0.0);
+        CHECK_NEAR(at(s, row, "step"), STEPS, 0.0);
+        CHECK_NEAR(at(s, row, "t"), STEPS * dt, 1e-15);
+        if (id != 4) NEAR_RELATIVE(m, 4.0 / 3.0 * M_PI * r * r * r, 1e-14);
+        CHECK_NEAR(at(s, row, "fx"), sum->fx[id] + 40.0 * m, RELATIVE * size);
+        CHECK_NEAR(at(s, row, "fy"), sum->fy[id] - 900.0 * m, RELATIVE * size);
+        CHECK_NEAR(at(s, row, "contacts"), sum->contacts[id], 0.0);
+        /* forces change by a few percent a step */
+        CHECK_NEAR((at(s, row, "vx") - at(s, before, "vx")) / dt,
+                   0.5 * (at(s, row, "fx") + at(s, before, "fx")) / m, 1e-9 * size / m);
+        CHECK_NEAR((at(s, row, "vy") - at(s, before, "vy")) / dt,
+                   0.5 * (at(s, row, "fy") + at(s, before, "fy")) / m, 1e-9 * size / m);
+        CHECK_NEAR((at(s, row, "omega") - at(s, before, "omega")) / dt, sum->torque[id] / inertia,
+                   0.15 * fabs(sum->torque[id]) / inertia);
+        CHECK_NEAR((at(s, row, "angle") - at(s, before, "angle")) / dt,
+                   0.5 * (at(s, row, "omega") + at(s, before, "omega")), 0.01 * fabs(at(s, row, "omega")));
+        CHECK_NEAR((at(s, row, "x") - at(s, before, "x")) / dt,
+                   0.5 * (at(s, row, "vx") + at(s, before, "vx")),
+                   0.01 * hypot(at(s, row, "vx"), at(s, row, "vy")));
+        CHECK_NEAR((at(s, row, "y") - at(s, before, "y")) / dt,
+                   0.5 * (at(s, row, "vy") + at(s, before, "vy")),
+                   0.01 * hypot(at(s, row, "vx"), at(s, row, "vy")));
+    }
+}
+
+static void check_energy(checked *e, checked *s, const sums *sum)
+{
+    const size_t last = e->t.n_rows - 1;
+    double kinetic = 0.0, rotational = 0.0, gravity = 0.0;
+    for (size_t row = row_of(STEPS, 1); row < row_of(STEPS, 1) + GRAINS; row++) {
+        const double m = at(s, row, "m"), r = at(s, row, "r");
+        kinetic += 0.5 * m * (pow(at(s, row, "vx"), 2.0) + pow(at(s, row, "vy"), 2.0));
+        rotational += 0.5 * 0.4 * m * r * r * pow(at(s, row, "omega"), 2.0);
+        gravity += m * (900.0 * at(s, row, "y") - 40.0 * at(s, row, "x"));
+    }
+    CHECK_NEAR(at(e, last, "step"), STEPS, 0.0);
+    CHECK_NEAR(at(e, last, "t"), at(s, row_of(STEPS, 1), "t"), 0.0);
+    CHECK_NEAR(at(e, last, "grains"), GRAINS, 0.0);
+    NEAR_RELATIVE(at(e, last, "kinetic"), kinetic, RELATIVE);
+    NEAR_RELATIVE(at(e, last, "rotational"), rotational, RELATIVE);
+    NEAR_RELATIVE(at(e, last, "kinetic_per_grain"), (kinetic + rotational) / GRAINS, RELATIVE);
+    NEAR_RELATIVE(at(e, last, "gravity"), gravity, RELATIVE);
+    NEAR_RELATIVE(at(e, last, "elastic"), sum->elastic, RELATIVE);
+}
+
+static void test_scene(void)
+{
+    const double dt = 1e-5;
+    sums sum = {0};
+    enter();
+    write_scene("");
+    GOOD("run scene.cfg --every 1 -o d");
+    checked s = checked_read("d/states.tsv"), c = checked_read("d/contacts.tsv"),
+            w = checked_read("d/walls.tsv"), e = checked_read("d/energy.tsv");
+    CU_ASSERT_FATAL(s.t.n_rows == (STEPS + 1) * GRAINS);
+    CU_ASSERT(c.t.n_rows == 5); /* 1-2, 1-3, and three with walls */
+    for (size_t row = 0; row < c.t.n_rows; row++) check_contact(&c, row, &s, dt, &sum);
+    check_states(&s, &sum, dt);
+    check_energy(&e, &s, &sum);
+    CU_ASSERT(w.t.n_rows == 2);
+    for (size_t k = 0; k < 2; k++) {
+        CHECK_NEAR(at(&w, k, "wall"), (double)k + 1.0, 0.0);
+        NEAR_RELATIVE(at(&w, k, "fx"), sum.wall[k + 1][0], RELATIVE);
+        NEAR_RELATIVE(at(&w, k, "fy"), sum.wall[k + 1][1], RELATIVE);
+    }
+    checked_end(&s);
+    checked_end(&c);
+    checked_end(&w);
+    checked_end(&e);
+    leave();
+}
+
+/* ---- the ledger ---- */
+
+/* Gravity turns, a wall rises, a grain leaves, wells break, collisions are hard, and every contact damps: no
+ * column of the ledger is 0. Each against the member of that name. */
+static void test_ledger(void)
+{
+    enter();
+    write_text(
+        "scene.cfg",
+        "dt = 2.0e-5; steps = 2500; rotation = true; ledger = true; x_max = 1.4; y_min = -9.0;\n"
+        "gravity_turn_deg_per_step = 0.01; integrator = \"verlet\";\n"
+        "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 90.0; tension = false; };\n"
+        "tangential = { law = \"slip_roll\"; gamma_s = 70.0; mu = 0.3; };\n"
+        "rolling = { mu = 0.1; k = 2.0e4; gamma = 50.0; };\n"
+        "ground = { mu_static = 0.2; a = 0.0005; set = \"touch\"; }; hard = { restitution = 0.3; mu = 0.2; "
+        "};\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+        "  { point = [0.0, 0.0]; direction = [1.0, 0.0]; extent = [-0.5, 9.0]; open_at_step = 1; open_speed "
+        "= 20.0; } );\n"
+        "particles = ( { x = 0.09; y = 0.13; r = 0.1; vx = -9.0; }, { x = 0.32; y = 0.1; r = 0.1; omega = "
+        "50.0; },\n"
+        "  { x = 0.2; y = 0.31; r = 0.09; vy = -30.0; }, { x = 1.3; y = 0.4; r = 0.08; vx = 40.0; } );\n");
+    GOOD("run scene.cfg -o d");
+    checked e = checked_read("d/energy.tsv");
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    dem_ledger l;
+    dem_energy now;
+    char path[256];
+    path_of("scene.cfg", path);
+    CHECK_OK(dem_scene_read(path, NULL, &scene));
+    CHECK_OK(dem_scene_start(&scene, &sim));
+    CHECK_OK(dem_run(sim, scene.steps));
+    dem_energies(sim, &now);
+    CU_ASSERT_FATAL(dem_ledger_read(sim, &l) && e.t.n_rows == 1);
+    const struct {
+        const char *column;
+        double value;
+    } columns[] = {{"start", l.start},
+                   {"taken_out", l.taken_out},
+                   {"gravity_turn", l.gravity_turn},
+                   {"wall_work", l.wall_work},
+                   {"normal_damping", l.normal_damping},
+                   {"shear_damping", l.shear_damping},
+                   {"sliding", l.sliding},
+                   {"rolling", l.rolling},
+                   {"wells", l.wells},
+                   {"hard", l.hard},
+                   {"integration", l.integration},
+                   {"at_walls", l.at_walls},
+                   {"turnover", l.turnover},
+                   {"kinetic", now.kinetic},
+                   {"elastic", now.elastic},
+                   {"gravity", now.gravity},
+                   {"rotational", now.rotational},
+                   {"kinetic_per_grain", (now.kinetic + now.rotational) / (double)dem_count(sim)},
+                   {"grains", (double)dem_count(sim)},
+                   {"step", 2500.0},
+                   {"t", 0.05}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        NEAR_RELATIVE(at(&e, 0, columns[k].column), columns[k].value, 1e-14);
+        for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
+            CU_ASSERT(fabs(columns[k].value) > 1e-9 && columns[k].value != columns[j].value);
+        if (fabs(columns[k].value) < 1e-9) fprintf(stderr, "%s is 0\n", columns[k].column);
+    }
+    CHECK_NEAR(at(&e, 0, "put_in"), 0.0, 0.0);
+    CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    checked_end(&e);
+    leave();
+}
+
+/* ---- a static pile ---- */
+
+enum { BASE = 4, DISKS = 10 };
+
+/* Bonds of stiffness 1/eps at distances below 1, wells of k_x below each base disk. */
+static void check_disks(checked *d, checked *c, checked *w, double eps)
+{
+    double fx[DISKS + 1] = {0}, fy[DISKS + 1] = {0}, most[DISKS + 1] = {0}, least[DISKS + 1];
+    for (int id = 1; id <= DISKS; id++) least[id] = INFINITY;
+    for (size_t k = 0; k < c->t.n_rows; k++) {
+        const int a = (int)at(c, k, "a"), b = (int)at(c, k, "b");
+        CU_ASSERT_FATAL(a >= 1 && a <= DISKS && b >= 1 && b <= DISKS);
+        const size_t i = (size_t)a - 1, j = (size_t)b - 1;
+        const double dx = at(d, i, "x") - at(d, j, "x"), dy = at(d, i, "y") - at(d, j, "y"),
+                     force = at(c, k, "force"), distance = hypot(dx, dy);
+        CHECK_NEAR(at(c, k, "x"), at(d, i, "x"), 0.0);
+        CHECK_NEAR(at(c, k, "y"), at(d, i, "y"), 0.0);
+        CHECK_NEAR(at(c, k, "x_b"), at(d, j, "x"), 0.0);
+        CHECK_NEAR(at(c, k, "y_b"), at(d, j, "y"), 0.0);
+        NEAR_RELATIVE(force, (1.0 - distance) / eps, RELATIVE);
+        CHECK_NEAR(at(c, k, "horizontal"), fabs(dy) < 0.1, 0.0);
+        fx[a] += force * dx / distance, fy[a] += force * dy / distance;
+        fx[b] -= force * dx / distance, fy[b] -= force * dy / distance;
+        most[a] = fmax(most[a], force), most[b] = fmax(most[b], force);
+        least[a] = fmin(least[a], force), least[b] = fmin(least[b], force);
+    }
+    for (size_t k = 0; k < c->t.n_rows; k++) {
+        const int a = (int)at(c, k, "a"), b = (int)at(c, k, "b");
+        const double force = at(c, k, "force"), slack = 1e-9 * force;
+        CHECK_NEAR(at(c, k, "strongest"), force >= most[a] - slack || force >= most[b] - slack, 0.0);
+        CHECK_NEAR(at(c, k, "weakest"), force <= least[a] + slack || force <= least[b] + slack, 0.0);
+    }
+    for (size_t k = 0; k < w->t.n_rows; k++) {
+        const int id = (int)at(w, k, "disk");
+        const size_t i = (size_t)id - 1;
+        CHECK_NEAR(at(w, k, "x_0"), (double)k, 0.0); /* the lattice's */
+        CHECK_NEAR(at(w, k, "x"), at(d, i, "x"), 0.0);
+        NEAR_RELATIVE(at(w, k, "x-x_0"), (at(w, k, "x") - at(w, k, "x_0")) / eps, RELATIVE);
+        NEAR_RELATIVE(at(w, k, "N"), (0.5 - at(d, i, "y")) / eps, RELATIVE);
+        NEAR_RELATIVE(at(w, k, "H"), 0.7 * at(w, k, "x-x_0"), RELATIVE);
+        CU_ASSERT_STRING_EQUAL(word(&w->t, k, "state"), "holds");
+        at(w, k, "state");
+        fx[id] -= at(w, k, "H"), fy[id] += at(w, k, "N");
+    }
+    for (int id = 1; id <= DISKS; id++) {
+        const size_t i = (size_t)id - 1;
+        CHECK_NEAR(fx[id], 0.0, 1e-9);
+        CHECK_NEAR(fy[id], 1.0, 1e-9);
+        CHECK_NEAR(at(d, i, "id"), id, 0.0);
+        CHECK_NEAR(at(d, i, "r"), 0.5, 0.0);
+        /* in units of half a diameter and of a row's height the lattice has whole numbers */
+        const double x_0 = 2.0 * (at(d, i, "x") - eps * at(d, i, "u_x")),
+                     row = (at(d, i, "y") - eps * at(d, i, "u_y") - 0.5) / sqrt(0.75);
+        CHECK_NEAR(x_0, round(x_0), 1e-12);
+        CHECK_NEAR(row, round(row), 1e-12);
+    }
+}
+
+/* The triangle by (42) and (44): N = (k + 1)/2, H grows by equal parts from toe to toe. */
+static void check_base(checked *b, checked *w)
+{
+    const double width = at(b, 1, "N/mg") / at(b, 1, "N/(chi*g*B)");
+    CU_ASSERT(width > BASE - 1.0 && width < BASE + 1.0);
+    for (size_t k = 0; k < BASE; k++) {
+        CHECK_NEAR(at(b, k, "i"), (double)k + 1.0, 0.0);
+        CHECK_NEAR(at(b, k, "x"), (double)k, 1e-12);
+        CHECK_NEAR(at(b, k, "N/mg"), at(w, k, "N"), 0.0);
+        CHECK_NEAR(at(b, k, "H/mg"), at(w, k, "H"), 0.0);
+        CHECK_NEAR(at(b, k, "N_diagonals/mg"), 0.5 * (BASE + 1.0), 1e-13);
+        CHECK_NEAR(at(b, k, "H_diagonals/mg"), ((double)k - 0.5 * (BASE - 1.0)) / sqrt(3.0), 1e-13);
+        CHECK_NEAR(at(b, k, "x/B"), 0.5 + ((double)k - 0.5 * (BASE - 1.0)) / width, 1e-13);
+        NEAR_RELATIVE(at(b, k, "N/(chi*g*B)"), at(w, k, "N") / width, 1e-13);
+        NEAR_RELATIVE(at(b, k, "H/(chi*g*B)"), at(w, k, "H") / width, 1e-13);
+    }
+}
+
+static void test_pile(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; eps = 1e-3; k_x = 0.7; };\n");
+    GOOD("run s.cfg -o d");
+    checked d = checked_read("d/disks.tsv"), c = checked_read("d/contacts.tsv"),
+            w = checked_read("d/wells.tsv"), b = checked_read("d/base.tsv");
+    CU_ASSERT_FATAL(d.t.n_rows == DISKS && w.t.n_rows == BASE && b.t.n_rows == BASE);
+    check_disks(&d, &c, &w, 1e-3);
+    check_base(&b, &w);
+    checked_end(&d);
+    checked_end(&c);
+    checked_end(&w);
+    checked_end(&b);
+    leave();
+}
+
+/* ---- runs of a sweep ---- */
+
+/* Every row of the exported runs is the run made again; every column of the reduced table comes from them. */
+static void test_sweep(void)
+{
+    enter();
+    write_text(
+        "s.cfg",
+        "protocol = \"pile\"; replicas = 3; seed = 7;\n"
+        "fixed = { alpha_deg = 30.0; disorder = 0.02; }; grid = { base = [9, 12]; eps = [1e-4, 2e-4]; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep run d -j 2");
+    GOOD("sweep export d -o runs.tsv");
+    GOOD("sweep export d --reduce -o points.tsv");
+    checked runs = checked_read("runs.tsv");
+    rp_table points = read_table("points.tsv");
+    CU_ASSERT_FATAL(runs.t.n_rows == 12 && points.n_rows == 4);
+    for (size_t row = 0; row < 12; row++) {
+        CHECK_NEAR(at(&runs, row, "run"), (double)row, 0.0);
+        CHECK_NEAR(at(&runs, row, "replica"), (double)(row % 3), 0.0);
+        CHECK_NEAR(at(&runs, row, "pile"), (double)row, 0.0);
+        CHECK_NEAR(at(&runs, row, "base"), row < 6 ? 9.0 : 12.0, 0.0);
+        CHECK_NEAR(at(&runs, row, "eps"), row % 6 < 3 ? 1e-4 : 2e-4, 0.0);
+        CU_ASSERT(at(&runs, row, "seconds") >= 0.0);
+        CU_ASSERT_STRING_EQUAL(word(&runs.t, row, "status"), "ok");
+        at(&runs, row, "status");
+        if (row % 5) continue; /* three of them */
+        GOOD("run s.cfg --row %zu -o again", row);
+        rp_table again = read_table("out");
+        for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++) {
+            at(&runs, row, o->name);
+            CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs.t, row, o->name));
+        }
+        rp_table_free(&again);
+    }
+    for (size_t row = 0; row < 4; row++)
+        for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++) {
+            char column[96];
+            double v[3], mean = 0.0, square = 0.0, n = 0.0;
+            for (size_t k = 0; k < 3; k++) v[k] = at(&runs, 3 * row + k, o->name), n += isfinite(v[k]);
+            snprintf(column, sizeof column, "%s_n", o->name);
+            CHECK_NEAR(cell(&points, row, column), n, 0.0);
+            if (n < 3.0) continue;
+            mean = (v[0] + v[1] + v[2]) / 3.0;
+            for (size_t k = 0; k < 3; k++) square += (v[k] - mean) * (v[k] - mean);
+            snprintf(column, sizeof column, "%s_mean", o->name);
+            CHECK_NEAR(cell(&points, row, column), mean, 1e-14 * (fabs(mean) + 1.0));
+            snprintf(column, sizeof column, "%s_se", o->name);
+            CHECK_NEAR(cell(&points, row, column), sqrt(square / 6.0), 1e-7 * sqrt(square) + 1e-14);
+        }
+    rp_table_free(&points);
+    checked_end(&runs);
+    leave();
+}
+
+void suite_tables(void)
+{
+    static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
+                                       {"energy ledger", test_ledger},
+                                       {"disks, contacts, wells, base of a pile", test_pile},
+                                       {"runs and points of a sweep", test_sweep},
+                                       {0}};
+    check_register("tables", cases);
+}
