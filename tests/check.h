@@ -27,6 +27,7 @@
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \

@@ -779,6 +779,7 @@ static void test_stats_settings(void)
     CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "front") == 0.0 && cell(&t, 1, "front") == 1.0);
     rp_table_free(&t);
     FAILS(1, "no row with status ok", "stats cost c.tsv -y y --by W --where status=fell");
+    FAILS(65, "replica 0: two runs of the last setting", "stats cost c.tsv -y y --by W");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
     GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
     t = read_table("out");

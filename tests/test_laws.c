@@ -151,7 +151,7 @@ static void springs_agree(void)
         CHECK_NEAR(d->rest_overlap(k, force) / b, 1.0, 1e-14);
         CU_ASSERT(!d->constant_stiffness || d->stiffness(k, a) == d->stiffness(k, b));
         double derivative;
-        const double mean = dem_law_quotient(law, k, a, b, &derivative);
+        const double mean = dem_normal_descriptors[law].quotient(k, a, b, &derivative);
         CHECK_NEAR(mean * (b - a) / integral(&p, a, b), 1.0, 1e-13);
         /* of (V(b) - V(a))/(b - a) by b */
         CHECK_NEAR(derivative / ((force - mean) / (b - a)), 1.0, 1e-12);
@@ -164,7 +164,8 @@ static void dashpots_agree(void)
         const dem_normal_descriptor *d = &dem_normal_descriptors[law];
         const double k = 2.385e5, gamma = 1.7, m = 0.00317, a = 3.1e-4, b = 2.17e-3, v = -13.0;
         const integrand p = {law, k, gamma, m, true};
-        CHECK_NEAR(dem_law_mean_rate(law, k, gamma, m, a, b) * (b - a) / integral(&p, a, b), 1.0, 1e-13);
+        CHECK_NEAR(dem_normal_descriptors[law].mean_rate(k, gamma, m, a, b) * (b - a) / integral(&p, a, b),
+                   1.0, 1e-13);
         CHECK_NEAR(d->damping_rate(k, gamma, m, b) / value(&p, b), 1.0, 0.0);
         CHECK_NEAR(d->damping_rate(k, 3.0 * gamma, m, b) / value(&p, b), 3.0, 1e-15); /* linear in gamma_n */
         CHECK_NEAR(dem_law_normal(law, true, k, gamma, m, b, v),

@@ -1,5 +1,6 @@
 /* Cells of tables by name; see cells.h. */
 #include "cli/cells.h"
+#include "cli/cli.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,7 +41,7 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
         const int column = rp_table_column(table, key);
         if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, key);
-        *matches = text_equals(table->cells[row * table->n_columns + (size_t)column], equals + 1);
+        *matches = text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
 }
@@ -64,11 +65,11 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
     cell->column = w->words[w->n - 1];
     cell->missing = !cli_find_table(folders, w->words[0], cell->path);
     if (cell->missing) return RP_OK;
-    status = rp_table_read(cell->path, &cell->table);
+    status = cli_table_read(cell->path, &cell->table);
     size_t found = 0;
-    for (size_t r = 0; r < cell->table.n_rows && !status; r++) {
+    for (size_t r = 0; r < cell->table->n_rows && !status; r++) {
         bool matches;
-        status = cli_row_matches(&cell->table, r, w, 1, w->n - 1, &matches);
+        status = cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches);
         if (status || !matches) continue;
         cell->row = r;
         found++;
@@ -79,30 +80,25 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
                : rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
 }
 
-void cli_cell_free(cli_cell *cell)
-{
-    if (cell->table.path) rp_table_free(&cell->table);
-    *cell = (cli_cell){0};
-}
-
 const char *cli_cell_text(const cli_cell *cell, const char *column)
 {
-    const int c = rp_table_column(&cell->table, column);
-    return c < 0 ? NULL : cell->table.cells[cell->row * cell->table.n_columns + (size_t)c];
+    const int c = rp_table_column(cell->table, column);
+    if (*column == '#') return rp_table_find_note(cell->table, column + 1);
+    return c < 0 ? NULL : cli_text(cell->table, cell->row, c);
 }
 
 rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value)
 {
-    const int c = rp_table_column(&cell->table, column);
+    const int c = rp_table_column(cell->table, column);
     *value = NAN;
-    return c < 0 ? RP_OK : rp_table_number(&cell->table, cell->row, c, true, value);
+    return c < 0 ? RP_OK : rp_table_number(cell->table, cell->row, c, true, value);
 }
 
 /* The number that the header line "# KEY: text" starts with. */
 static rp_status note_number(const cli_cell *cell, stats_number *number)
 {
     char *end;
-    const char *text = rp_table_find_note(&cell->table, cell->column + 1);
+    const char *text = cli_cell_text(cell, cell->column);
     *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
     return text && end != text ? RP_OK
                                : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path,

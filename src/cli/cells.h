@@ -29,9 +29,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
 /* Path of NAME.tsv in the first of `folders`, joined by commas, that has it; false if none has. */
 bool cli_find_table(const char *folders, const char *name, char path[4096]);
 
-/* One cell of a table; free with cli_cell_free, also after an error. */
+/* One cell of a table. */
 typedef struct {
-    rp_table table;
+    rp_table *table;
     char path[4096];
     size_t row;
     cli_words words;    /* of the reference */
@@ -41,9 +41,8 @@ typedef struct {
 
 /* Errors: RP_BAD_INPUT (no such column, rows other than one), those of rp_table_read. */
 rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell);
-void cli_cell_free(cli_cell *cell);
 
-/* The text in another column of the cell's row, NULL if there is no such column. */
+/* The text in another column of the cell's row, or for #KEY in a header line; NULL if there is none. */
 const char *cli_cell_text(const cli_cell *cell, const char *column);
 
 /* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a

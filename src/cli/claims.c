@@ -3,7 +3,6 @@
 #include "cli/cli.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,33 +15,10 @@ static const char *const test_words[] = {CLI_CLAIM_TESTS(X)};
 static const bool needs_table[] = {CLI_CLAIM_TESTS(X)};
 #undef X
 
-/* The columns of text, and where they go. */
-#define TEXT(column, field)                                                                                  \
-    {                                                                                                        \
-        column, offsetof(cli_claim, field)                                                                   \
-    }
-static const struct {
-    const char *column;
-    size_t offset;
-} texts[] = {TEXT("id", id),
-             TEXT("of", of),
-             TEXT("paper", paper),
-             TEXT("place", place),
-             TEXT("section", section),
-             TEXT("test", test_word),
-             TEXT("published", published_text),
-             TEXT("published_se", se_text),
-             TEXT("answer", answer),
-             TEXT("against", against),
-             TEXT("forensics", forensics),
-             TEXT("statement", statement),
-             TEXT("note", note)};
-enum { N_TEXTS = sizeof texts / sizeof *texts };
-
 /* "-" stands for nothing. */
 static const char *text_of(const rp_table *t, size_t row, int column)
 {
-    const char *text = t->cells[row * t->n_columns + (size_t)column];
+    const char *text = cli_text(t, row, column);
     return strcmp(text, "-") == 0 ? "" : text;
 }
 
@@ -87,31 +63,30 @@ static rp_status check(const cli_claims *all, const cli_claim *c)
         if (strcmp(all->claims[i].id, c->id) == 0)
             return rp_fail(RP_BAD_INPUT, "claim %s stands twice", c->id);
     if (number && isnan(c->published.value))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id,
-                       test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id, c->test_word);
     if (other && !*c->against)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, c->test_word);
     if ((c->test == CLAIM_INDEPENDENT || c->test == CLAIM_ORDER || c->test == CLAIM_EQUALS) &&
         !isfinite(c->margin))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, test_words[c->test]);
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, c->test_word);
     if (c->test == CLAIM_UNTESTABLE ? !*c->note : !*c->answer)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, test_words[c->test],
+        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, c->test_word,
                        c->test == CLAIM_UNTESTABLE ? "a reason in `note`" : "an answer");
     return RP_OK;
 }
 
 static rp_status read_claim(cli_claims *all, size_t row)
 {
-    const rp_table *t = &all->table;
+    const rp_table *t = all->table;
     cli_claim *c = &all->claims[all->n];
-    for (size_t k = 0; k < N_TEXTS; k++)
-        *(const char **)((char *)c + texts[k].offset) = text_of(t, row, rp_table_column(t, texts[k].column));
-    const char *word = c->test_word;
+#define X(column, member) c->member = text_of(t, row, rp_table_column(t, #column));
+    CLI_CLAIM_TEXTS(X)
+#undef X
     for (c->test = 0; c->test < CLI_N_CLAIM_TESTS; c->test++)
-        if (strcmp(word, test_words[c->test]) == 0) break;
+        if (strcmp(c->test_word, test_words[c->test]) == 0) break;
     rp_status status = c->test < CLI_N_CLAIM_TESTS
                            ? RP_OK
-                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, word);
+                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, c->test_word);
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
@@ -122,24 +97,17 @@ static rp_status read_claim(cli_claims *all, size_t row)
 
 rp_status cli_claims_read(const char *path, cli_claims *claims)
 {
+#define X(column, member) #column,
+    static const char *const columns[] = {CLI_CLAIM_TEXTS(X) "samples", "margin"};
+#undef X
+    int column;
     *claims = (cli_claims){0};
-    rp_status status = rp_table_read_texts(path, &claims->table);
-    for (size_t k = 0; k < N_TEXTS + 2 && !status; k++) {
-        const char *name = k < N_TEXTS ? texts[k].column : k == N_TEXTS ? "samples" : "margin";
-        if (rp_table_column(&claims->table, name) < 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", path, name);
-    }
-    claims->claims = calloc(claims->table.n_rows + 1, sizeof *claims->claims);
-    if (!status && !claims->claims) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    for (size_t row = 0; row < claims->table.n_rows && !status; row++) status = read_claim(claims, row);
+    rp_status status = cli_texts_read(path, &claims->table);
+    for (size_t k = 0; k < N_OF(columns) && !status; k++)
+        status = cli_find_column(claims->table, columns[k], &column);
+    claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
+    for (size_t row = 0; row < claims->table->n_rows && !status; row++) status = read_claim(claims, row);
     return status;
-}
-
-void cli_claims_free(cli_claims *claims)
-{
-    free(claims->claims);
-    if (claims->table.path) rp_table_free(&claims->table);
-    *claims = (cli_claims){0};
 }
 
 rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim)
@@ -150,11 +118,6 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
             return RP_OK;
         }
     return rp_fail(RP_BAD_INPUT, "no claim \"%s\"", id);
-}
-
-const char *cli_claim_test_word(cli_claim_test test)
-{
-    return test_words[test];
 }
 
 void cli_claim_published(const cli_claim *claim, char text[128])
@@ -192,7 +155,6 @@ static rp_status read_against(const char *text, const char *folders, measured *m
     rp_status status = cli_cell_find(folders, text, &cell);
     *missing |= cell.missing;
     if (!status && !cell.missing) status = read_measured(&cell, m);
-    cli_cell_free(&cell);
     return status;
 }
 
@@ -256,7 +218,6 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     if (!status && *c->against) status = read_against(c->against, folders, &against, &missing);
     if (!status && !missing) status = read_measured(&cell, &ours);
     if (!status && !missing) status = read_change(&cell, &change);
-    cli_cell_free(&cell);
     if (missing) j->verdict = STATS_NO_DATA;
     if (status || missing) return status;
     if (c->test == CLAIM_RATIO) {
@@ -305,8 +266,8 @@ static void explain(const cli_claim *c, cli_judged *j)
         snprintf(j->reason, sizeof j->reason, "%s", verdict);
 }
 
-rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, const char *folders,
-                          cli_judged *j)
+static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, const char *folders,
+                             cli_judged *j)
 {
     *j = (cli_judged){
         .n = NAN, .ours = {NAN, NAN}, .against = {NAN, 0.0}, .match = {.z_error = NAN, .z_deviation = NAN}};
@@ -328,13 +289,15 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
 {
     *judged = cli_memory(claims->n, sizeof **judged);
     rp_status status = RP_OK;
-    for (size_t i = 0; i < claims->n && !status; i++)
-        status = cli_claim_judge(claims, &claims->claims[i], folders, &(*judged)[i]);
+    for (size_t i = 0; i < claims->n && !status; i++) {
+        const size_t mark = cli_mark();
+        status = judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]);
+        cli_release(mark);
+    }
     return status;
 }
 
-rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper,
-                           char text[256])
+void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256])
 {
     size_t counts[STATS_VERDICTS], n = 0;
     stats_verdict *verdicts = cli_memory(claims->n, sizeof *verdicts);
@@ -346,5 +309,4 @@ rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], 
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
         snprintf(text + strlen(text), 256 - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
                  stats_verdict_text(v));
-    return RP_OK;
 }

@@ -28,29 +28,41 @@
 typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 #undef X
 
-/* "agrees", "same", ... */
-const char *cli_claim_test_word(cli_claim_test test);
+/* Columns of text in figures/claims.tsv, with their members. */
+#define CLI_CLAIM_TEXTS(X)                                                                                   \
+    X(id, id)                                                                                                \
+    X(of, of)                                                                                                \
+    X(paper, paper)                                                                                          \
+    X(place, place)                                                                                          \
+    X(section, section)                                                                                      \
+    X(test, test_word)                                                                                       \
+    X(published, published_text)                                                                             \
+    X(published_se, se_text)                                                                                 \
+    X(answer, answer)                                                                                        \
+    X(against, against)                                                                                      \
+    X(forensics, forensics)                                                                                  \
+    X(statement, statement)                                                                                  \
+    X(note, note)
 
 /* A row of figures/claims.tsv; the texts point into its table. */
+#define X(column, member) const char *member;
 typedef struct {
-    const char *id, *of, *paper, *place, *section, *published_text, *se_text, *answer, *against, *statement,
-        *note, *test_word, *forensics;
+    CLI_CLAIM_TEXTS(X)
+#undef X
     cli_claim_test test;
     stats_number published; /* NaN: none */
     double samples, margin; /* 0: not said; INFINITY: none */
 } cli_claim;
 
 typedef struct {
-    rp_table table;
+    rp_table *table;
     cli_claim *claims;
     size_t n;
 } cli_claims;
 
-/* Free with cli_claims_free, also after an error.
- * Errors: RP_BAD_INPUT with file and line (unknown test, a claim twice, a number or answer that its test
+/* Errors: RP_BAD_INPUT with file and line (unknown test, a claim twice, a number or answer that its test
  * needs), those of rp_table_read, RP_NO_MEMORY. */
 rp_status cli_claims_read(const char *path, cli_claims *claims);
-void cli_claims_free(cli_claims *claims);
 
 /* The claim called `id`; of a variant, the paper's number is that of the claim it varies. Errors:
  * RP_BAD_INPUT. */
@@ -67,17 +79,12 @@ typedef struct {
     char reason[512]; /* verdict with what explains it */
 } cli_judged;
 
-/* Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of rp_table_read. */
-rp_status cli_claim_judge(const cli_claims *claims, const cli_claim *claim, const char *folders,
-                          cli_judged *judged);
-
-/* Every claim, in new memory (free it). Errors: those of cli_claim_judge, RP_NO_MEMORY. */
+/* Every claim, in new memory. Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of
+ * rp_table_read. */
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged);
 
-/* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. Errors:
- * RP_NO_MEMORY. */
-rp_status cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper,
-                           char text[256]);
+/* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. */
+void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256]);
 
 /* The published number as it is printed there, with its error and samples; "" for none. */
 void cli_claim_published(const cli_claim *claim, char text[128]);

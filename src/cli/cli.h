@@ -109,7 +109,8 @@ const char *cli_command_line(void);
 void *cli_memory(size_t n, size_t size);
 gsl_rng *cli_random(long seed, unsigned long run);
 
-rp_status cli_table_read(const char *path, rp_table **table); /* errors: those of rp_table_read */
+rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
+rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
 size_t cli_mark(void);
 void cli_release(size_t mark);
 
@@ -160,6 +161,7 @@ rp_status cli_group_rows(const rp_table *table, const char *by, char separator, 
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {
     bool any_status, any_number;
+    const bool *among;        /* rows of the table; NULL: all */
     const double *range;      /* least and largest number in the first column; NULL: any */
     const cli_groups *groups; /* ordered by these, */
     bool grouped;             /* or by the numbers of the first column, each a group; else as in the table */

@@ -34,9 +34,9 @@ static const char *const angle_columns[N_ANGLES] = {"theta_r3_deg", "theta_t_dis
 typedef struct {
     rp_table *table;
     char path[4096];
-    cli_rows rows;
-    size_t n_angles, angle[N_ANGLES]; /* angles that there are */
-    stats_ensemble piles;             /* all of them, with result */
+    const char *params[STATS_MAX_PARAMS]; /* names */
+    stats_ensemble piles;                 /* with result; their angles are these: */
+    const double *angle[N_ANGLES];        /* NULL for one that no pile has */
 } source;
 
 /* Run what is missing of a sweep and leave its rows as a table in its folder. */
@@ -80,36 +80,42 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
     return RP_OK;
 }
 
+/* Is an angle in the table for any pile? A protocol that did not measure it leaves nan. */
+static bool has_values(size_t n, const double angle[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (!isnan(angle[i])) return true;
+    return false;
+}
+
 /* Columns of the rows with result: parameters first, then the angles that there are. */
 static rp_status read_piles(source *s, const char *fit)
 {
     const rp_table *t = s->table;
     char names[256];
     int columns[STATS_MAX_PARAMS];
+    cli_rows rows;
     size_t n_params, used = (size_t)snprintf(names, sizeof names, "%.128s", fit);
     rp_status status = find_fit(t, fit, &n_params, columns);
     if (!status) status = refuse_others(t, n_params, columns);
     if (status) return status;
-    for (size_t a = 0; a < N_ANGLES; a++) {
-        if (rp_table_column(t, angle_columns[a]) < 0) continue;
-        s->angle[s->n_angles++] = a;
-        used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
-    }
-    status = cli_rows_read(t, names, &(cli_choice){.any_number = true}, &s->rows);
-    s->piles.n = s->rows.n;
+    for (size_t a = 0; a < N_ANGLES; a++)
+        if (rp_table_column(t, angle_columns[a]) >= 0)
+            used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
+    status = cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows);
+    if (status) return status;
+    s->piles.n = rows.n;
     s->piles.n_params = n_params;
-    s->piles.n_angles = s->n_angles;
-    for (size_t p = 0; p < n_params; p++) s->piles.x[p] = s->rows.column[p];
-    for (size_t a = 0; a < s->n_angles; a++) s->piles.angle[a] = s->rows.column[n_params + a];
-    return status;
-}
-
-/* Is an angle in the table for any pile? A protocol that did not measure it leaves nan. */
-static bool has_values(const stats_ensemble *piles, size_t a)
-{
-    for (size_t i = 0; i < piles->n; i++)
-        if (!isnan(piles->angle[a][i])) return true;
-    return false;
+    for (size_t p = 0; p < n_params; p++) {
+        s->piles.x[p] = rows.column[p];
+        s->params[p] = t->names[columns[p]];
+    }
+    for (size_t a = 0, c = n_params; a < N_ANGLES; a++) {
+        if (rp_table_column(t, angle_columns[a]) < 0) continue;
+        const double *angle = rows.column[c++];
+        s->angle[a] = has_values(rows.n, angle) ? angle : NULL;
+    }
+    return RP_OK;
 }
 
 /* The piles with the angles of `mask` (bit a for angle a); false if one of them is missing. */
@@ -117,12 +123,12 @@ static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
 {
     *piles = s->piles;
     piles->n_angles = 0;
-    for (size_t k = 0; k < s->n_angles; k++) {
-        if (!(mask & 1u << s->angle[k]) || !has_values(&s->piles, k)) continue;
-        piles->angle[piles->n_angles++] = s->piles.angle[k];
-        mask &= ~(1u << s->angle[k]);
+    for (size_t a = 0; a < N_ANGLES; a++) {
+        if (!(mask & 1u << a)) continue;
+        if (!s->angle[a]) return false;
+        piles->angle[piles->n_angles++] = s->angle[a];
     }
-    return mask == 0 && piles->n_angles > 0;
+    return true;
 }
 
 static rp_status open_source(const char *sweep, const char *folder, const char *table,
@@ -187,14 +193,6 @@ static void note_responses(const stats_calibration *c, unsigned mask)
     if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
 }
 
-/* Name of parameter p of --fit. */
-static const char *fit_name(const char *fit, size_t p, char name[64])
-{
-    if (p > 0) fit = strchr(fit, ',') + 1;
-    snprintf(name, 64, "%.*s", (int)strcspn(fit, ","), fit);
-    return name;
-}
-
 /* ---- a measurement ---- */
 
 /* Of all solutions together; NaN without one. */
@@ -208,15 +206,14 @@ static double upper_limit(const stats_calibrated *f)
     return f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN;
 }
 
-static void print_found(const calibrate_options *o, size_t n_params, const stats_calibrated found[])
+static void print_found(const source *s, const stats_calibrated found[])
 {
-    char name[64];
     rp_table_header(stdout, "parameter, value, se, lower, upper, boot_se, boot_lower, boot_upper, status");
-    for (size_t p = 0; p < n_params; p++)
+    for (size_t p = 0; p < s->piles.n_params; p++)
         for (size_t k = 0; k < (found[p].n_solutions ? found[p].n_solutions : 1); k++) {
             const stats_calibrated *f = &found[p];
             bool none = f->n_solutions == 0;
-            printf("%s\t", fit_name(o->fit, p, name));
+            printf("%s\t", s->params[p]);
             CLI_ROW_WORD(stats_calibrated_word(f->status), none ? NAN : f->solutions[k].value, f->se,
                          none ? NAN : f->solutions[k].lower, none ? NAN : f->solutions[k].upper, f->boot_se,
                          f->boot_lower, f->boot_upper);
@@ -224,14 +221,14 @@ static void print_found(const calibrate_options *o, size_t n_params, const stats
 }
 
 /* Exit status 1 and what is known, for the first parameter that is not found. */
-static rp_status conclude(const calibrate_options *o, size_t n_params, const stats_calibrated found[])
+static rp_status conclude(const source *s, const stats_calibrated found[])
 {
-    char name[64], text[128] = "";
-    for (size_t p = 0; p < n_params; p++) {
+    char text[128] = "";
+    for (size_t p = 0; p < s->piles.n_params; p++) {
         const stats_calibrated *f = &found[p];
+        const char *name = s->params[p];
         if (f->status == STATS_CALIBRATED_OK) continue;
         const double lower = lower_limit(f), upper = upper_limit(f);
-        fit_name(o->fit, p, name);
         if (!isnan(lower) && !isnan(upper))
             snprintf(text, sizeof text, "; %g <= %s <= %g", lower, name, upper);
         else if (!isnan(lower))
@@ -240,16 +237,6 @@ static rp_status conclude(const calibrate_options *o, size_t n_params, const sta
             snprintf(text, sizeof text, "; %s <= %g", name, upper);
         return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, stats_calibrated_word(f->status),
                        stats_calibrated_meaning(f->status), text);
-    }
-    return RP_OK;
-}
-
-static rp_status fail_angle(const source *s, unsigned mask)
-{
-    for (size_t a = 0; a < N_ANGLES; a++) {
-        stats_ensemble unused;
-        if (mask & 1u << a && !choose_angles(s, 1u << a, &unused))
-            return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[a]);
     }
     return RP_OK;
 }
@@ -266,9 +253,11 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
             mask |= 1u << a;
             m.angle[n] = angles[a];
             m.error[n++] = errors[a];
+            if (!s->angle[a])
+                return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[a]);
         }
     stats_ensemble piles;
-    if (!choose_angles(s, mask, &piles)) return fail_angle(s, mask);
+    choose_angles(s, mask, &piles);
     stats_calibration c;
     stats_calibrated found[STATS_MAX_PARAMS];
     rp_status status = stats_calibration_fit(&piles, &c);
@@ -282,8 +271,8 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
         note_piles("piles", s);
         note_responses(&c, mask);
         note_scope(s);
-        print_found(o, piles.n_params, found);
-        status = conclude(o, piles.n_params, found);
+        print_found(s, found);
+        status = conclude(s, found);
     }
     stats_calibration_free(&c);
     return status;
@@ -292,7 +281,7 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
 /* ---- cases whose truth is known ---- */
 
 typedef struct {
-    size_t n, n_params;
+    size_t n;
     unsigned mask;
     stats_case *cases;
 } trial;
@@ -307,9 +296,9 @@ static rp_status make_trial(const source *response, const source *planted, const
 {
     stats_ensemble fit, piles;
     stats_calibration c = {0};
-    *t = (trial){.mask = mask, .n_params = response->piles.n_params};
+    *t = (trial){.mask = mask};
     bool whole = choose_angles(response, mask, &fit) && (!planted || choose_angles(planted, mask, &piles));
-    if (!whole || t->n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
+    if (!whole || fit.n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
     t->cases = cli_memory((size_t)o->verify, sizeof *t->cases);
     rp_status status;
     if (planted) {
@@ -325,31 +314,31 @@ static rp_status make_trial(const source *response, const source *planted, const
 }
 
 /* A line for each parameter; false if fewer than 90 % of its intervals hold the truth. */
-static bool note_coverage(const trial *t, const calibrate_options *o)
+static bool note_coverage(const trial *t, const source *s)
 {
     bool good = true;
-    char name[64], key[128];
-    for (size_t p = 0; p < t->n_params && t->n > 0; p++) {
-        size_t covered = 0, ok = 0, ok_covered = 0, counts[STATS_CALIBRATED_NO_MATCH + 1] = {0};
+    char key[128];
+    for (size_t p = 0; p < s->piles.n_params && t->n > 0; p++) {
+        size_t covered = 0, ok_covered = 0, counts[STATS_CALIBRATED_NO_MATCH + 1] = {0};
         double sum = 0.0;
         for (size_t k = 0; k < t->n; k++) {
             const stats_calibrated *f = &t->cases[k].found[p];
             covered += t->cases[k].covered[p];
             counts[f->status]++;
             if (f->status != STATS_CALIBRATED_OK) continue;
-            ok++;
             ok_covered += t->cases[k].covered[p];
             sum += f->solutions[0].upper - f->solutions[0].lower;
         }
-        snprintf(key, sizeof key, "covered_%s_%s", mask_word(t->mask), fit_name(o->fit, p, name));
+        snprintf(key, sizeof key, "covered_%s_%s", mask_word(t->mask), s->params[p]);
         rp_table_note(stdout, key, "%zu of %zu", covered, t->n);
-        snprintf(key, sizeof key, "found_%s_%s", mask_word(t->mask), name);
-        rp_table_note(stdout, key, "%zu of %zu with two limits, %zu of them cover; mean width %.3g", ok, t->n,
-                      ok_covered, sum / (double)ok);
+        snprintf(key, sizeof key, "found_%s_%s", mask_word(t->mask), s->params[p]);
+        rp_table_note(stdout, key, "%zu of %zu with two limits, %zu of them cover; mean width %.3g",
+                      counts[STATS_CALIBRATED_OK], t->n, ok_covered,
+                      sum / (double)counts[STATS_CALIBRATED_OK]);
         for (int i = 1; i <= STATS_CALIBRATED_NO_MATCH; i++)
             if (counts[i] > 0) {
                 snprintf(key, sizeof key, "%s_%s_%s", stats_calibrated_word((stats_calibrated_status)i),
-                         mask_word(t->mask), name);
+                         mask_word(t->mask), s->params[p]);
                 rp_table_note(stdout, key, "%zu of %zu", counts[i], t->n);
             }
         good = good && 10 * covered >= 9 * t->n;
@@ -357,17 +346,16 @@ static bool note_coverage(const trial *t, const calibrate_options *o)
     return good;
 }
 
-static void print_cases(const trial *t, const calibrate_options *o)
+static void print_cases(const trial *t, const source *s)
 {
-    char name[64];
     for (size_t k = 0; k < t->n; k++)
-        for (size_t p = 0; p < t->n_params; p++) {
+        for (size_t p = 0; p < s->piles.n_params; p++) {
             const stats_case *c = &t->cases[k];
             const stats_calibrated *f = &c->found[p];
             double angle[N_ANGLES] = {NAN, NAN}, error[N_ANGLES] = {NAN, NAN};
             for (size_t a = 0, i = 0; a < N_ANGLES; a++)
                 if (t->mask & 1u << a) angle[a] = c->measured.angle[i], error[a] = c->measured.error[i++];
-            printf("%s\t%s\t", mask_word(t->mask), fit_name(o->fit, p, name));
+            printf("%s\t%s\t", mask_word(t->mask), s->params[p]);
             CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], angle[0], error[0], angle[1],
                          error[1], f->value, f->se, lower_limit(f), upper_limit(f), c->covered[p]);
         }
@@ -386,14 +374,14 @@ static rp_status verify(const source *response, const source *planted, const cal
     for (unsigned mask = 1; !status && mask <= 3; mask++) {
         status = make_trial(response, planted, o, mask, &trials[mask - 1]);
         if (status) break;
-        good = note_coverage(&trials[mask - 1], o) && good;
+        good = note_coverage(&trials[mask - 1], response) && good;
         n += trials[mask - 1].n;
     }
     if (!status) {
         rp_table_header(stdout,
                         "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
                         "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
-        for (int i = 0; i < 3; i++) print_cases(&trials[i], o);
+        for (int i = 0; i < 3; i++) print_cases(&trials[i], response);
         if (n == 0)
             status = rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
         else if (!good)
@@ -406,18 +394,13 @@ static rp_status verify(const source *response, const source *planted, const cal
 
 static rp_status check_options(const calibrate_options *o)
 {
-    const struct {
-        const char *angle, *error;
-        double angle_value, error_value;
-    } pairs[] = {{"theta-r-deg", "error-deg", o->theta_r_deg, o->error_deg},
-                 {"theta-t-deg", "theta-t-error-deg", o->theta_t_deg, o->theta_t_error_deg}};
+    static const char *const names[N_ANGLES][2] = {{"theta-r-deg", "error-deg"},
+                                                   {"theta-t-deg", "theta-t-error-deg"}};
     bool any = false;
-    for (int i = 0; i < 2; i++) {
-        bool angle = !isinf(pairs[i].angle_value), error = !isinf(pairs[i].error_value);
-        any = any || angle;
-        if (angle != error)
-            return rp_fail(RP_USAGE, "--%s needs --%s", angle ? pairs[i].angle : pairs[i].error,
-                           angle ? pairs[i].error : pairs[i].angle);
+    for (int i = 0; i < N_ANGLES; i++) {
+        const bool angle = cli_given(names[i][0]), error = cli_given(names[i][1]);
+        any |= angle;
+        if (angle != error) return rp_fail(RP_USAGE, "--%s needs --%s", names[i][error], names[i][angle]);
     }
     if (any == (o->verify > 0))
         return rp_fail(RP_USAGE, "%s; see repose calibrate --help",

@@ -37,16 +37,14 @@ static const char *or_dash(const char *text)
     return *text ? text : "-";
 }
 
-static rp_status note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+static void note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
 {
     char text[256];
-    rp_status status = RP_OK;
-    for (size_t p = 1; p < sizeof papers / sizeof *papers && !status; p++) {
+    for (size_t p = 1; p < N_OF(papers); p++) {
         if (one_alone(o) || (o->paper > 0 && o->paper != (int)p)) continue;
-        status = cli_claims_count(all, judged, papers[p], text);
-        if (!status && *text) rp_table_note(stdout, papers[p], "%s", text);
+        cli_claims_count(all, judged, papers[p], text);
+        if (*text) rp_table_note(stdout, papers[p], "%s", text);
     }
-    return status;
 }
 
 static void print_verdicts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
@@ -61,8 +59,7 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
         if (!chosen(c, o)) continue;
         cli_claim_published(c, published);
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
-               cli_claim_test_word(c->test), or_dash(published), c->samples, or_dash(c->answer),
-               or_dash(j->text));
+               c->test_word, or_dash(published), c->samples, or_dash(c->answer), or_dash(j->text));
         printf("%g\t%.3g\t%.3g\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
                stats_verdict_text(j->verdict));
     }
@@ -72,15 +69,14 @@ static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
     cli_judged *judged;
     rp_status status = cli_claims_judge(all, o->tables, &judged);
-    if (!status) {
-        cli_table(stdout);
-        status = note_counts(all, judged, o);
-    }
-    if (!status) print_verdicts(all, judged, o);
-    return status;
+    if (status) return status;
+    cli_table(stdout);
+    note_counts(all, judged, o);
+    print_verdicts(all, judged, o);
+    return RP_OK;
 }
 
-static void print_published(const cli_claims *all, const claims_options *o)
+static rp_status print_published(const cli_claims *all, const claims_options *o)
 {
     cli_table(stdout);
     rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
@@ -90,21 +86,17 @@ static void print_published(const cli_claims *all, const claims_options *o)
         printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published_text, *c->se_text ? c->se_text : "0",
                c->samples);
     }
+    return RP_OK;
 }
 
 static rp_status print_claims(void *values)
 {
     const claims_options *o = values;
     cli_claims all;
-    const cli_claim *one = NULL;
+    const cli_claim *one;
     rp_status status = cli_claims_read(o->claims, &all);
     if (!status && one_alone(o)) status = cli_claims_find(&all, o->id, &one);
-    if (!status && o->published)
-        print_published(&all, o);
-    else if (!status)
-        status = judge_all(&all, o);
-    cli_claims_free(&all);
-    return status;
+    return status ? status : o->published ? print_published(&all, o) : judge_all(&all, o);
 }
 
 const cli_command cmd_claims = {

@@ -2,7 +2,7 @@
  *
  * A sweep has run combinations of choices (factors), each at the grid points that the published claims speak
  * of. Every combination is judged by all claims at once; see angle.h. */
-#include <math.h>
+#include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,7 +46,6 @@ typedef struct {
     cli_groups factor[MAX_FACTORS], combination; /* levels of each factor, combinations of all */
     size_t *first;                               /* first run of each combination */
     cli_words usual;                             /* key=value, where a term is measured if it does not say */
-    int status;
     struct {
         char name[40];
         bool held_out;
@@ -198,54 +197,43 @@ static rp_status read_claims(study *s, const char *path)
 {
     cli_claims all;
     rp_status status = cli_claims_read(path, &all);
-    const char *at = status ? NULL : rp_table_find_note(&all.table, "at");
+    const char *at = status ? NULL : rp_table_find_note(all.table, "at");
     if (!status)
         status = at ? cli_split(at, &s->usual) : rp_fail(RP_BAD_INPUT, "%s: no header line \"at\"", path);
     for (size_t i = 0; i < all.n && !status; i++)
         if (*all.claims[i].forensics && (status = read_claim(s, &all.claims[i])) != RP_OK)
             rp_prefix(status, "%s: claim %s: ", path, all.claims[i].id);
     if (!status && s->n_claims == 0) status = rp_fail(RP_NO_RESULT, "%s: no claims", path);
-    cli_claims_free(&all);
     return status;
 }
 
 /* ---- numbers of each combination ---- */
 
-typedef struct {
-    size_t n, n_ok;
-    double sum, squares;
-} cell_sum;
-
 /* Means of one term and variant over the runs of each combination, with the standard deviation pooled over
  * the combinations: six piles alone say too little of theirs. Adds to y and to the squares in se. */
-static rp_status add_term(study *s, const claim_term *term, int v, cell_sum sums[])
+static rp_status add_term(study *s, const claim_term *term, int v)
 {
-    const rp_table *t = s->runs;
-    memset(sums, 0, s->combination.n_groups * sizeof *sums);
-    for (size_t row = 0; row < t->n_rows; row++) {
-        if (!term->rows[row]) continue;
-        cell_sum *c = &sums[s->combination.of_row[row]];
-        double value;
-        rp_status status = rp_table_number(t, row, term->column[v], 1, &value);
-        if (status) return status;
-        c->n++;
-        if (strncmp(cli_text(t, row, s->status), "ok", 2) != 0 || !isfinite(value)) continue;
-        c->n_ok++;
-        c->sum += value * deg;
-        c->squares += value * deg * value * deg;
-    }
+    const cli_choice choice = {.among = term->rows, .groups = &s->combination};
+    const size_t n_groups = s->combination.n_groups;
+    size_t *n_runs = cli_memory(n_groups, sizeof *n_runs);
     double squares = 0.0, dof = 0.0;
-    for (size_t c = 0; c < s->combination.n_groups; c++) {
-        if (sums[c].n_ok < 2) continue;
-        squares += sums[c].squares - sums[c].sum * sums[c].sum / (double)sums[c].n_ok;
-        dof += (double)sums[c].n_ok - 1.0;
+    cli_rows rows;
+    rp_status status = cli_rows_read(s->runs, s->runs->names[term->column[v]], &choice, &rows);
+    if (status && status != RP_NO_RESULT) return status;
+    for (size_t row = 0; row < s->runs->n_rows; row++) n_runs[s->combination.of_row[row]] += term->rows[row];
+    for (size_t c = 0; c < rows.n_groups; c++) {
+        const size_t n = rows.first[c + 1] - rows.first[c];
+        if (n < 2) continue;
+        squares += gsl_stats_tss(rows.column[0] + rows.first[c], 1, n);
+        dof += (double)n - 1.0;
     }
-    for (size_t c = 0; c < s->combination.n_groups; c++) {
-        size_t at = (c * N_VARIANTS + (size_t)v) * s->n_claims + term->claim;
-        double n = (double)sums[c].n_ok;
-        bool enough = sums[c].n_ok > 0 && 2 * sums[c].n_ok >= sums[c].n;
-        s->y[at] += enough ? term->coefficient * sums[c].sum / n : NAN;
-        s->se[at] += enough ? term->coefficient * term->coefficient * squares / dof / n : NAN;
+    for (size_t c = 0; c < n_groups; c++) {
+        const size_t at = (c * N_VARIANTS + (size_t)v) * s->n_claims + term->claim;
+        const size_t n = rows.n ? rows.first[c + 1] - rows.first[c] : 0;
+        const bool enough = n > 0 && 2 * n >= n_runs[c];
+        const double factor = enough ? term->coefficient * deg : NAN;
+        s->y[at] += enough ? factor * gsl_stats_mean(rows.column[0] + rows.first[c], 1, n) : NAN;
+        s->se[at] += factor * factor * squares / dof / (double)n;
     }
     return RP_OK;
 }
@@ -255,10 +243,13 @@ static rp_status read_numbers(study *s)
     const size_t n = s->combination.n_groups * N_VARIANTS * s->n_claims;
     s->y = cli_memory(n, sizeof *s->y);
     s->se = cli_memory(n, sizeof *s->se);
-    cell_sum *sums = cli_memory(s->combination.n_groups, sizeof *sums);
     rp_status status = RP_OK;
     for (size_t k = 0; k < s->n_terms; k++)
-        for (int v = 0; v < N_VARIANTS && !status; v++) status = add_term(s, &s->terms[k], v, sums);
+        for (int v = 0; v < N_VARIANTS && !status; v++) {
+            const size_t mark = cli_mark();
+            status = add_term(s, &s->terms[k], v);
+            cli_release(mark);
+        }
     for (size_t i = 0; i < n && !status; i++) s->se[i] = sqrt(s->se[i]);
     return status;
 }
@@ -495,8 +486,7 @@ static rp_status judge_runs(rp_table *runs, void *values)
     const forensics_options *o = values;
     study *s = cli_memory(1, sizeof *s);
     s->runs = runs;
-    rp_status status = cli_find_column(runs, "status", &s->status);
-    if (!status) status = read_factors(s, o->factors);
+    rp_status status = read_factors(s, o->factors);
     if (!status) status = read_claims(s, o->claims);
     if (!status) status = read_numbers(s);
     return status ? status : print_report(s, o);

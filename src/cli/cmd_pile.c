@@ -133,7 +133,7 @@ static rp_status check_idle(const options *o)
                 {"set-again", !(p->well > 0), "goes with --well"},
                 {"mu", !(p->well > 0), "goes with --well"},
                 {"seed", !(p->disorder > 0), "goes with --disorder"}};
-    for (size_t i = 0; i < sizeof idle / sizeof *idle; i++)
+    for (size_t i = 0; i < N_OF(idle); i++)
         if (idle[i].idle && cli_given(idle[i].option))
             return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
                            idle[i].why);
@@ -199,27 +199,9 @@ static rp_status solve(const options *o, const sweep_outline *h)
     return status;
 }
 
-/* ---- An ensemble of unequal disks ---- */
-
-/* N and H of pile number `run` at its base disks i, to N[i * piles + column], and the same of H. */
-static rp_status solve_one(const options *o, sweep_outline *h, unsigned long run, size_t column, double *N,
-                           double *H, size_t *unstable)
-{
-    sweep_solved s = {0};
-    sweep_result results;
-    rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
-    if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
-    for (size_t i = 0; !status && i < h->k; i++) {
-        N[i * (size_t)o->own.piles + column] = s.N[i];
-        H[i * (size_t)o->own.piles + column] = s.H[i];
-    }
-    *unstable += !status && s.r.negative_modes;
-    sweep_solved_free(&s);
-    return status;
-}
-
-static rp_status write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
-                             const double *N, const double *H)
+/* Means over the piles that have an equilibrium, from N and H[disk][pile]. */
+static void write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
+                        const double *N, const double *H)
 {
     const size_t piles = (size_t)o->own.piles;
     cli_table(stdout);
@@ -229,40 +211,43 @@ static rp_status write_means(const options *o, const sweep_outline *h, size_t so
     rp_table_header(stdout,
                     "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "
                     "N_se/(chi*g*B), H/(chi*g*B), H_se/(chi*g*B)");
-    rp_status status = RP_OK;
-    for (size_t i = 0; !status && i < h->k; i++) {
+    for (size_t i = 0; i < h->k; i++) {
         stats_summary n, f;
-        status = stats_mean(solved, N + i * piles, &n);
-        if (!status) status = stats_mean(solved, H + i * piles, &f);
+        stats_mean(solved, N + i * piles, &n);
+        stats_mean(solved, H + i * piles, &f);
         const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->pile.gap) / h->B;
-        if (!status)
-            CLI_ROW((double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N, h->exact[i].H, n.mean / h->B,
-                    n.se / h->B, f.mean / h->B, f.se / h->B);
+        CLI_ROW((double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N, h->exact[i].H, n.mean / h->B,
+                n.se / h->B, f.mean / h->B, f.se / h->B);
     }
-    return status;
 }
 
-/* Means over the piles that have an equilibrium; the others are told on the way. */
+/* An ensemble of unequal disks; piles without an equilibrium are told on the way. */
 static rp_status solve_ensemble(const options *o, sweep_outline *h)
 {
-    const size_t room = h->k * (size_t)o->own.piles;
-    double *N = cli_memory(2 * room, sizeof *N);
+    const size_t piles = (size_t)o->own.piles;
+    double *N = cli_memory(2 * h->k * piles, sizeof *N), *H = N + h->k * piles;
     size_t solved = 0, unstable = 0;
-    rp_status status = RP_OK;
-    for (long run = 0; !status && run < o->own.piles; run++) {
-        status = solve_one(o, h, (unsigned long)run, solved, N, N + room, &unstable);
-        if (!status) solved++;
-        if (status != RP_NO_RESULT) continue;
-        fprintf(stderr, "pile %ld: %s\n", run, rp_message());
-        status = RP_OK;
+    for (size_t run = 0; run < piles; run++) {
+        sweep_solved s = {0};
+        sweep_result results;
+        rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
+        if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
+        for (size_t i = 0; !status && i < h->k; i++) {
+            N[i * piles + solved] = s.N[i];
+            H[i * piles + solved] = s.H[i];
+        }
+        unstable += !status && s.r.negative_modes;
+        solved += !status;
+        sweep_solved_free(&s);
+        if (status && status != RP_NO_RESULT) return status;
+        if (status) fprintf(stderr, "pile %zu: %s\n", run, rp_message());
     }
-    if (!status && !solved)
-        status = rp_fail(RP_NO_RESULT, "none of %ld piles has an equilibrium", o->own.piles);
-    if (!status) status = write_means(o, h, solved, unstable, N, N + room);
+    if (!solved) return rp_fail(RP_NO_RESULT, "none of %zu piles has an equilibrium", piles);
+    write_means(o, h, solved, unstable, N, H);
     if (unstable)
         fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
                 unstable, solved);
-    return status;
+    return RP_OK;
 }
 
 static rp_status solve_any(void *values)

@@ -40,6 +40,10 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
         if (!status) cli_print_number(r->out, number);
         return status;
     }
+    if (text && *cell->column == '#') {
+        fputs(text, r->out);
+        return RP_OK;
+    }
     return text ? cli_print_text(r->out, text, format)
                 : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, cell->column);
 }
@@ -52,27 +56,15 @@ static rp_status fill_cell(report *r, const char *reference, const char *format)
         fputs(no_data, r->out);
     else if (!status)
         status = fill_text(r, &cell, format);
-    cli_cell_free(&cell);
     return status;
 }
 
 static rp_status fill_note(report *r, const cli_words *w)
 {
-    char path[4096];
-    rp_table table;
+    char reference[2 * CLI_MAX_REFERENCE];
     if (w->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
-    if (!cli_find_table(r->options->tables, w->words[1], path)) {
-        fputs(no_data, r->out);
-        return RP_OK;
-    }
-    rp_status status = rp_table_read(path, &table);
-    const char *text = status ? NULL : rp_table_find_note(&table, w->words[2]);
-    if (text)
-        fputs(text, r->out);
-    else if (!status)
-        status = rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\"", path, w->words[2]);
-    rp_table_free(&table);
-    return status;
+    snprintf(reference, sizeof reference, "%s #%s", w->words[1], w->words[2]);
+    return fill_cell(r, reference, NULL);
 }
 
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
@@ -96,11 +88,11 @@ static rp_status fill_rows(report *r, cli_words *w)
         fprintf(r->out, "| %s |", no_data);
         return RP_OK;
     }
-    rp_status status = rp_table_read(cell.path, &cell.table);
+    rp_status status = cli_table_read(cell.path, &cell.table);
     bool first = true;
-    for (cell.row = 0; cell.row < cell.table.n_rows && !status; cell.row++) {
+    for (cell.row = 0; cell.row < cell.table->n_rows && !status; cell.row++) {
         bool matches;
-        status = cli_row_matches(&cell.table, cell.row, w, 2, bar, &matches);
+        status = cli_row_matches(cell.table, cell.row, w, 2, bar, &matches);
         if (status || !matches) continue;
         fputs(first ? "|" : "\n|", r->out);
         first = false;
@@ -111,7 +103,6 @@ static rp_status fill_rows(report *r, cli_words *w)
         }
     }
     if (!status && first) status = rp_fail(RP_BAD_INPUT, "%s: no row for {{rows ...}}", cell.path);
-    rp_table_free(&cell.table);
     return status;
 }
 
@@ -185,9 +176,10 @@ static rp_status fill_counts(report *r, const char *paper)
 {
     char text[256];
     rp_status status = judge(r);
-    if (!status) status = cli_claims_count(&r->claims, r->judged, paper, text);
-    if (!status) fputs(text, r->out);
-    return status;
+    if (status) return status;
+    cli_claims_count(&r->claims, r->judged, paper, text);
+    fputs(text, r->out);
+    return RP_OK;
 }
 
 /* ---- places ---- */
@@ -277,7 +269,6 @@ static rp_status fill_report(void *values)
     rp_status status = cli_claims_read(o->claims, &r.claims);
     if (!status && (status = rp_file_open(o->o, &r.out)) == RP_OK)
         status = rp_file_close(o->o, r.out, fill_file(&r, r.template));
-    cli_claims_free(&r.claims);
     return status;
 }
 

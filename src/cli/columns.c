@@ -103,6 +103,7 @@ rp_status cli_rows_read(const rp_table *t, const char *names, const cli_choice *
     ranked *rank = cli_memory(t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows && !status; i++) {
         bool out;
+        if (choice->among && !choice->among[i]) continue;
         status = leave_out(t, i, k, columns, choice, r, numbers + i * k, &out);
         if (status || out) continue;
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];

@@ -87,6 +87,12 @@ rp_status cli_table_read(const char *path, rp_table **table)
     return rp_table_read(path, *table);
 }
 
+rp_status cli_texts_read(const char *path, rp_table **table)
+{
+    *table = keep(cli_memory(1, sizeof **table), free_table);
+    return rp_table_read_texts(path, *table);
+}
+
 /* Flush standard output, since a failed write is an error; a failure has one message. */
 static int finish(const char *command, rp_status status)
 {

@@ -40,7 +40,8 @@ static void creep(const impact_problem *p, double *overlap, double *speed)
     enum { ROUNDS = 40 }; /* each leaves a quarter of the error, or none where the rate is constant */
     const double v = p->length / p->time;
     double x = p->length;
-    for (int k = 0; k < ROUNDS; k++) x = v / dem_law_mean_rate(p->law, p->k_n, p->gamma_n, p->m_eff, 0.0, x);
+    for (int k = 0; k < ROUNDS; k++)
+        x = v / dem_normal_descriptors[p->law].mean_rate(p->k_n, p->gamma_n, p->m_eff, 0.0, x);
     *overlap = x / p->length;
     *speed = p->tension ? 0.0
                         : dem_law_elastic(p->law, p->k_n, x) /

@@ -37,7 +37,8 @@ typedef enum {
  * displacement since the last force evaluation beyond v dt, that shear springs lack; between steps, position
  * less that of the last force evaluation. listed_x: position as the neighbour list was built; margin2: square
  * of the distance that a grain may go from there; cutoff: radius and margin. fixed: indices of the n_fixed
- * fixed grains. next_*: after the coming step, of hard collisions. displacement
+ * fixed grains. Of hard collisions: next_*, after the coming
+ * step; collided, in that step. displacement
  * to further_step: of the implicit step, implicit.c. Of a rebuilding of the list: cell;
  * moved_to: new index, UINT32_MAX where the grain is gone; held: by new index, the first pair that keeps
  * springs; held_slot: the old wall slot. */
@@ -61,6 +62,7 @@ typedef enum {
     X(dem_motion, next_motion, def->hard.on, DEM_OF_STEP)                                                    \
     X(double, next_angle, def->hard.on && def->rotation, DEM_OF_STEP)                                        \
     X(double, next_omega, def->hard.on && def->rotation, DEM_OF_STEP)                                        \
+    X(bool, collided, def->hard.on, DEM_OF_STEP)                                                             \
     X(dem_vec, displacement, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                   \
     X(dem_vec, contact_force, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                  \
     X(double, stiffness, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                       \

@@ -88,14 +88,6 @@ static bool beyond_margin(const dem_sim *sim, size_t i)
     return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
 }
 
-/* Has grain i collided in this step? */
-static bool has_collided(const dem_sim *sim, size_t i)
-{
-    bool hit = sim->hits.n > DEM_HITS;
-    for (size_t h = 0; h < sim->hits.n && !hit; h++) hit = sim->hits.grain[h] == i;
-    return hit;
-}
-
 /* Change the velocity of grain i at time t from that of body `from` to that of body `to`. The whole step then
  * has the new velocity, from a start that is moved back to match. */
 static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
@@ -108,9 +100,7 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
     predict(sim, i);
-    if (has_collided(sim, i)) return;
-    if (sim->hits.n < DEM_HITS) sim->hits.grain[sim->hits.n] = (uint32_t)i;
-    sim->hits.n++;
+    sim->grains.collided[i] = sim->collided = true;
 }
 
 /* Collide two bodies, unless one step of the acceleration that presses them together is above their closing
@@ -189,7 +179,7 @@ static void collide_walls(dem_sim *sim, bool collided_only)
         for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
             const dem_wall_slot *slot = &sim->walls.slot[k];
             const size_t i = slot->grain;
-            if (collided_only && !has_collided(sim, i)) continue;
+            if (collided_only && !sim->grains.collided[i]) continue;
             const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
             const bool touches =
                 sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
@@ -214,24 +204,20 @@ static bool may_touch(const dem_sim *sim, size_t k)
             (gap - slop) * dem_dot(displacement, displacement) <= along * along);
 }
 
-/* The first pair from k to `end` that may touch, or `end`. With `apart`, pairs in touch at the step's start
- * may be left out. */
-static size_t next_approaching(const dem_sim *sim, size_t k, size_t end, bool apart)
+/* The first pair from k to `end` that may touch and is apart at the step's start, or `end`. */
+static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end, apart);
+    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end);
     while (k < end && !may_touch(sim, k)) k++;
     return k;
 }
 
-/* The same, of pairs with a grain that has collided in this step. */
+/* The first that may touch and is of a grain that has collided in this step. */
 static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 {
-    if (sim->hits.n > DEM_HITS)
-        return next_approaching(sim, k, end, false); /* the other pairs give the same again */
-    if (sim->kernels.next_collided) return sim->kernels.next_collided(sim, k, end);
-    while (k < end &&
-           !((has_collided(sim, sim->pairs.i[k]) || has_collided(sim, sim->pairs.j[k])) && may_touch(sim, k)))
-        k++;
+    const bool *collided = sim->grains.collided;
+    const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
+    while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
     return k;
 }
 
@@ -248,9 +234,9 @@ static void collide_listed(dem_sim *sim, size_t k)
 static void collide_all(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = 0, apart = next_approaching(sim, 0, n, true);; k++) {
-        if (apart < k) apart = next_approaching(sim, k, n, true);
-        k = sim->hits.n ? next_collided(sim, k, apart) : apart;
+    for (size_t k = 0, apart = next_approaching(sim, 0, n);; k++) {
+        if (apart < k) apart = next_approaching(sim, k, n);
+        k = sim->collided ? next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
@@ -281,7 +267,6 @@ rp_status dem_hard_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
     size_t beyond = predict_all(sim);
-    sim->hits.n = 0;
     if (beyond < sim->grains.n) {
         rp_status status = dem_neighbours_renew(sim);
         if (status) return status;
@@ -292,6 +277,8 @@ rp_status dem_hard_apply(dem_sim *sim)
                             sqrt(sim->grains.margin2[beyond]));
     }
     long before = sim->count.collisions;
+    if (sim->collided) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
+    sim->collided = false;
     collide_all(sim);
     for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
         before = sim->count.collisions;
@@ -306,10 +293,8 @@ unsigned dem_hard_move(dem_sim *sim)
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t h = 0; h < sim->hits.n && sim->hits.n <= DEM_HITS; h++)
-        left |= beyond_margin(sim, sim->hits.grain[h]) * DEM_LIST_OUT;
-    for (size_t i = 0; i < sim->grains.n && sim->hits.n > DEM_HITS; i++)
-        left |= beyond_margin(sim, i) * DEM_LIST_OUT;
+    for (size_t i = 0; i < sim->grains.n && sim->collided; i++)
+        left |= (sim->grains.collided[i] && beyond_margin(sim, i)) * DEM_LIST_OUT;
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;

@@ -90,12 +90,12 @@ static void free_work(dem_sim *sim)
 
 /* ---- Forces of a step ---------------------------------------------------------------------------------- */
 
-/* dem_law_quotient from or to a gap, where the potential is 0. */
-static double end_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
+/* The quotient of a law from or to a gap, where the potential is 0. */
+static double end_quotient(dem_normal_law normal, double k_n, double before, double after, double *slope)
 {
     const double in = fmax(before, after), change = fabs(after - before),
-                 force = dem_normal_descriptors[law].potential(k_n, in) / change;
-    *slope = (after > 0.0 ? dem_law_elastic(law, k_n, in) - force : force) / change;
+                 force = dem_normal_descriptors[normal].potential(k_n, in) / change;
+    *slope = (after > 0.0 ? dem_law_elastic(normal, k_n, in) - force : force) / change;
     return force;
 }
 
@@ -110,14 +110,14 @@ typedef struct {
 static inline double normal_force(const dem_sim *sim, const coefficients *l, double before, double after,
                                   double *slope, dem_parts *p)
 {
-    const dem_normal_law law = sim->def.normal;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
     const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
                  dt = sim->def.dt;
-    double force = before > 0.0 && after > 0.0 ? dem_law_quotient(law, k_n, before, after, slope)
-                                               : end_quotient(law, k_n, before, after, slope);
+    double force = before > 0.0 && after > 0.0 ? law->quotient(k_n, before, after, slope)
+                                               : end_quotient(sim->def.normal, k_n, before, after, slope);
     if (p) p->elastic = force;
-    force += dem_law_mean_rate(law, k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
-    if (after > 0.0) *slope += dem_law_damping_rate(law, k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
+    force += law->mean_rate(k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
+    if (after > 0.0) *slope += law->damping_rate(k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
     if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
     if (p) p->damping = force - p->elastic;
     return force;

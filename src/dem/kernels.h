@@ -30,10 +30,9 @@ typedef size_t dem_margin_kernel(const struct dem_sim *sim, size_t from, size_t 
 typedef void dem_append_kernel(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
 /* Hard collisions, see hard.c: predict as many grains as it can, from the first on, returns how many;
- * the next pair that approaches; the next of a grain that has collided. */
+ * the next pair that approaches. */
 typedef size_t dem_predict_kernel(struct dem_sim *sim, size_t *beyond);
-typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t end, bool apart);
-typedef size_t dem_collided_kernel(const struct dem_sim *sim, size_t k, size_t end);
+typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t end);
 
 /* Name, type. */
 #define DEM_KERNEL_LIST(X)                                                                                   \
@@ -43,8 +42,7 @@ typedef size_t dem_collided_kernel(const struct dem_sim *sim, size_t k, size_t e
     X(beyond_margin, dem_margin_kernel)                                                                      \
     X(append_pairs, dem_append_kernel)                                                                       \
     X(predict, dem_predict_kernel)                                                                           \
-    X(next_approaching, dem_approach_kernel)                                                                 \
-    X(next_collided, dem_collided_kernel)
+    X(next_approaching, dem_approach_kernel)
 
 /* The instances in use; NULL for none, save `pairs`. */
 typedef struct {

@@ -403,12 +403,12 @@ INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t 
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end, bool apart)
+size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
 {
     const uint64_t all = (1u << WIDTH) - 1;
     uint64_t left = ~0ull << k % 64;
     for (k -= k % 64; k < end; k += 64, left = ~0ull) {
-        if (apart) left &= ~sim->pairs.touching[k / 64];
+        left &= ~sim->pairs.touching[k / 64];
         if (end - k < 64) left &= ~(~0ull << (end - k));
         while (left) {
             const size_t shift = (size_t)__builtin_ctzll(left) / WIDTH * WIDTH, at = k + shift;
@@ -420,22 +420,4 @@ size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end, bool apa
         }
     }
     return end;
-}
-
-/* As next_collided in hard.c, of DEM_HITS grains at most. */
-size_t WIDE(next_collided)(const dem_sim *sim, size_t k, size_t end)
-{
-    unsigned from = ~0u << k % WIDTH;
-    for (k -= k % WIDTH; k < end; k += WIDTH, from = ~0u) {
-        const uint32_t *i = sim->pairs.i + k, *j = sim->pairs.j + k;
-        unsigned hit = 0;
-        for (size_t h = 0; h < sim->hits.n; h++)
-            hit |= wide_is(i, sim->hits.grain[h]) | wide_is(j, sim->hits.grain[h]);
-        hit &= from;
-        if (hit) hit &= may_touch(sim, i, j, wide_load(sim->pairs.radii + k));
-        if (!hit) continue;
-        k += (size_t)__builtin_ctz(hit);
-        break;
-    }
-    return k < end ? k : end;
 }

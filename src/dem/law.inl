@@ -159,33 +159,6 @@ LAW num dem_law_damping_rate(dem_normal_law law, double k_n, double gamma_n, num
     __builtin_unreachable();
 }
 
-/* Of one contact. Times the difference of the overlaps, the mean is the change of a function of the overlap,
- * whose derivative is the rate. */
-LAW double dem_law_mean_rate(dem_normal_law law, double k_n, double gamma_n, double m_eff, double before,
-                             double after)
-{
-    switch (law) {
-#define X(id, word, spring, dashpot, ...)                                                                    \
-    case id: return dashpot##_mean_rate(k_n, gamma_n, m_eff, before, after);
-        DEM_NORMAL_LAWS(X)
-#undef X
-    }
-    __builtin_unreachable();
-}
-
-/* Of one contact: the spring's force as the quotient of potentials between two overlaps above 0, and its
- * derivative by the second. */
-LAW double dem_law_quotient(dem_normal_law law, double k_n, double before, double after, double *slope)
-{
-    switch (law) {
-#define X(id, word, spring, ...)                                                                             \
-    case id: return spring##_quotient(k_n, before, after, slope);
-        DEM_NORMAL_LAWS(X)
-#undef X
-    }
-    __builtin_unreachable();
-}
-
 /* v_n is the normal relative velocity, positive when the grains part. Where they part fast the damping
  * outweighs the spring and the force pulls; `tension` false cuts it at 0. */
 LAW num dem_law_normal(dem_normal_law law, bool tension, double k_n, double gamma_n, num m_eff, num overlap,

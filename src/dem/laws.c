@@ -11,6 +11,8 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
             .potential = spring##_potential,                                                                 \
             .impact_overlap = spring##_impact_overlap,                                                       \
             .rest_overlap = spring##_rest_overlap,                                                           \
+            .quotient = spring##_quotient,                                                                   \
+            .mean_rate = dashpot##_mean_rate,                                                                \
             .damping_rate = dashpot##_rate,                                                                  \
             __VA_ARGS__},
     DEM_NORMAL_LAWS(X)

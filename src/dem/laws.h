@@ -30,26 +30,17 @@ typedef enum { DEM_NORMAL_LAWS(DEM_LAW_ID) } dem_normal_law;
 typedef enum { DEM_TANGENTIAL_LAWS(DEM_LAW_ID) } dem_tangential_law;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_LAW_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_LAW_ONE) };
 
+#define DEM_LAW_FRICTION(id, word, friction, spring) | (unsigned)friction << id
+#define DEM_LAW_SPRING(id, word, friction, spring)   | (unsigned)spring << id
+
 static inline bool dem_has_friction(dem_tangential_law law)
 {
-    switch (law) {
-#define X(id, word, friction, spring)                                                                        \
-    case id: return friction;
-        DEM_TANGENTIAL_LAWS(X)
-#undef X
-    }
-    __builtin_unreachable();
+    return (0u DEM_TANGENTIAL_LAWS(DEM_LAW_FRICTION)) >> law & 1;
 }
 
 static inline bool dem_has_spring(dem_tangential_law law)
 {
-    switch (law) {
-#define X(id, word, friction, spring)                                                                        \
-    case id: return spring;
-        DEM_TANGENTIAL_LAWS(X)
-#undef X
-    }
-    __builtin_unreachable();
+    return (0u DEM_TANGENTIAL_LAWS(DEM_LAW_SPRING)) >> law & 1;
 }
 
 /* What a shear spring remembers while it slides. */
@@ -74,8 +65,13 @@ typedef struct {
     double (*potential)(double k_n, double overlap);              /* energy of the spring */
     double (*impact_overlap)(double k_n, double m_eff, double v); /* at which the spring alone stops v */
     double (*rest_overlap)(double k_n, double force);             /* at which it carries the force */
+    /* the force as the quotient of potentials between two overlaps above 0, and its derivative by the second
+     */
+    double (*quotient)(double k_n, double before, double after, double *slope);
     double (*damping_rate)(double k_n, double gamma_n, double m_eff, double overlap); /* 1/time */
-    bool constant_stiffness;                                                          /* at all overlaps */
+    /* times the difference of the overlaps, the change of a function whose derivative is the rate */
+    double (*mean_rate)(double k_n, double gamma_n, double m_eff, double before, double after);
+    bool constant_stiffness; /* at all overlaps */
     /* NULL for a law that has none: damping over critical damping, where it is the same at all speeds; speed
      * below which two grains whose damping may pull never part; E* of spheres of radius r */
     double (*damping_ratio)(double k_n, double gamma_n, double m_eff);

@@ -38,15 +38,17 @@ typedef struct {
     dem_elastic energy;
 } ledger_contact;
 
+typedef struct {
+    size_t n, capacity;
+    ledger_contact *at;
+} contact_list;
+
 struct dem_ledger_state {
     dem_ledger sum;
     dem_vec gravity;
     size_t capacity; /* ids, with the 0 that is nobody's */
     ledger_grain *grain;
-    size_t n_old, n_new, contact_capacity;
-    ledger_contact *old_contact, *new_contact;
-    size_t n_between, between_capacity; /* forces that are one through the step */
-    ledger_contact *between;
+    contact_list old, now, between; /* between: forces that are one through the step */
 };
 
 static bool one_force(const dem_sim *sim)
@@ -70,17 +72,10 @@ static rp_status reserve_grains(dem_sim *sim, size_t last_id)
     return RP_OK;
 }
 
-static rp_status reserve_contacts(dem_sim *sim)
+static rp_status reserve(contact_list *list, size_t n)
 {
-    struct dem_ledger_state *b = sim->ledger;
-    const size_t need = dem_count_touching(&sim->pairs) + sim->walls.n_slots;
-    if (need < b->contact_capacity) return RP_OK;
-    const size_t capacity = 2 * need + 16;
-    if (!dem_grow(&b->old_contact, sizeof *b->old_contact, capacity) ||
-        !dem_grow(&b->new_contact, sizeof *b->new_contact, capacity))
-        return no_memory();
-    b->contact_capacity = capacity;
-    return RP_OK;
+    if (n <= list->capacity) return RP_OK;
+    return dem_grow(&list->at, sizeof *list->at, list->capacity = 2 * n) ? RP_OK : no_memory();
 }
 
 /* Contact number k without forces. With `by_id`, grain a of a pair has the smaller id: a contact keeps its
@@ -146,31 +141,27 @@ static int by_key(const void *a, const void *b)
 
 rp_status dem_ledger_forces(dem_sim *sim, double h)
 {
-    struct dem_ledger_state *b = sim->ledger;
-    rp_status status = reserve_contacts(sim);
+    contact_list *now = &sim->ledger->now;
+    rp_status status = reserve(now, dem_count_touching(&sim->pairs) + sim->walls.n_slots + 1);
     if (status) return status;
-    b->n_new = 0;
+    now->n = 0;
     for (size_t k = 0; k < dem_contact_numbers(sim); k++)
-        if (k >= sim->pairs.n || dem_touches(&sim->pairs, k))
-            b->new_contact[b->n_new++] = contact_now(sim, k, h);
-    qsort(b->new_contact, b->n_new, sizeof *b->new_contact, by_key);
+        if (k >= sim->pairs.n || dem_touches(&sim->pairs, k)) now->at[now->n++] = contact_now(sim, k, h);
+    qsort(now->at, now->n, sizeof *now->at, by_key);
     return RP_OK;
 }
 
 rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 {
-    struct dem_ledger_state *b = sim->ledger;
-    const size_t need = dem_contact_numbers(sim);
-    if (need > b->between_capacity) {
-        if (!dem_grow(&b->between, sizeof *b->between, need)) return no_memory();
-        b->between_capacity = need;
+    contact_list *between = &sim->ledger->between;
+    rp_status status = reserve(between, dem_contact_numbers(sim));
+    if (status) return status;
+    for (size_t i = 0; i < sim->grains.n; i++) sim->ledger->grain[sim->grains.id[i]].force = force[i];
+    between->n = dem_contact_numbers(sim);
+    for (size_t k = 0; k < between->n; k++) {
+        between->at[k] = new_contact(sim, k, false);
+        between->at[k].part = sim->scheme->parts(sim, k);
     }
-    for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]].force = force[i];
-    for (size_t k = 0; k < need; k++) {
-        b->between[k] = new_contact(sim, k, false);
-        b->between[k].part = sim->scheme->parts(sim, k);
-    }
-    b->n_between = need;
     return RP_OK;
 }
 
@@ -310,37 +301,36 @@ static void settle_between(dem_sim *sim, const ledger_contact *c)
     add_step(sim, c, step);
 }
 
-static void read_elastic(dem_sim *sim)
+/* The contacts of now are those of the next step's start. */
+static void turn_over(dem_sim *sim)
 {
-    struct dem_ledger_state *b = sim->ledger;
-    for (size_t k = 0; k < b->n_new; k++)
-        b->new_contact[k].energy = dem_contact_elastic(sim, b->new_contact[k].number);
+    const contact_list spare = sim->ledger->old;
+    sim->ledger->old = sim->ledger->now;
+    sim->ledger->now = spare;
 }
 
-static void swap_contacts(struct dem_ledger_state *b)
+static void read_elastic(dem_sim *sim)
 {
-    ledger_contact *swap = b->old_contact;
-    b->old_contact = b->new_contact;
-    b->new_contact = swap;
-    b->n_old = b->n_new;
+    const contact_list *now = &sim->ledger->now;
+    for (size_t k = 0; k < now->n; k++) now->at[k].energy = dem_contact_elastic(sim, now->at[k].number);
 }
 
 void dem_ledger_step(dem_sim *sim)
 {
     static const ledger_contact none;
-    struct dem_ledger_state *b = sim->ledger;
+    const contact_list *old = &sim->ledger->old, *now = &sim->ledger->now, *between = &sim->ledger->between;
     move_grains(sim);
     read_elastic(sim);
-    for (size_t i = 0, j = 0; i < b->n_old || j < b->n_new;) {
-        const ledger_contact *was = &b->old_contact[i], *is = &b->new_contact[j];
-        const bool ended = i < b->n_old && (j == b->n_new || was->key < is->key);
-        const bool begun = j < b->n_new && (i == b->n_old || is->key < was->key);
+    for (size_t i = 0, j = 0; i < old->n || j < now->n;) {
+        const ledger_contact *was = &old->at[i], *is = &now->at[j];
+        const bool ended = i < old->n && (j == now->n || was->key < is->key);
+        const bool begun = j < now->n && (i == old->n || is->key < was->key);
         settle_contact(sim, begun ? &none : was, ended ? &none : is);
         i += !begun;
         j += !ended;
     }
-    for (size_t k = 0; k < b->n_between; k++) settle_between(sim, &b->between[k]);
-    swap_contacts(b);
+    for (size_t k = 0; k < between->n; k++) settle_between(sim, &between->at[k]);
+    turn_over(sim);
 }
 
 void dem_ledger_gravity(dem_sim *sim)
@@ -416,7 +406,7 @@ void dem_ledger_start(dem_sim *sim)
     b->gravity = sim->gravity;
     for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]] = read_grain(sim, i);
     read_elastic(sim);
-    swap_contacts(b);
+    turn_over(sim);
     b->sum.start = energy_now(sim);
 }
 
@@ -426,22 +416,20 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     struct dem_ledger_state *b = copy->ledger = malloc(sizeof *b);
     if (!b) return no_memory();
     *b = *from;
-    b->between = NULL; /* of a step */
-    b->between_capacity = 0;
+    b->old = b->now = b->between = (contact_list){0};
     b->grain = malloc(b->capacity * sizeof *b->grain);
-    b->old_contact = malloc(b->contact_capacity * sizeof *b->old_contact);
-    b->new_contact = malloc(b->contact_capacity * sizeof *b->new_contact);
-    if (!b->grain || !b->old_contact || !b->new_contact) return no_memory();
+    if (!b->grain || reserve(&b->old, from->old.n + 1)) return no_memory();
     memcpy(b->grain, from->grain, b->capacity * sizeof *b->grain);
-    memcpy(b->old_contact, from->old_contact, b->n_old * sizeof *b->old_contact);
+    b->old.n = from->old.n;
+    if (b->old.n) memcpy(b->old.at, from->old.at, b->old.n * sizeof *b->old.at);
     return RP_OK;
 }
 
 void dem_ledger_free(dem_sim *sim)
 {
     if (!sim->ledger) return;
-    free(sim->ledger->grain), free(sim->ledger->old_contact), free(sim->ledger->new_contact);
-    free(sim->ledger->between), free(sim->ledger);
+    free(sim->ledger->grain), free(sim->ledger->old.at), free(sim->ledger->now.at);
+    free(sim->ledger->between.at), free(sim->ledger);
 }
 
 bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger)

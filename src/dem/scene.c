@@ -12,38 +12,38 @@
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
 typedef struct {
+    dem_scene scene;
     dem_physics physics;
-    bool ledger;
-    int kernel;
-    double skin, x_max, y_min, turn_deg, box_turn_deg;
-    long steps, turn_from_step;
+    double y_min, turn_deg, box_turn_deg;
     const char *particles_file;
-} scene_values;
+} scene_file;
 
 #define AT(type, field) offsetof(type, field)
-#define TOP(...)        DEM_KEY_ROW(scene_values, physics., __VA_ARGS__)
+#define TOP(...)        DEM_KEY_ROW(scene_file, physics., __VA_ARGS__)
 #define ROW(...)        DEM_KEY_ROW(dem_physics, , __VA_ARGS__)
 
 static const rp_param top_schema[] = {
-    DEM_GRAIN_PARAMS(TOP){"steps", "", RP_INT, AT(scene_values, steps), "20000", "[0, 2147483647]",
+    DEM_GRAIN_PARAMS(TOP){"steps", "", RP_INT, AT(scene_file, scene.steps), "20000", "[0, 2147483647]",
                           "how many steps to run"},
-    {"skin", "cm", RP_REAL, AT(scene_values, skin), "auto", "(0, inf) | auto", "of the neighbour list"},
-    {"x_max", "cm", RP_REAL, AT(scene_values, x_max), "none", "(-inf, inf) | none",
+    {"skin", "cm", RP_REAL, AT(scene_file, scene.def.skin), "auto", "(0, inf) | auto",
+     "of the neighbour list"},
+    {"x_max", "cm", RP_REAL, AT(scene_file, scene.def.x_max), "none", "(-inf, inf) | none",
      "a grain whose centre passes it, in the box's frame, is taken out"},
-    {"y_min", "cm", RP_REAL, AT(scene_values, y_min), "none", "(-inf, inf) | none",
+    {"y_min", "cm", RP_REAL, AT(scene_file, y_min), "none", "(-inf, inf) | none",
      "a grain whose centre sinks below it, in the box's frame, is taken out"},
-    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, turn_deg), "0.0", "[-10, 10]",
+    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_file, turn_deg), "0.0", "[-10, 10]",
      "gravity's turn a step; positive lowers the side at +x"},
-    {"box_turn_deg_per_step", "degree", RP_REAL, AT(scene_values, box_turn_deg), "0.0", "[-10, 10]",
+    {"box_turn_deg_per_step", "degree", RP_REAL, AT(scene_file, box_turn_deg), "0.0", "[-10, 10]",
      "the walls' turn a step, about the origin; positive lowers the side at +x"},
-    {"turn_from_step", "", RP_INT, AT(scene_values, turn_from_step), "0", "[0, 2147483647]",
+    {"turn_from_step", "", RP_INT, AT(scene_file, scene.def.turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity or the box turns"},
-    {"kernel", "", RP_CHOICE, AT(scene_values, kernel), "fast", "fast | reference | baseline | avx2 | avx512",
+    {"kernel", "", RP_CHOICE, AT(scene_file, scene.def.kernel), "fast",
+     "fast | reference | baseline | avx2 | avx512",
      "pair loop: the best here, the general one, or with these instructions; the same bits"},
-    {"ledger", "", RP_BOOL, AT(scene_values, ledger), "false", "",
+    {"ledger", "", RP_BOOL, AT(scene_file, scene.def.ledger), "false", "",
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
-    {"particles_file", "", RP_TEXT, AT(scene_values, particles_file), "", "",
+    {"particles_file", "", RP_TEXT, AT(scene_file, particles_file), "", "",
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {0}};
 
@@ -127,11 +127,8 @@ const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
 /* The groups of the contacts' parameters, and what they are of. */
 static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
 {
-    const struct {
-        const char *name;
-        const rp_param *schema;
-    } groups[] = {{"normal", normal_schema}, {"tangential", tangential_schema}, {"rolling", rolling_schema}};
-    enum { N_GROUPS = sizeof groups / sizeof *groups };
+    enum { N_GROUPS = 3 };
+    const dem_scene_group *groups = &dem_scene_schemas[1];
     for (size_t k = 0; k < N_GROUPS; k++) rp_params_defaults(groups[k].schema, p);
     dem_physics_apply(p, def);
     for (size_t k = 0; k < N_GROUPS; k++) {
@@ -191,88 +188,90 @@ static rp_status read_group(const config_setting_t *root, const char *name, cons
     return rp_config_group(group, schema, values, NULL);
 }
 
-static rp_status read_particles(const config_setting_t *list, const scene_values *top, dem_scene *scene)
+static rp_status alloc_grains(scene_file *file, size_t n)
+{
+    file->scene.def.n_grains = n;
+    file->scene.grains = malloc((n + 1) * sizeof *file->scene.grains);
+    return file->scene.grains ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
+}
+
+static double mass_of(const scene_file *file, double r)
+{
+    return dem_mass(file->physics.shape, file->physics.density, r);
+}
+
+static rp_status read_particles(const config_setting_t *list, scene_file *file)
 {
     if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
-    size_t n = (size_t)config_setting_length(list);
-    scene->grains = malloc((n + 1) * sizeof *scene->grains);
-    if (!scene->grains) return rp_fail(RP_NO_MEMORY, "particles: out of memory");
-    for (size_t i = 0; i < n; i++) {
-        dem_grain *p = &scene->grains[i];
+    const size_t n = (size_t)config_setting_length(list);
+    if (n == 0) return rp_config_fail(list, "particles: no particles");
+    rp_status status = alloc_grains(file, n);
+    for (size_t i = 0; i < n && !status; i++) {
+        dem_grain *p = &file->scene.grains[i];
         rp_params_defaults(particle_schema, p);
-        rp_status status =
-            rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
-        if (status) return status;
-        if (p->m < 0.0) p->m = dem_mass(top->physics.shape, top->physics.density, p->r);
+        status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
+        if (p->m < 0.0) p->m = mass_of(file, p->r);
     }
-    scene->def.n_grains = n;
-    return RP_OK;
+    return status;
 }
 
-static rp_status read_particles_table(const rp_table *table, const scene_values *top, dem_scene *scene)
+static rp_status read_particles_table(const rp_table *table, scene_file *file)
 {
-    static const char *const names[] = {"x", "y", "r", "m", "vx", "vy", "angle", "omega", "fixed"};
-    enum { N = sizeof names / sizeof *names };
+    enum { N = sizeof particle_schema / sizeof *particle_schema - 1 };
     int columns[N];
-    bool named = table->n_columns > 0 && table->names[0];
+    const bool named = table->n_columns > 0 && table->names[0];
     for (int c = 0; c < N; c++) {
-        columns[c] = named ? rp_table_column(table, names[c]) : c < (int)table->n_columns ? c : -1;
-        if (columns[c] < 0 && c < 3) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, names[c]);
+        const char *name = particle_schema[c].name;
+        columns[c] = named ? rp_table_column(table, name) : c < (int)table->n_columns ? c : -1;
+        if (columns[c] < 0 && !particle_schema[c].fallback)
+            return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, name);
     }
-    scene->grains = malloc((table->n_rows + 1) * sizeof *scene->grains);
-    if (!scene->grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
-    for (size_t i = 0; i < table->n_rows; i++) {
+    rp_status status = alloc_grains(file, table->n_rows);
+    for (size_t i = 0; i < table->n_rows && !status; i++) {
         double v[N] = {0.0};
-        for (int c = 0; c < N; c++) {
-            rp_status status = columns[c] < 0 ? RP_OK : rp_table_number(table, i, columns[c], 0, &v[c]);
-            if (status) return status;
-        }
-        if (!(v[2] > 0.0))
+        for (int c = 0; c < N && !status; c++)
+            if (columns[c] >= 0) status = rp_table_number(table, i, columns[c], 0, &v[c]);
+        if (!status && !(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
-        if (columns[3] < 0) v[3] = dem_mass(top->physics.shape, top->physics.density, v[2]);
-        scene->grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
+        if (columns[3] < 0) v[3] = mass_of(file, v[2]);
+        file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
-    scene->def.n_grains = table->n_rows;
-    return RP_OK;
+    return status;
 }
 
-static rp_status read_fill(const config_setting_t *group, const scene_values *top, dem_scene *scene)
+static rp_status read_fill(const config_setting_t *group, scene_file *file)
 {
-    dem_fill *f = &scene->fill;
+    dem_fill *f = &file->scene.fill;
     rp_params_defaults(fill_schema, f);
     rp_status status = rp_config_group(group, fill_schema, f, NULL);
     if (status) return status;
     status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
     if (status) return rp_config_fail(group, "%s", rp_message());
-    f->shape = top->physics.shape;
-    f->density = top->physics.density;
-    scene->has_fill = true;
+    f->shape = file->physics.shape;
+    f->density = file->physics.density;
+    file->scene.has_fill = true;
     return RP_OK;
 }
 
-static rp_status read_grains(const char *path, const config_setting_t *root, const scene_values *top,
-                             dem_scene *scene)
+static rp_status read_grains(const char *path, const config_setting_t *root, scene_file *file)
 {
     const config_setting_t *list = config_setting_get_member(root, "particles");
     const config_setting_t *fill = config_setting_get_member(root, "fill");
-    const bool file = top->particles_file && *top->particles_file;
-    if ((list != NULL) + (fill != NULL) + file != 1)
+    const bool from_table = file->particles_file && *file->particles_file;
+    if ((list != NULL) + (fill != NULL) + from_table != 1)
         return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
-    if (fill) return read_fill(fill, top, scene);
-    if (list) {
-        rp_status status = read_particles(list, top, scene);
-        return !status && scene->def.n_grains == 0 ? rp_config_fail(list, "particles: no particles") : status;
-    }
+    if (fill) return read_fill(fill, file);
+    if (list) return read_particles(list, file);
     /* a relative name is meant from the scene file's folder */
     char name[4096];
     const char *slash = strrchr(path, '/');
-    int folder = slash && top->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
-    snprintf(name, sizeof name, "%.*s%s", folder, path, top->particles_file);
+    int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
+    snprintf(name, sizeof name, "%.*s%s", folder, path, file->particles_file);
     rp_table table;
     rp_status status = rp_table_read(name, &table);
     if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
-    if (!status) status = read_particles_table(&table, top, scene);
+    if (!status) status = read_particles_table(&table, file);
     rp_table_free(&table);
     return status;
 }
@@ -338,7 +337,7 @@ static rp_status change(config_t *config, const char *text)
     return status;
 }
 
-static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, dem_scene *scene)
+static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, scene_file *file)
 {
     static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
                                          "fill",    "ground", "hard",       "implicit", NULL};
@@ -346,23 +345,17 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
     const config_setting_t *root = config_root_setting(config);
-    scene_values top;
-    rp_params_defaults(top_schema, &top);
-    status = rp_config_group(root, top_schema, &top, others);
+    rp_params_defaults(top_schema, file);
+    status = rp_config_group(root, top_schema, file, others);
     if (status) return status;
-    dem_definition *def = &scene->def;
+    dem_definition *def = &file->scene.def;
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
-    def->skin = fmax(top.skin, 0.0);
-    def->x_max = top.x_max;
-    def->y_min = isinf(top.y_min) ? -INFINITY : top.y_min;
-    def->turn_per_step = top.turn_deg * (M_PI / 180.0);
-    def->box_turn_per_step = top.box_turn_deg * (M_PI / 180.0);
-    def->turn_from_step = top.turn_from_step;
-    def->kernel = top.kernel;
-    def->ledger = top.ledger;
-    scene->steps = top.steps;
-    status = read_physics(root, &top.physics, def);
+    def->skin = fmax(def->skin, 0.0);
+    def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
+    def->turn_per_step = file->turn_deg * (M_PI / 180.0);
+    def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
+    status = read_physics(root, &file->physics, def);
     if (!status) status = read_walls(root, def);
     def->hard.on = config_setting_get_member(root, "hard") != NULL;
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
@@ -371,15 +364,16 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     if (!status && implicit && def->integrator != DEM_IMPLICIT)
         status = rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
     if (!status) status = read_group(root, "implicit", implicit_schema, &def->implicit);
-    if (!status) status = read_grains(path, root, &top, scene);
+    if (!status) status = read_grains(path, root, file);
     return status;
 }
 
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
 {
     config_t config;
-    *scene = (dem_scene){.def = dem_definition_default()};
-    rp_status status = read_scene(path, &config, changes, scene);
+    scene_file file = {.scene = {.def = dem_definition_default()}};
+    rp_status status = read_scene(path, &config, changes, &file);
+    *scene = file.scene;
     config_destroy(&config);
     return status;
 }
@@ -423,21 +417,15 @@ static void write_group(FILE *out, const char *key, const rp_param *schema, cons
 static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
-    scene_values top;
-    rp_params_defaults(top_schema, &top);
-    top.physics = dem_physics_of(def, scene->has_fill ? scene->fill.density : top.physics.density);
-    top.skin = def->skin > 0.0 ? def->skin : -1.0;
-    top.x_max = def->x_max;
-    top.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
-    top.turn_deg = def->turn_per_step * (180.0 / M_PI);
-    top.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
-    top.turn_from_step = def->turn_from_step;
-    top.steps = scene->steps;
-    top.kernel = def->kernel;
-    top.ledger = def->ledger;
-    if (scene->has_fill) top.physics.shape = scene->fill.shape;
+    const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
+    scene_file file = {.scene = *scene, .physics = dem_physics_of(def, density), .particles_file = ""};
+    if (def->skin == 0.0) file.scene.def.skin = -1.0;
+    file.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
+    file.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
+    if (scene->has_fill) file.physics.shape = scene->fill.shape;
     write_pair(out, "gravity", def->gravity);
-    rp_config_write(out, top_schema, &top);
+    rp_config_write(out, top_schema, &file);
     fputc('\n', out);
 }
 

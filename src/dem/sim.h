@@ -8,8 +8,6 @@
 #include "dem/pairs.h"
 #include "dem/walls.h"
 
-enum { DEM_HITS = 8 };
-
 struct dem_sim {
     dem_grains grains;
     dem_pairs pairs;
@@ -37,11 +35,7 @@ struct dem_sim {
         struct dem_list_work *work;
     } list;
 
-    /* grains that have collided in the coming step; beyond DEM_HITS it may be any grain */
-    struct {
-        uint32_t grain[DEM_HITS];
-        size_t n;
-    } hits;
+    bool collided; /* some grains have, in the coming step */
 
     struct dem_ledger_state *ledger; /* NULL without */
 

@@ -140,12 +140,6 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
-/* Which of WIDTH numbers are this one? */
-static inline unsigned wide_is(const uint32_t *list, uint32_t number)
-{
-    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)list), _mm256_set1_epi32((int)number));
-}
-
 /* from[stride index[]] */
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
 {
@@ -226,12 +220,6 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
         n += bits >> p & 1;
     }
     return n;
-}
-
-static inline unsigned wide_is(const uint32_t *list, uint32_t number)
-{
-    __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)list), _mm_set1_epi32((int)number));
-    return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)

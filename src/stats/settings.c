@@ -34,12 +34,16 @@ static rp_status cost_of(size_t n, const stats_cost_run runs[], size_t setting, 
     stats_summary own, paired;
     for (size_t i = 0; i < n; i++) {
         if (runs[i].setting != setting) continue;
+        const size_t before = pairs;
         y[count++] = runs[i].y;
         steps += runs[i].steps;
         for (size_t j = 0; j < n; j++) {
             if (runs[j].size == runs[i].size) a_step = fmin(a_step, runs[j].seconds / runs[j].steps);
-            if (runs[j].setting == reference && runs[j].replica == runs[i].replica)
-                difference[pairs++] = runs[i].y - runs[j].y;
+            if (runs[j].setting != reference || runs[j].replica != runs[i].replica) continue;
+            if (pairs > before)
+                return rp_fail(RP_BAD_INPUT, "replica %g: two runs of the last setting; more columns vary",
+                               runs[i].replica);
+            difference[pairs++] = runs[i].y - runs[j].y;
         }
     }
     *c = (stats_cost){count, NAN, NAN, NAN, NAN, NAN, NAN, false};

@@ -199,7 +199,8 @@ typedef struct {
 } stats_cost;
 
 /* Costs of settings 0 to n_settings - 1, compared with `reference`.
- * Errors: RP_BAD_INPUT (a value that is not finite, steps <= 0), RP_NO_MEMORY. */
+ * Errors: RP_BAD_INPUT (a value that is not finite, steps <= 0, a replica twice in the reference),
+ * RP_NO_MEMORY. */
 rp_status stats_costs(size_t n, const stats_cost_run runs[], size_t n_settings, size_t reference,
                       stats_cost costs[]);
 

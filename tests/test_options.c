@@ -1,0 +1,308 @@
+/* Every option of a command that computes something changes the rows that the command prints. An option that
+ * is parsed and then ignored fails here, and so does a new option without a line below. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* A command on the fixtures, and options to add, each by itself. */
+static const struct {
+    const char *command, *base, *changes;
+} lines[] = {
+    {"angle marginal", "--mu 0.2", "--mu 0.3|--phi-deg 50"},
+    {"angle tilt", "--mu 0.3 --theta-r-deg 18",
+     "--mu 0.4|--theta-r-deg 17|--phi-deg 50|--form lattice|--form sine|--form printed"},
+    {"angle slope", "grains.tsv --width 4",
+     "--width 3.6|--cell 0.3|--height raw_centre|--height top|--empty skip|--parabola origin|--where "
+     "'r<0.105'"},
+    {"angle compare", "runs.tsv --bootstrap 50", "--phi-deg 50|--bootstrap 51|--seed 4|--where mu=0.2"},
+    {"angle phi", "runs.tsv --bootstrap 20",
+     "--from 0.15|--to 0.15|--bootstrap 21|--seed 4|--where 'pile<4'"},
+    {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
+    {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
+    {"stress dip", "piles.tsv --resamples 99",
+     "--resamples 98|--margin 0.5|--seed 4|--against zero|--profile|--where 'n_01<0.9'"},
+    {"stress dip", "piles.tsv --resamples 999 --against zero", "--level 0.001"},
+    {"stress critical", "runs.tsv --bootstrap 50", "--bootstrap 51|--seed 4|--where 'pile<4'"},
+    {"stats fit", "runs.tsv -x W -y theta",
+     "-x mu|-y seconds|--se se|--from 3|--to 5|--scale log|--where mu=0.2"},
+    {"stats fit", "runs.tsv -x W -y theta --se se", "--successive"},
+    {"stats fit", "bent.tsv -x x -y y --se se --successive", "--level 0.6"},
+    {"stats trend", "runs.tsv -x W -y theta",
+     "-x mu|-y seconds|--by mu|--from 3|--to 5|--power 2|--where mu=0.2|--scale log|--margin 0.01"},
+    {"stats trend", "runs.tsv -x W -y theta --where mu=0.2", "--pair"},
+    {"stats trend", "flat.tsv -x x -y y --margin 0.3", "--level 0.4"},
+    {"stats size", "runs.tsv -x W -y theta",
+     "-x seconds|-y seconds|--by mu|--from 3|--to 5|--power 1|--where mu=0.2"},
+    {"stats maximum", "runs.tsv --column theta --draws 3 --bootstrap 50",
+     "--column seconds|--draws 4|--bootstrap 51|--seed 4|--where mu=0.2"},
+    {"stats threshold", "runs.tsv -x W --by mu", "-x seconds|--by pile|--most seconds|--where mu=0.2"},
+    {"stats cost", "runs.tsv -y theta --by mu,W", "-y se|--by W,mu|--size W|--where mu=0.2"},
+    {"stats select", "runs.tsv", "--columns mu,W|--where mu=0.2"},
+    {"lattice", "--base 9 --alpha-deg 30", "--base 10|--alpha-deg 40|--theta-deg 31"},
+    {"lattice", "--layers 5", "--layers 6"},
+    {"continuum", "--alpha-deg 30", "--alpha-deg 31|--points 7|--at 0.2"},
+    {"tent", "--outer-deg 30 --inner-deg 45 --x1 0.3",
+     "--outer-deg 31|--inner-deg 44|--x1 0.31|--points 7|--at 0.2"},
+    {"tent", "--x1 0.3", "--map"},
+    {"pile", "--base 7 --eps 1e-3",
+     "--base 8|--eps 2e-3|--alpha-deg 30|--gap 0.01|--disorder 0.01|--k-x 0.5|"
+     "--summary|--threshold"},
+    {"pile", "--base 9 --eps 1e-3 --alpha-deg 30 --inner-deg 45", "--inner-deg 40|--x-1 0.3"},
+    {"pile", "--base 9 --alpha-deg 30 --well 0.3 --mu 0.2 --eps 1e-3", "--well 0.4|--mu 0.25|--set-load 0.5"},
+    {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4|--piles 3"},
+    {"pile", "--base 12 --eps 5e-3", "--branch minimum"},
+    {"pile", "--base 12 --eps 5e-3 --branch minimum", "--leave 1"},
+    {"pile", "--outline outline.tsv --base 6", "--base 7"},
+    {"pile", "--disks disks.tsv", "--eps 1e-3"},
+    {"forensics", "ways.tsv --claims claims.tsv --factors law,k --draws 40",
+     "--claims other.tsv|--factors law|--report effects|--report levels|--level 0.9|--draws 41|--seed 4"},
+    {"calibrate", "--runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20",
+     "--runs fewer.tsv|--theta-r-deg 16|--error-deg 2|--bootstrap 21|--seed 4"},
+    {"calibrate",
+     "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
+     "--theta-t-deg 5|--theta-t-error-deg 2"},
+    {"claims", "--claims claims.tsv --tables .",
+     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published"},
+    {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv"}};
+
+/* Options that change no row, or that other tests follow. */
+static const struct {
+    const char *command, *option, *reason;
+} exceptions[] = {{"stats select", "--bare", "takes the header away: suite cli"},
+                  {"lattice", "--method", "a second way to the same numbers: suite analytic"},
+                  {"pile", "--set-again", "needs wells that break: suite keys"},
+                  {"pile", "--load-steps", "the same state, in more steps: suite keys"},
+                  {"pile", "--outline", "in the bases above"},
+                  {"pile", "--disks", "in the bases above"},
+                  {"pile", "-o", "a folder: suite tables"},
+                  {"calibrate", "--fit", "names a column: suite cli"},
+                  {"calibrate", "--sweep", "suite cli"},
+                  {"calibrate", "-o", "suite cli"},
+                  {"calibrate", "-j", "suite cli"},
+                  {"calibrate", "--verify", "suite cli"},
+                  {"calibrate", "--planted", "suite cli"},
+                  {"bench", "--width", "times are not compared"},
+                  {"bench", "--state", "times are not compared"},
+                  {"bench", "--floor", "times are not compared"},
+                  {"bench", "--kernel", "times are not compared"},
+                  {"bench", "--repeat", "times are not compared"},
+                  {"bench", "-o", "of a sample: takes seconds"}};
+
+/* ---- fixtures ---- */
+
+static void write_file(const char *name, void (*print)(FILE *))
+{
+    char path[256];
+    path_of(name, path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    print(file);
+    fclose(file);
+}
+
+/* A pseudo-random number between 0 and 1. */
+static double scatter(int i)
+{
+    const double x = 12.9898 * (i + 1) * (i + 1);
+    return x / 7.31 - (double)(long)(x / 7.31);
+}
+
+/* Piles of repose and stress at mu 0.1 to 0.4 and W 2 to 6, five of each; theta bends with W. */
+static void print_runs(FILE *file)
+{
+    fprintf(file, "# "
+                  "mu\tW\ttheta\tse\tseconds\tsteps\treplica\tpile\ttheta_r3_deg\ttheta_t_displacement_"
+                  "deg\tn_0\tn_1\th_0\th_1\t"
+                  "sxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\tstatus\n");
+    for (int i = 0; i < 60; i++) {
+        const double mu = 0.1 * (1 + i % 4), W = 2.0 + 2.0 * (i / 4 % 3), s = scatter(i), t = scatter(i + 60);
+        fprintf(file,
+                "%g\t%g\t%.6f\t%.6f\t%.6f\t%d\t%d\t%d\t%.6f\t%.6f\t%.4f\t0.1\t%.4f\t1\t1\t%.4f\t0.02\t1.2\t0."
+                "1\t1\t1\t0.2\t%s\n",
+                mu, W, 10.0 + 40.0 * mu + 0.2 * W * W + s, 0.1 + 0.1 * t, 1.0 + W * (1.0 + s), 100 + 7 * i,
+                i / 12, i / 12, 5.0 + 45.0 * mu + 2.0 * s, 2.0 + 8.0 * mu + t, 1.0 + 0.01 * s,
+                0.05 + 0.05 * t, 0.02 * s, i % 29 == 7 ? "not_at_rest" : "ok");
+    }
+}
+
+static void print_more(FILE *file)
+{
+    fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n");
+    for (int i = 0; i < 24; i++)
+        fprintf(file, "%g\t%.6f\t%.6f\tok\n", 0.1 * (1 + i % 4), 7.0 + 35.0 * (1 + i % 4) * 0.1 + scatter(i),
+                2.0 + scatter(i + 9));
+}
+
+/* A slope with one empty cell. */
+static void print_grains(FILE *file)
+{
+    fprintf(file, "# x\ty\tr\n");
+    for (int i = 0; i < 80; i++)
+        if (i % 20 != 13)
+            fprintf(file, "%.4f\t%.4f\t%.4f\n", 0.1 + 0.2 * (i % 20) + 0.05 * scatter(i),
+                    0.1 + 0.2 * (i / 20) * (1.0 - 0.04 * (i % 20)) + 0.1 * scatter(i + 5),
+                    0.09 + 0.02 * scatter(i + 2));
+}
+
+static void print_stress_grains(FILE *file)
+{
+    fprintf(file, "# x\ty\tr\tm\n");
+    for (int i = 0; i < 24; i++)
+        fprintf(file, "%.4f\t%.4f\t0.1\t%.5f\n", 0.1 + 0.2 * (i % 6),
+                0.1 + 0.18 * (i / 6) * (1.0 - 0.1 * (i % 6)), 0.004 + 0.001 * scatter(i));
+}
+
+static void print_stress_contacts(FILE *file)
+{
+    fprintf(file, "# id_b\twall\tx\ty\tx_b\ty_b\tnormal_force\tshear_force\n");
+    for (int i = 0; i < 6; i++) {
+        fprintf(file, "0\t1\t%.4f\t0.1\t%.4f\t0\t%.4f\t%.4f\n", 0.1 + 0.2 * i, 0.1 + 0.2 * i, 20.0 - 2.0 * i,
+                scatter(i));
+        fprintf(file, "%d\t0\t%.4f\t0.28\t%.4f\t0.1\t%.4f\t%.4f\n", i + 1, 0.14 + 0.2 * i, 0.1 + 0.2 * i,
+                10.0 + scatter(i), scatter(i + 1));
+    }
+}
+
+static void print_piles(FILE *file)
+{
+    fprintf(file, "# status\tleft_deg\tright_deg");
+    for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
+    for (int i = 0; i < 12; i++) {
+        fprintf(file, "\nok\t%g\t%g", 28.0 + scatter(i), 30.0 + scatter(i + 3));
+        for (int k = 0; k < 20; k++)
+            fprintf(file, "\t%.5f", 0.6 + 0.06 * (k < 10 ? k : 19 - k) + 0.5 * scatter(20 * i + k));
+    }
+    fputc('\n', file);
+}
+
+static void print_ways(FILE *file)
+{
+    static const char *const heights[] = {"centre", "raw_centre", "top"}, *const empties[] = {"zero", "skip"};
+    fputs("# status\tW\tlaw\tk", file);
+    for (int v = 0; v < 12; v++)
+        if (v == 0)
+            fputs("\ttheta_r3_deg", file);
+        else
+            fprintf(file, "\ttheta_r3_%s_%s%s_deg", heights[v / 4], empties[v / 2 % 2],
+                    v % 2 ? "_origin" : "");
+    fputc('\n', file);
+    for (int i = 0; i < 32; i++) {
+        fprintf(file, "ok\t4\t%s\t%g", i / 16 ? "new" : "old", i / 8 % 2 ? 2e6 : 1e6);
+        for (int v = 0; v < 12; v++)
+            fprintf(file, "\t%.6f",
+                    20.0 - 2.0 * (i / 16) + 0.5 * (i / 8 % 2) + scatter(i + v) + (v % 2 ? 3.0 : 0.0));
+        fputc('\n', file);
+    }
+}
+
+#define CLAIMS                                                                                               \
+    "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
+    "against\tforensics\tstatement\tnote\n"
+
+static void write_fixtures(void)
+{
+    write_file("runs.tsv", print_runs);
+    write_file("more.tsv", print_more);
+    shell("head -n 18 more.tsv >fewer.tsv; :>out; :>err");
+    write_file("grains.tsv", print_grains);
+    write_file("p_grains.tsv", print_stress_grains);
+    write_file("p_contacts.tsv", print_stress_contacts);
+    write_file("piles.tsv", print_piles);
+    write_file("ways.tsv", print_ways);
+    write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
+    write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
+    write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
+    write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
+    write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
+    write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
+    static const char *const rest = "\t1\t20\t2\tt v\t-\ttheta_r3\ta\t-\n"
+                                    "twin\tangle\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\t-\ttwin\t-\n"
+                                    "high\t-\tli\t-\tall\tabove\t-\t-\t-\t-\tt v\t0\t-\thigh\t-\n";
+    write_text("claims.tsv", CLAIMS "angle\t-\tlh\t-\tall\tagrees\t20%s", rest);
+    write_text("other.tsv", CLAIMS "angle\t-\tlh\t-\tall\tagrees\t18%s", rest);
+}
+
+/* ---- options ---- */
+
+/* The rows that a command prints; NULL, with a message, if it fails in a way that is no result. */
+static char *rows_of(const char *command, const char *base, const char *change)
+{
+    static char rows[sizeof out];
+    const int status = run("%s %s %s", command, base, change);
+    char *to = rows, *rest = out, *line;
+    if (status != 0 && status != 1) {
+        fprintf(stderr, "repose %s %s %s: %s", command, base, change, err);
+        return NULL;
+    }
+    while ((line = strsep(&rest, "\n")))
+        if (*line != '#') to = stpcpy(stpcpy(to, line), "\n");
+    *to = '\0';
+    return strdup(rows);
+}
+
+static void check_line(size_t i)
+{
+    char changes[512], *rest = changes, *change;
+    char *base =
+        strcmp(lines[i].base, "--x1 0.3") == 0 ? strdup("") : rows_of(lines[i].command, lines[i].base, "");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(base);
+    snprintf(changes, sizeof changes, "%s", lines[i].changes);
+    while ((change = strsep(&rest, "|"))) {
+        char *now = rows_of(lines[i].command, lines[i].base, change);
+        const bool differs = now && strcmp(now, base) != 0;
+        if (!differs)
+            fprintf(stderr, "repose %s %s: %s changes nothing\n", lines[i].command, lines[i].base, change);
+        CU_ASSERT(differs);
+        free(now);
+    }
+    free(base);
+}
+
+static bool has_word(const char *text, const char *option)
+{
+    const size_t n = strlen(option);
+    for (const char *at = text; (at = strstr(at, option)); at += n)
+        if ((at == text || at[-1] == '|') && (at[n] == ' ' || at[n] == '|' || !at[n])) return true;
+    return false;
+}
+
+/* Every option in the help of the command stands in a line or among the exceptions. */
+static void check_covered(const char *command)
+{
+    char *text, *rest, *line, option[64];
+    CU_ASSERT(run("%s --help", command) == 0);
+    text = rest = strdup(out);
+    while ((line = strsep(&rest, "\n"))) {
+        if (strncmp(line, "  -", 3) != 0 || sscanf(line, "%63s", option) != 1 ||
+            strcmp(option, "--help") == 0)
+            continue;
+        bool covered = false;
+        for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+            covered |= strcmp(lines[i].command, command) == 0 && has_word(lines[i].changes, option);
+        for (size_t i = 0; i < sizeof exceptions / sizeof *exceptions; i++)
+            covered |=
+                strcmp(exceptions[i].command, command) == 0 && strcmp(exceptions[i].option, option) == 0;
+        if (!covered) fprintf(stderr, "repose %s: no line changes %s\n", command, option);
+        CU_ASSERT(covered);
+    }
+    free(text);
+}
+
+static void test_options(void)
+{
+    enter();
+    write_fixtures();
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        check_line(i);
+        if (i == 0 || strcmp(lines[i].command, lines[i - 1].command) != 0) check_covered(lines[i].command);
+    }
+    leave();
+}
+
+void suite_options(void)
+{
+    static const check_case cases[] = {{"options of commands", test_options}, {0}};
+    check_register("options", cases);
+}
