@@ -33,7 +33,7 @@ CHECK   := $(call objects,tests) $(call objects,validation)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate asan lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate asan drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -68,8 +68,7 @@ $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
-	@rm -f $$@
-	@ar rcs $$@ $$^
+	@rm -f $$@ && ar rcs $$@ $$^
 endef
 $(foreach m,$(MODULES),$(eval $(call archive,$(m))))
 
@@ -80,6 +79,9 @@ $(REPOSE): $(CLI) $(LIBRARY)
 $(B)/check: $(CHECK) $(LIBRARY)
 	@echo "link    $@"
 	@$(CC) $(CFLAGS) $^ $$(pkg-config --libs cunit) $(LIBS) -o $@
+
+drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
+	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
 
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
@@ -155,14 +157,12 @@ $(B)/made/%: %.cfg $(CODE)
 $(B)/studied/%: %.cfg $(CODE)
 	@$(call make_sweep, --study) $(B)/studies
 	@mkdir -p $(@D) results
-	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results
-	@touch $@
+	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results && touch $@
 $(B)/studied/calibrate_planted: $(B)/studied/calibrate
 results/%.tsv:
 	@echo "$@ is missing: make studies" >&2; exit 1
 $(B)/validated/%: validation/%.c $(CODE) $(B)/check
-	@mkdir -p $(@D)
-	@echo "check   --full $*"
+	@mkdir -p $(@D) && echo "check   --full $*"
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
 $(T)/published.tsv: figures/claims.tsv $(CODE)
