@@ -33,7 +33,7 @@ CHECK   := $(call objects,tests) $(call objects,validation)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate asan drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -110,8 +110,10 @@ $(B)/mutants: tests/mutate/mutants.c
 mutate: $(B)/mutants | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
-# ---- Sweeps and models -> tables -> figures and report
+check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
+	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
 
+# ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.
 SWEEPS  := $(basename $(notdir $(wildcard sweeps/lh/*.cfg sweeps/li/*.cfg)))
 STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)))

@@ -68,8 +68,9 @@ static void work(const sweep_plan *plan, const sweep_options *options, int socke
         sweep_row row = {.run = run};
         sweep_result_clear(&row.result);
         double start = rp_clock();
-        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
-                                         sweep_plan_pile(plan, run), NULL, &row.result);
+        const sweep_stream stream = sweep_plan_stream(plan, run);
+        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
+                                         stream.run, NULL, &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
@@ -254,6 +255,8 @@ static rp_status serve(pool *p, struct pollfd *polled)
     polled[p->n_workers] = (struct pollfd){.fd = p->signals, .events = POLLIN};
     if (poll(polled, p->n_workers + 1, (int)(1000.0 * TICK)) < 0 && errno != EINTR)
         return rp_fail(RP_IO, "cannot wait for the workers: %s", strerror(errno));
+    rp_status written = sweep_store_tick(p->store);
+    if (written) return written;
     if (polled[p->n_workers].revents)
         return rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
                        p->progress.planned);
@@ -333,11 +336,11 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *tod
     return status;
 }
 
-bool sweep_is_aborted(const char *status)
+static bool is_aborted(const char *status)
 {
     char quoted[32];
     snprintf(quoted, sizeof quoted, "'%s'", status);
-    return strstr(SWEEP_ABORTED, quoted) != NULL;
+    return strstr(SWEEP_MACHINE, quoted) != NULL;
 }
 
 rp_status sweep_check_aborted(const sweep_counts *counts)
@@ -345,7 +348,7 @@ rp_status sweep_check_aborted(const sweep_counts *counts)
     char text[128] = "";
     size_t used = 0, n = 0;
     for (size_t i = 0; i < counts->n_words; i++) {
-        if (!sweep_is_aborted(counts->words[i].status)) continue;
+        if (!is_aborted(counts->words[i].status)) continue;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", n ? ", " : "",
                                  counts->words[i].runs, counts->words[i].status);
         n += counts->words[i].runs;
