@@ -1,6 +1,6 @@
 #!/bin/sh
-# The matrix of determinism: a small sweep of each protocol has one digest, whatever the number of workers, the order
-# of its runs, kills on the way, the compiler and the optimisation. A scene has one table of states, whatever the kernel.
+# The matrix of determinism: a small sweep of each protocol has one digest, whatever the number of workers, shards, the
+# order of its runs, kills on the way, the compiler and the optimisation. A scene has one table of states, whatever the kernel.
 # Argument: the build folder. Prints a row a cell, and fails where two differ.
 set -u
 build=$1
@@ -50,6 +50,13 @@ for protocol in repose stress flux pile drop; do
     plan_of $protocol "$dir"
     interrupted "$dir"
     cell $protocol 'kills' "$(digest_of "$dir")"
+    for shards in 1 3 8; do
+        plan_of $protocol "$dir"
+        for shard in $(seq $shards -1 1); do "$program" sweep run "$dir" --shard "$shard/$shards" -j 1 >/dev/null; done
+        cell $protocol "$shards shards" "$(digest_of "$dir")"
+        "$program" sweep merge "$dir" >/dev/null && rm -r "$dir/shards"
+        cell $protocol "$shards shards merged" "$(digest_of "$dir")"
+    done
 done
 
 # The final state of a row, run as a scene by each kernel that this machine has.
