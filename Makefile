@@ -29,11 +29,12 @@ objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1)/*.c))
 sources  = $(call objects,$(word 2,$(subst =, ,$(1))))
 LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
 CLI     := $(call objects,src/cli)
-CHECK   := $(call objects,tests) $(call objects,validation)
+FUZZ    := $(call objects,tests/fuzz) $(filter-out %/main.o,$(CLI))
+CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -80,6 +81,9 @@ $(B)/check: $(CHECK) $(LIBRARY)
 	@echo "link    $@"
 	@$(CC) $(CFLAGS) $^ $$(pkg-config --libs cunit) $(LIBS) -o $@
 
+fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
+	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
+
 drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
 
@@ -103,11 +107,7 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-$(B)/mutants: tests/mutate/mutants.c
-	@mkdir -p $(@D)
-	@$(CC) $(CPPFLAGS) $(CFLAGS) $< -o $@
-
-mutate: $(B)/mutants | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm

@@ -27,6 +27,9 @@
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_helpers)                                                                                         \
+    X(suite_figures)                                                                                         \
+    X(suite_evidence)                                                                                        \
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \
@@ -39,7 +42,8 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
-    X(suite_property)
+    X(suite_property)                                                                                        \
+    X(suite_fuzz)
 #define CHECK_VALIDATION(X)                                                                                  \
     X(suite_scaling)                                                                                         \
     X(suite_models)                                                                                          \

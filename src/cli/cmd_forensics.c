@@ -109,7 +109,7 @@ static rp_status read_factors(study *s, const char *list)
     raw.cells = cli_memory(cells, sizeof *raw.cells);
     s->first = cli_memory(n, sizeof *s->first);
     rp_status status = RP_OK;
-    memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
+    if (cells > 0) memcpy(raw.cells, s->runs->cells, cells * sizeof *raw.cells);
     for (char *save, *word = strtok_r(s->factors, ",", &save); word && !status;
          word = strtok_r(NULL, ",", &save)) {
         status = read_factor(s, &raw, word);

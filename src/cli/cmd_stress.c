@@ -46,14 +46,30 @@ static rp_status pile_read(const char *prefix, stress_pile *p)
     return RP_OK;
 }
 
+/* The number of cells is finite: a grain that flew off is left out of the table first. */
+static rp_status check_size(const stress_pile *p, const char *prefix, double width, double cell)
+{
+    enum { MOST = 100000 };
+    if (!(width <= MOST * cell))
+        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d cells of %g", width, MOST, cell);
+    for (size_t i = 0; i < p->n_grains; i++)
+        if (!(fmax(fabs(p->x[i]), fabs(p->y[i])) <= MOST * cell))
+            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d cells of %g away", prefix,
+                           i + 1, p->x[i], p->y[i], MOST, cell);
+    return RP_OK;
+}
+
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(size_t *n, stress_pile **piles)
+static rp_status read_piles(double width, double cell, size_t *n, stress_pile **piles)
 {
     rp_status status = RP_OK;
     *n = 0;
     while (cli_argument((int)*n)) ++*n;
     *piles = cli_memory(*n, sizeof **piles);
-    for (size_t i = 0; i < *n && !status; i++) status = pile_read(cli_argument((int)i), &(*piles)[i]);
+    for (size_t i = 0; i < *n && !status; i++) {
+        status = pile_read(cli_argument((int)i), &(*piles)[i]);
+        if (!status) status = check_size(&(*piles)[i], cli_argument((int)i), width, cell);
+    }
     if (status) return status;
     cli_table(stdout);
     rp_table_note(stdout, "piles", "%zu", *n);
@@ -69,7 +85,7 @@ static rp_status print_field(void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(&n, &piles);
+    rp_status status = read_piles(o->width, o->cell, &n, &piles);
     if (status) return status;
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
@@ -135,7 +151,7 @@ static rp_status print_base(void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(&n, &piles);
+    rp_status status = read_piles(o->width, o->cell, &n, &piles);
     if (!status) status = mean_slope(n, piles, o, &theta);
     if (status) return status;
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);

@@ -99,7 +99,7 @@ static int finish(const char *command, rp_status status)
     if (!status) status = rp_table_finish(stdout, "standard output");
     if (status) fprintf(stderr, "repose%s%s: %s\n", *command ? " " : "", command, rp_message());
     cli_release(0);
-    free(kept);
+    free(kept), kept = NULL;
     return (int)status;
 }
 

@@ -102,6 +102,8 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
     char shorts[3 * MAX_OPTIONS] = ":";
+    memset(&line, 0, sizeof line);
+    optind = 0; /* reset the parser (glibc) */
     line.command = command;
     rp_status status = add_options(command->protocol, 0);
     if (!status && command->options) status = add_options(command->options(), command->protocol_size);

@@ -283,7 +283,7 @@ static bool as_number(const char *text, double *value)
 static bool meets(const char *cell, const char *op, const char *value)
 {
     double a, b;
-    const bool numbers = as_number(cell, &a) & as_number(value, &b);
+    const bool first = as_number(cell, &a), numbers = as_number(value, &b) && first;
     const bool equal = numbers ? a == b || (isnan(a) && isnan(b)) : strcmp(cell, value) == 0;
     if (*op == '=') return equal;
     if (*op == '!') return !equal;

@@ -23,7 +23,11 @@ const char *rp_build_commit(void)
 
 const char *rp_build_compiler(void)
 {
+#ifdef __clang__ /* its __VERSION__ has its name */
+    return __VERSION__ " " RP_FLAGS;
+#else
     return "gcc " __VERSION__ " " RP_FLAGS;
+#endif
 }
 
 const char *rp_build_libraries(void)

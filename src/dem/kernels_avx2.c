@@ -2,7 +2,15 @@
 #include "dem/sim.h"
 
 #ifdef __x86_64__
+#define WIDE_BITS 256
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
 #pragma GCC target("avx2")
+#endif
 #define WIDE(name) dem_##name##_avx2
 #include "dem/kernels_wide.inl"
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
 #endif

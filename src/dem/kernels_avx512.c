@@ -2,7 +2,15 @@
 #include "dem/sim.h"
 
 #ifdef __x86_64__
+#define WIDE_BITS 512
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
+#else
 #pragma GCC target("avx512f,avx512dq,avx512vl")
+#endif
 #define WIDE(name) dem_##name##_avx512
 #include "dem/kernels_wide.inl"
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
 #endif

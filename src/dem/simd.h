@@ -9,7 +9,7 @@
 
 #include "dem/sim.h"
 
-#ifdef __AVX512F__
+#if WIDE_BITS == 512
 enum { WIDTH = 8 };
 typedef __m512d wide;
 typedef __m512d_u wide_unaligned;
@@ -25,6 +25,17 @@ typedef __m256d lanes;
 #define WIDE_PD(operation) _mm256_##operation##_pd
 #endif
 #define WIDE_ODD (WIDE_INDEX & 1)
+
+#ifdef __clang__ /* has no shuffle by a vector of indices; these loops become one */
+static inline wide wide_shuffle(wide a, wide b, __typeof__(WIDE_INDEX) from)
+{
+    wide result;
+    for (int i = 0; i < WIDTH; i++) result[i] = from[i] < WIDTH ? a[from[i]] : b[from[i] - WIDTH];
+    return result;
+}
+#else
+#define wide_shuffle __builtin_shuffle
+#endif
 
 static inline wide wide_load(const double *from)
 {
@@ -45,34 +56,34 @@ static inline wide num_of(double a)
  * a, each followed by that of b; the second numbers; the even vectors of a, then of b; the odd vectors. */
 static inline wide wide_zip_firsts(wide a, wide b)
 {
-    return __builtin_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH);
+    return wide_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH);
 }
 
 static inline wide wide_zip_seconds(wide a, wide b)
 {
-    return __builtin_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH + 1);
+    return wide_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH + 1);
 }
 
 static inline wide wide_evens(wide a, wide b)
 {
-    return __builtin_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD);
+    return wide_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD);
 }
 
 static inline wide wide_odds(wide a, wide b)
 {
-    return __builtin_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD + 2);
+    return wide_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD + 2);
 }
 
 /* The first number of each vector of a, then of b. */
 static inline wide wide_firsts(wide a, wide b)
 {
-    return __builtin_shuffle(a, b, 2 * WIDE_INDEX);
+    return wide_shuffle(a, b, 2 * WIDE_INDEX);
 }
 
 /* (y, x) of each vector. */
 static inline wide wide_swap(wide a)
 {
-    return __builtin_shuffle(a, WIDE_INDEX ^ 1);
+    return wide_shuffle(a, a, WIDE_INDEX ^ 1);
 }
 
 /* WIDTH/2 records of two vectors. */
@@ -86,8 +97,8 @@ static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
 static inline void wide_store_records(void *to, wide x, wide v)
 {
     const __typeof__(WIDE_INDEX) low = WIDE_INDEX / 2 % 2 * WIDTH + WIDE_INDEX / 4 * 2 + WIDE_ODD;
-    wide_store(to, __builtin_shuffle(x, v, low));
-    wide_store((double *)to + WIDTH, __builtin_shuffle(x, v, low + WIDTH / 2));
+    wide_store(to, wide_shuffle(x, v, low));
+    wide_store((double *)to + WIDTH, wide_shuffle(x, v, low + WIDTH / 2));
 }
 
 static inline wide num_sqrt(wide a)
@@ -101,7 +112,7 @@ static inline wide num_max(wide a, wide b)
     return WIDE_PD(max)(a, b);
 }
 
-#ifdef __AVX512F__
+#if WIDE_BITS == 512
 static inline lanes wide_less(wide a, wide b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
@@ -174,15 +185,15 @@ static inline wide wide_load_twice(const double *from)
 static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
 {
     const __m512i low = WIDE_INDEX / 2 + WIDE_ODD * WIDTH;
-    wide_store((double *)to, __builtin_shuffle(x, y, low));
-    wide_store((double *)(to + 4), __builtin_shuffle(x, y, low + WIDTH / 2));
+    wide_store((double *)to, wide_shuffle(x, y, low));
+    wide_store((double *)(to + 4), wide_shuffle(x, y, low + WIDTH / 2));
 }
 
 /* Record i[0], followed by record i[2]. */
 static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
 {
-    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&grain[i[0]].x[0])),
-                              _mm256_load_pd(&grain[i[2]].x[0]), 1);
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd((const double *)&grain[i[0]])),
+                              _mm256_load_pd((const double *)&grain[i[2]]), 1);
 }
 
 #else
@@ -255,7 +266,7 @@ static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
 
 static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
 {
-    return _mm256_load_pd(&grain[i[0]].x[0]);
+    return _mm256_load_pd((const double *)&grain[i[0]]);
 }
 #endif
 

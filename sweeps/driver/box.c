@@ -3,11 +3,9 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <xxhash.h>
 
 #include "core/table.h"
-#include "angle/angle.h"
 
 double sweep_degrees(double radians)
 {

@@ -104,22 +104,6 @@ rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed,
     return RP_OK;
 }
 
-sweep_outline_error sweep_outline_compare(const sweep_outline *h, const double N[], const double H[])
-{
-    double sum = 0, most = 0, H_most = 0, exact_most = 0, thrust = 0, exact_thrust = 0;
-    for (size_t i = 0; i < h->k; i++) {
-        const double e = N[i] / h->exact[i].N - 1;
-        sum += e * e;
-        most = fmax(most, fabs(e));
-        H_most = fmax(H_most, fabs(H[i]));
-        exact_most = fmax(exact_most, fabs(h->exact[i].H));
-        const double side = 2 * i + 1 > h->k ? 1 : 2 * i + 1 < h->k ? -1 : 0;
-        thrust += side * H[i];
-        exact_thrust += side * h->exact[i].H;
-    }
-    return (sweep_outline_error){sqrt(sum / (double)h->k), most, H_most / exact_most, thrust / exact_thrust};
-}
-
 rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS])
 {
     enum { POINTS = 2000 };

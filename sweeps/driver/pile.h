@@ -34,14 +34,6 @@ void sweep_outline_free(sweep_outline *outline);
  * between unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
 rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
 
-/* How far N and H on the base are from diagonals alone. */
-typedef struct {
-    double N_rms, N_max; /* relative deviation of N */
-    double H_ratio;      /* largest H over that of diagonals alone */
-    double thrust_ratio; /* sum of H outwards, both halves, over that of diagonals alone */
-} sweep_outline_error;
-sweep_outline_error sweep_outline_compare(const sweep_outline *outline, const double N[], const double H[]);
-
 /* Profile of the continuum triangle of slope alpha, eqs (50), (54), over the base that holds 98 % of its
  * load. alpha in (0, pi/3). Errors: those of an_continuum and stress_base_profile. */
 rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
@@ -76,9 +68,9 @@ typedef struct {
     const sweep_outline *h;
     statics_pile *pile;
     statics_result r;
-    size_t *disk;              /* [r.wells] of the base, from left to right; */
-    double *N, *H;             /* forces on them, m g */
-    sweep_outline_error error; /* NAN where diagonals alone are not known */
+    size_t *disk;                             /* [r.wells] of the base, from left to right; */
+    double *N, *H;                            /* forces on them, m g */
+    double N_error_rms, N_error_max, H_ratio; /* outputs; NAN where diagonals alone are not known */
 } sweep_solved;
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
                            void (*watch)(size_t n, const statics_result *so_far, void *context),

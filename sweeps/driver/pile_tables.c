@@ -33,9 +33,9 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     double most = 0;
     for (size_t i = 0; !r->fault && i < r->wells; i++) most = fmax(most, s->N[i]);
     rp_table_note(out, "sinks", "%.3g sigma at most", r->eps * most);
-    rp_table_note(out, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", s->error.N_rms,
-                  s->error.N_max);
-    rp_table_note(out, "H_ratio", "%.6g, the largest H over that of diagonals alone", s->error.H_ratio);
+    rp_table_note(out, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", s->N_error_rms,
+                  s->N_error_max);
+    rp_table_note(out, "H_ratio", "%.6g, the largest H over that of diagonals alone", s->H_ratio);
 }
 
 rp_status sweep_pile_write_base(const sweep_solved *s, FILE *out)

@@ -13,7 +13,6 @@
 #include "core/table.h"
 #include "sweeps/driver/box.h"
 #include "stats/stats.h"
-#include "angle/angle.h"
 
 static const long QUIET_STEPS = 200;
 
@@ -73,7 +72,7 @@ typedef struct {
     gsl_rng *radii, *positions;
     size_t n;              /* rows */
     double *theta, *tower; /* degrees, d */
-    long *step, *grains;
+    double *step, *grains;
     double *work; /* room for two series */
 } flux;
 
@@ -109,9 +108,10 @@ static dem_grain grain_at(const flux *f, double x, double y, double r)
 }
 
 /* Grains from left to right, each on the floor and touching the last, while they end before W. */
-static rp_status first_layer(flux *f, dem_grain *layer)
+static rp_status first_layer(flux *f)
 {
     dem_definition *def = &f->box.scene.def;
+    dem_grain *layer = f->box.scene.grains;
     double r = draw_radius(f), x = r;
     for (def->n_grains = 0; x + r <= f->p.box.W; def->n_grains++) {
         layer[def->n_grains] = grain_at(f, x, r, r);
@@ -122,7 +122,6 @@ static rp_status first_layer(flux *f, dem_grain *layer)
     def->grains = layer;
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
-    def->grains = NULL;
     return status ? status : sweep_box_settle(&f->box, "first layer");
 }
 
@@ -163,7 +162,7 @@ static rp_status note_row(flux *f)
     if (status) return status;
     const double cell = f->p.box.W / round(f->p.box.W / f->box.d);
     double first = 0.0, others = 0.0;
-    long inside = 0;
+    double inside = 0.0;
     for (size_t i = 0; i < dem_count(f->box.sim); i++) {
         const dem_state *s = &f->box.states[i];
         if (!(s->x > 0.0 && s->x < f->p.box.W)) continue;
@@ -172,15 +171,15 @@ static rp_status note_row(flux *f)
     }
     f->tower[f->n] = fmax(first - others, 0.0) / f->box.d;
     f->theta[f->n] = sweep_degrees(slopes[2].theta);
-    f->step[f->n] = dem_step(f->box.sim);
+    f->step[f->n] = (double)dem_step(f->box.sim);
     f->grains[f->n++] = inside;
     return RP_OK;
 }
 
-static rp_status run_series(flux *f, dem_grain *layer)
+static rp_status run_series(flux *f)
 {
     bool quiet = true;
-    rp_status status = first_layer(f, layer);
+    rp_status status = first_layer(f);
     if (!status) status = note_row(f);
     while (!status && f->n < (size_t)f->p.insertions) {
         uint32_t id;
@@ -193,16 +192,16 @@ static rp_status run_series(flux *f, dem_grain *layer)
 }
 
 /* Grains that left between the insertion before row k and the row. */
-static long outflow(const flux *f, size_t k)
+static double outflow(const flux *f, size_t k)
 {
-    return k > 0 ? f->grains[k - 1] + 1 - f->grains[k] : 0;
+    return k > 0 ? f->grains[k - 1] + 1.0 - f->grains[k] : 0.0;
 }
 
 static void avalanches(const flux *f, size_t from, double *v)
 {
     double before = 0.0, after = 0.0, count = 0.0;
     for (size_t k = from + 1; k < f->n; k++) {
-        if (outflow(f, k) < f->p.avalanche) continue;
+        if (outflow(f, k) < (double)f->p.avalanche) continue;
         before += f->theta[k - 1];
         after += f->theta[k];
         count++;
@@ -238,11 +237,11 @@ static rp_status analyse(flux *f)
     if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_theta_max_draws_deg]);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {
-        grains += (double)f->grains[k];
+        grains += f->grains[k];
         tower += f->tower[k];
         v[OUT_theta_max_deg] = fmax(v[OUT_theta_max_deg], f->theta[k]);
     }
-    v[OUT_level_step] = (double)f->step[from];
+    v[OUT_level_step] = f->step[from];
     v[OUT_level_insertion] = (double)from;
     v[OUT_theta_deg] = series.mean;
     v[OUT_theta_sd_deg] = series.sd;
@@ -264,9 +263,9 @@ static rp_status write_series(const flux *f)
     rp_table_note(series.out, "v_cut", "%g cm/s", f->p.v_cut);
     rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)
-        rp_table_row(series.out, 6,
-                     (double[]){(double)f->step[k], (double)k + 1.0, (double)f->grains[k], f->theta[k],
-                                (double)outflow(f, k), f->tower[k]});
+        rp_table_row(
+            series.out, 6,
+            (double[]){f->step[k], (double)k + 1.0, f->grains[k], f->theta[k], outflow(f, k), f->tower[k]});
     return sweep_table_close(&series, RP_OK);
 }
 
@@ -282,24 +281,22 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = malloc(4 * rows * sizeof *f->theta);
-    f->step = malloc(2 * rows * sizeof *f->step);
-    dem_grain *layer = malloc(most_layer * sizeof *layer);
-    if (!status && (!f->radii || !f->positions || !f->theta || !f->step || !layer))
+    f->theta = malloc(6 * rows * sizeof *f->theta);
+    f->box.scene.grains = malloc(most_layer * sizeof *f->box.scene.grains);
+    if (!status && (!f->radii || !f->positions || !f->theta || !f->box.scene.grains))
         status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
     f->tower = f->theta + rows;
-    f->work = f->tower + rows;
+    f->step = f->tower + rows;
     f->grains = f->step + rows;
-    if (!status) status = run_series(f, layer);
-    free(layer);
-    return status;
+    f->work = f->grains + rows;
+    return status ? status : run_series(f);
 }
 
 static rp_status finish(flux *f, rp_status status)
 {
     if (f->radii) gsl_rng_free(f->radii);
     if (f->positions) gsl_rng_free(f->positions);
-    free(f->theta), free(f->step);
+    free(f->theta);
     return sweep_box_end(&f->box, status);
 }
 

@@ -2,11 +2,9 @@
  * and its forces on the base beside those of diagonal contacts alone. Replicas differ in the disks' sizes, if
  * these are unequal. Liffman, Chan & Hughes 1992. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <xxhash.h>
+#include <string.h>
 
-#include "stress/dip.h"
 #include "sweeps/driver/pile.h"
 
 #define AT(field) offsetof(sweep_pile, field)
@@ -147,27 +145,29 @@ static rp_status check(const void *params)
     return status;
 }
 
-/* Root mean square deviations of N and H from the continuum, over the largest of its; the continuum has none
- * at 60 degrees. */
-static void compare_continuum(const sweep_pile *p, const sweep_outline *h, const double x[], const double N[],
-                              const double H[], double deviation[2])
+/* Slopes of the outline, and root mean square deviations of N and H from its continuum, over the largest of
+ * its; the continuum has none at 60 degrees. */
+static void compare_continuum(const sweep_solved *s, const double x[], double *v)
 {
+    const sweep_outline *h = s->h;
     double sum[2] = {0}, most[2] = {0};
-    an_point v[5];
+    an_point corners[5];
     size_t n;
     an_profile profile;
-    deviation[0] = deviation[1] = NAN;
-    if (!(p->alpha_deg > 0) || outline(p, v, &n) || an_profile_set(&profile, v, n)) return;
+    if (!(s->p->alpha_deg > 0) || outline(s->p, corners, &n)) return;
+    v[OUT_left_deg] = v[OUT_right_deg] = atan(corners[n / 2].y / 0.5) * 180 / M_PI;
+    if (an_profile_set(&profile, corners, n)) return;
     for (size_t i = 0; i < h->k; i++) {
         const double at = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
         an_force f;
         if (an_profile_force(&profile, at, &f)) return;
-        sum[0] += (N[i] / h->B - f.N) * (N[i] / h->B - f.N);
-        sum[1] += (H[i] / h->B - f.H) * (H[i] / h->B - f.H);
+        sum[0] += (s->N[i] / h->B - f.N) * (s->N[i] / h->B - f.N);
+        sum[1] += (s->H[i] / h->B - f.H) * (s->H[i] / h->B - f.H);
         most[0] = fmax(most[0], f.N);
         most[1] = fmax(most[1], fabs(f.H));
     }
-    for (int c = 0; c < 2; c++) deviation[c] = sqrt(sum[c] / (double)h->k) / most[c];
+    v[OUT_N_continuum_rms] = sqrt(sum[0] / (double)h->k) / most[0];
+    v[OUT_H_continuum_rms] = sqrt(sum[1] / (double)h->k) / most[1];
 }
 
 static double middle_slope(const sweep_outline *h, const double x[], const double H[])
@@ -184,7 +184,7 @@ static double middle_slope(const sweep_outline *h, const double x[], const doubl
 }
 
 /* Of the contacts that are the strongest, or the weakest, of a disk: the part in a row. */
-static rp_status find_level(const statics_pile *pile, double *strongest, double *weakest)
+static rp_status find_level(const statics_pile *pile, double *v)
 {
     statics_contact *list;
     size_t n, all[2] = {0}, level[2] = {0};
@@ -197,8 +197,8 @@ static rp_status find_level(const statics_pile *pile, double *strongest, double 
         level[1] += list[i].weakest && list[i].horizontal;
     }
     free(list);
-    *strongest = (double)level[0] / (double)all[0];
-    *weakest = (double)level[1] / (double)all[1];
+    v[OUT_strongest_level] = (double)level[0] / (double)all[0];
+    v[OUT_weakest_level] = (double)level[1] / (double)all[1];
     return RP_OK;
 }
 
@@ -209,7 +209,7 @@ static rp_status base_profile(size_t k, const double x[], const double r[], cons
     stress_base base;
     rp_status status = stress_base_profile(k, x, r, N, &base);
     if (!status) *dip = stress_dip(base.N);
-    for (int i = 0; !status && profile && i < STRESS_DIP_BINS; i++) profile[i] = base.N[i];
+    if (!status && profile) memcpy(profile, base.N, sizeof base.N);
     return status == RP_NO_RESULT ? RP_OK : status;
 }
 
@@ -219,17 +219,24 @@ static rp_status compare_diagonals(sweep_solved *s, const double x[], const doub
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
+    double squares = 0, most = 0, H_most = 0, exact_most = 0, thrust = 0, exact_thrust = 0;
     for (size_t i = 0; i < k; i++) {
         exact[i] = h->exact[i].N;
         exact[k + i] = h->exact[i].H;
+        const double e = s->N[i] / exact[i] - 1, side = 2 * i + 1 > k ? 1 : 2 * i + 1 < k ? -1 : 0;
+        squares += e * e;
+        most = fmax(most, fabs(e));
+        H_most = fmax(H_most, fabs(s->H[i]));
+        exact_most = fmax(exact_most, fabs(exact[k + i]));
+        thrust += side * s->H[i];
+        exact_thrust += side * exact[k + i];
     }
-    const sweep_outline_error e = s->error = sweep_outline_compare(h, s->N, s->H);
     v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
     v[OUT_H_N_max_diagonals] = sweep_outline_friction(k, exact, exact + k);
-    v[OUT_H_ratio] = e.H_ratio;
-    v[OUT_thrust_ratio] = e.thrust_ratio;
-    v[OUT_N_error_rms] = e.N_rms;
-    v[OUT_N_error_max] = e.N_max;
+    v[OUT_H_ratio] = s->H_ratio = H_most / exact_most;
+    v[OUT_thrust_ratio] = thrust / exact_thrust;
+    v[OUT_N_error_rms] = s->N_error_rms = sqrt(squares / (double)k);
+    v[OUT_N_error_max] = s->N_error_max = most;
     v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
     return base_profile(k, x, r, exact, &v[OUT_D_diagonals], NULL);
 }
@@ -237,9 +244,7 @@ static rp_status compare_diagonals(sweep_solved *s, const double x[], const doub
 static rp_status measure(sweep_solved *s, double *v)
 {
     const size_t k = s->r.wells;
-    an_point outside[5];
-    size_t n = 0;
-    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k, deviation[2];
+    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k;
     if (!x) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     for (size_t i = 0; i < k; i++) {
         x[i] = s->h->disks[s->disk[i]].x;
@@ -247,16 +252,12 @@ static rp_status measure(sweep_solved *s, double *v)
     }
     rp_status status = s->h->exact ? compare_diagonals(s, x, r, r + k, v) : RP_OK;
     if (!status) status = base_profile(k, x, r, s->N, &v[OUT_D], &v[OUT_n_01]);
-    if (!status) status = find_level(s->pile, &v[OUT_strongest_level], &v[OUT_weakest_level]);
+    if (!status) status = find_level(s->pile, v);
     if (!status) {
         v[OUT_N_centre] = sweep_outline_centre(k, s->N);
         v[OUT_H_N_max] = sweep_outline_friction(k, s->N, s->H);
-        compare_continuum(s->p, s->h, x, s->N, s->H, deviation);
-        v[OUT_N_continuum_rms] = deviation[0];
-        v[OUT_H_continuum_rms] = deviation[1];
+        compare_continuum(s, x, v);
     }
-    if (!status && s->p->alpha_deg > 0 && !(status = outline(s->p, outside, &n)))
-        v[OUT_left_deg] = v[OUT_right_deg] = atan(outside[n / 2].y / 0.5) * 180 / M_PI;
     free(x);
     return status;
 }
@@ -268,7 +269,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     statics_definition def = define(p, h);
     def.watch = watch;
     def.context = context;
-    *s = (sweep_solved){.p = p, .h = h, .error = {NAN, NAN, NAN, NAN}};
+    *s = (sweep_solved){.p = p, .h = h, .N_error_rms = NAN, .N_error_max = NAN, .H_ratio = NAN};
     sweep_result_clear(results);
     results->values[OUT_n_disks] = (double)h->n;
     rp_status status = statics_create(&def, &s->pile);

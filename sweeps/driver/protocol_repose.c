@@ -3,14 +3,11 @@
  * parameter here, with its meaning in the schema. */
 #include <assert.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "core/table.h"
 #include "sweeps/driver/box.h"
-#include "angle/angle.h"
 
 enum { FILL_DROP, FILL_RAMP, FILL_AUTO };
 enum { STOP_REST, STOP_STEPS };

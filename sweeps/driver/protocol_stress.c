@@ -4,16 +4,13 @@
  * tilt at which a copy of the same pile moves. Traced, the run leaves the coarse-grained stress at each tilt.
  */
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "core/table.h"
 #include "sweeps/driver/box.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-#include "angle/angle.h"
 
 typedef struct {
     sweep_box box;

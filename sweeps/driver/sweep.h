@@ -20,6 +20,7 @@
 #ifndef SWEEP_SWEEP_H
 #define SWEEP_SWEEP_H
 
+#include <libconfig.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -29,7 +30,7 @@
 /* Every protocol of the program, ended by NULL. */
 extern const sweep_protocol *const sweep_protocols[];
 
-enum { SWEEP_MAX_WORDS = 32 };
+enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
@@ -68,7 +69,8 @@ typedef struct {
 
 /* A table that `repose COMMAND` prints. */
 typedef struct {
-    char *name, *command;
+    char name[64];
+    const char *command; /* in the recipe's config */
 } sweep_table;
 
 /* What a sweep's file says of its tables. */
@@ -77,10 +79,11 @@ typedef struct {
     bool has_runs; /* false: tables alone */
     size_t study;  /* replicas of the larger ensemble; 0: as many as else */
     size_t n_tables;
-    sweep_table *tables;
+    sweep_table tables[SWEEP_MAX_TABLES];
+    config_t config;
 } sweep_recipe;
 
-/* Read a recipe. Afterwards sweep_recipe_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+/* Read a recipe. Afterwards sweep_recipe_free, also after an error. Errors: RP_BAD_INPUT. */
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe);
 void sweep_recipe_free(sweep_recipe *recipe);
 

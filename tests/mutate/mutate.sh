@@ -2,7 +2,7 @@
 # Do the tests see a changed sign, factor, index or comparison? Each mutant that mutants.c lists is compiled in a
 # copy of the tree, and the suites nearest to its file run until one fails; running for ever is a failure too.
 #
-#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS    from the top of the tree, with BUILD/mutants there; writes
+#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS    from the top of the tree; writes
 #                                                  BUILD/tables/mutate.tsv, a row a mutant, and
 #                                                  mutate_summary.tsv, a row a file
 #
@@ -87,6 +87,7 @@ if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     mkdir -p "$work/tree" "$build/tables"
     cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
 fi
+${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
 "$build/mutants" validation/mutants.txt $files >"$work/list"
 
 make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN='-O1 -w' >/dev/null

@@ -1,0 +1,417 @@
+/* Targets of the fuzzer; see targets.h. The environment variable FUZZ names the target of a libFuzzer build.
+ */
+#include "tests/fuzz/targets.h"
+
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdint.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "core/config.h"
+#include "dem/scene.h"
+#include "dem/sim.h"
+
+/* The program's own main, as a function. */
+int repose_main(int argc, char **argv);
+#define main repose_main
+#include "cli/main.c"
+#undef main
+
+static char folder[64];
+static int begin = -1; /* the folder before */
+
+static void demand(bool right, const char *promise)
+{
+    if (right) return;
+    fprintf(stderr, "fuzz: %s: %s\n", promise, rp_message());
+    abort();
+}
+
+static void put(const char *name, size_t n, const char text[])
+{
+    const int file = open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    demand(file >= 0 && write(file, text, n) == (ssize_t)n, "cannot write");
+    close(file);
+}
+
+static void put_text(const char *name, const char *text)
+{
+    put(name, strlen(text), text);
+}
+
+static int run_words(int argc, char **argv)
+{
+    static char name[] = "repose";
+    argv[0] = name;
+    argv[argc] = NULL;
+    return repose_main(argc, argv);
+}
+
+/* A command line of words that a separator divides; returns its exit status. */
+static int run_line(const char *line, const char *separator)
+{
+    enum { MOST_WORDS = 40 };
+    char text[4096], *words[MOST_WORDS + 2], *save;
+    int n = 1;
+    snprintf(text, sizeof text, "%s", line);
+    for (char *word = strtok_r(text, separator, &save); word && n <= MOST_WORDS;
+         word = strtok_r(NULL, separator, &save))
+        words[n++] = word;
+    return run_words(n, words);
+}
+
+/* ---- scenes ---- */
+
+/* What is written reads back. Scenes of a few grains run for some steps. */
+static void use_scene(dem_scene *scene)
+{
+    dem_scene again;
+    dem_sim *sim = NULL;
+    FILE *out = fopen("written.cfg", "w");
+    demand(out, "cannot write");
+    dem_scene_write(scene, out);
+    fclose(out);
+    demand(dem_scene_read("written.cfg", NULL, &again) == RP_OK, "a written scene is refused");
+    dem_scene_free(&again);
+    const bool small = scene->has_fill ? scene->fill.N <= 30 : scene->def.n_grains <= 30;
+    scene->def.implicit.max_iterations = 20;
+    if (small && dem_scene_start(scene, &sim) == RP_OK) (void)!dem_run(sim, 5);
+    dem_free(sim);
+}
+
+static void read_scene(size_t n, const char text[])
+{
+    (void)n, (void)text;
+    dem_scene scene;
+    if (dem_scene_read("s.cfg", NULL, &scene) == RP_OK) use_scene(&scene);
+    dem_scene_free(&scene);
+}
+
+/* The text of --set. */
+static void read_set(size_t n, const char text[])
+{
+    dem_scene scene;
+    char *change = strndup(text, n);
+    const rp_texts changes = {1, {change}};
+    if (dem_scene_read("scene.cfg", &changes, &scene) == RP_OK) use_scene(&scene);
+    dem_scene_free(&scene);
+    free(change);
+}
+
+/* A value of any parameter: what is accepted is written, and reads back as the same. The first bytes choose.
+ */
+static void read_param(size_t n, const char text[])
+{
+    _Alignas(max_align_t) char values[4096];
+    char first[256], second[256];
+    if (n < 2 || n > 100) return;
+    const size_t group = (unsigned char)text[0] % 10;
+    const rp_param *schema = dem_scene_schemas[group].schema;
+    size_t row = (unsigned char)text[1], rows = 0;
+    if (group == 9) schema = sweep_protocols[row / 51 % 5]->schema;
+    while (schema[rows].name) rows++;
+    const rp_param *p = &schema[row % rows];
+    char *value = strndup(text + 2, n - 2);
+    rp_params_defaults(schema, values);
+    if (p->type != RP_TEXT && p->type != RP_TEXTS && rp_params_set_text(p, values, value) == RP_OK) {
+        rp_params_text(p, values, first, sizeof first);
+        demand(rp_params_set_text(p, values, first) == RP_OK, "a written value is refused");
+        demand(strcmp(rp_params_text(p, values, second, sizeof second), first) == 0, "another value is read");
+    }
+    free(value);
+}
+
+/* ---- sweeps ---- */
+
+enum { N_PROTOCOLS = 5 };
+static sweep_protocol plain[N_PROTOCOLS];
+static const sweep_protocol *listed[N_PROTOCOLS + 1];
+
+static rp_status mark(char digits[33])
+{
+    memset(digits, '0', 32);
+    digits[32] = '\0';
+    return RP_OK;
+}
+
+static size_t count(size_t n, const char text[], char c)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < n; i++) found += text[i] == c;
+    return found;
+}
+
+/* Plans of few runs only: their number is what takes the time. */
+static void read_sweep(size_t n, const char text[])
+{
+    sweep_recipe recipe;
+    sweep_counts counts;
+    (void)!sweep_recipe_read("s.cfg", &recipe);
+    sweep_recipe_free(&recipe);
+    const char *replicas = memmem(text, n, "replicas", 8);
+    if (count(n, text, ',') > 12 || count(n, text, '@') ||
+        (replicas && memmem(replicas + 8, (size_t)(text + n - replicas) - 8, "replicas", 8)))
+        return;
+    for (size_t digits = 0; replicas && replicas < text + n && *replicas != ';' && *replicas != '\n';
+         replicas++)
+        if (strchr("0123456789abcdefABCDEF", *replicas) && *replicas && ++digits > 4) return;
+    const rp_status status = sweep_prepare("s.cfg", "planned", 0, listed, NULL, &counts);
+    demand(status != RP_BROKEN && (status || counts.planned > 0), "a plan is broken");
+    unlink("planned/store.sqlite");
+}
+
+typedef struct {
+    double x;
+} toy;
+
+static const rp_param toy_schema[] = {{"x", "", RP_REAL, offsetof(toy, x), "0.25", "[-10, 10]", "x"}, {0}};
+static const sweep_output toy_outputs[] = {{"y", "", "x"}, {0}};
+
+static rp_status toy_check(const void *params)
+{
+    (void)params;
+    return RP_OK;
+}
+
+static rp_status toy_run(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
+{
+    (void)seed, (void)run, (void)tables;
+    result->values[0] = ((const toy *)params)->x;
+    strcpy(result->status, "ok");
+    return RP_OK;
+}
+
+static const sweep_protocol toy_protocol = {.name = "toy",
+                                            .about = "toy",
+                                            .schema = toy_schema,
+                                            .params_size = sizeof(toy),
+                                            .outputs = toy_outputs,
+                                            .check = toy_check,
+                                            .run = toy_run};
+static const sweep_protocol *const toys[] = {&toy_protocol, NULL};
+
+static char whole_store[1 << 17];
+static size_t store_size;
+
+static bool make_store(void)
+{
+    sweep_counts counts;
+    put_text("toy.cfg", "protocol = \"toy\"; replicas = 2; grid = { x = [0.1, 2.385]; };\n");
+    if (sweep_prepare("toy.cfg", "d", 0, toys, NULL, &counts) ||
+        sweep_run("d", toys, &(sweep_options){.workers = 1}, &counts))
+        return false;
+    FILE *in = fopen("d/store.sqlite", "r");
+    store_size = in ? fread(whole_store, 1, sizeof whole_store, in) : 0;
+    if (in) fclose(in);
+    return store_size > 0 && store_size < sizeof whole_store;
+}
+
+/* A good store with bytes changed, three numbers each: place (two bytes) and byte; the length, if the first
+ * is beyond the end. */
+static void read_store(size_t n, const char text[])
+{
+    static char bytes[sizeof whole_store];
+    char digest[33];
+    size_t size = store_size, rows;
+    sweep_counts counts;
+    memcpy(bytes, whole_store, size);
+    for (size_t i = 0; i + 2 < n && i < 60; i += 3) {
+        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
+        if (place < store_size)
+            bytes[place] = text[i + 2];
+        else if (i == 0)
+            size = (size_t)(unsigned char)text[2] * 256;
+    }
+    unlink("d/store.sqlite-journal");
+    put("d/store.sqlite", size < store_size ? size : store_size, bytes);
+    FILE *out = fopen("/dev/null", "w");
+    (void)!sweep_status("d", toys, &counts);
+    (void)!sweep_export("d", toys, false, NULL, out);
+    (void)!sweep_export("d", toys, true, NULL, out);
+    (void)!sweep_digest("d", toys, digest, &rows);
+    fclose(out);
+}
+
+/* ---- the command line ---- */
+
+static bool has(const char *text, const char *part)
+{
+    return strstr(text, part) != NULL;
+}
+
+/* Long runs, processes and files elsewhere are left out: commands that work for long, numbers of three
+ * digits. */
+static bool is_harmless(const char *line)
+{
+    int digits = 0;
+    for (const char *c = line; *c; c++) {
+        digits = *c >= '0' && *c <= '9' ? digits + 1 : 0;
+        if (digits == 3 || *c == '/' || (digits && (c[1] == 'e' || c[1] == 'E'))) return false;
+    }
+    if (has(line, "sweep\nrun") || has(line, "sweep\nmake") || strncmp(line, "bench", 5) == 0) return false;
+    return strncmp(line, "calibrate", 9) != 0 || (has(line, "--runs") && !has(line, ".cfg"));
+}
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type;
+    return ftw->level > 0 ? remove(path) : 0;
+}
+
+static bool make_files(void);
+
+static void read_line(size_t n, const char text[])
+{
+    static unsigned runs;
+    char *line = strndup(text, n);
+    if (n < 4000 && is_harmless(line)) run_line(line, "\n");
+    free(line);
+    if (++runs % 1000) return;
+    nftw(".", remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    demand(make_files(), "cannot write");
+}
+
+/* ---- the list ---- */
+
+#define TABLE(NAME, WORDS)                                                                                   \
+    {                                                                                                        \
+        NAME, {"t.tsv", NULL}, NULL, WORDS, NULL, false                                                      \
+    }
+#define TABLES(NAME, WORDS, A, B, OTHER)                                                                     \
+    {                                                                                                        \
+        NAME, {A, B}, OTHER, WORDS, NULL, false                                                              \
+    }
+
+static const char scene_text[] =
+    "dt = 1.0e-4; steps = 2; gravity = [0.0, -981.0]; tangential = { law = \"spring\"; mu = 0.2; };\n"
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+    "particles = ( { x = 0.1; y = 0.09; r = 0.1; }, { x = 0.295; y = 0.1; r = 0.1; fixed = true; } );\n";
+static const char table_text[] =
+    "# units: 1\t1\n# a\tb\tc\ts\tpile\tstatus\n1\t2\t1\t0.1\t1\tok\n2\t3.5\t1\t0.1\t2\tok\n"
+    "3\t5.25\t2\t0.1\t3\tok\n4\t7\t2\t0.2\t4\tfell\n";
+static const char claims_text[] =
+    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"
+    "forensics\tstatement\tnote\n"
+    "angle\t-\tlh\tp. 1\tlh1\tagrees\t2.10\t1\t20\t-\tmany a=1 b\t-\t-\tangle\t-\n"
+    "high\t-\tli\tp. 2\tlh1\tabove\t-\t-\t-\t-\tmany a=2 b\t0.5\t-\tabove\t-\n";
+static const char grains_text[] = "# x\ty\tm\n1\t1\t1\n1.1\t1.5\t1\n";
+
+const fuzz_target fuzz_targets[] = {
+    {"scene", {"s.cfg", "included.cfg"}, "steps = 3;\n", NULL, read_scene, true},
+    {"set", {"set.txt", NULL}, NULL, NULL, read_set, true},
+    {"param", {"param.txt", NULL}, NULL, NULL, read_param, false},
+    {"sweep", {"s.cfg", NULL}, NULL, NULL, read_sweep, false},
+    {"store", {"store.txt", NULL}, NULL, NULL, read_store, false},
+    {"line", {"line.txt", NULL}, NULL, NULL, read_line, true},
+    TABLES("claims", "claims --variants --claims c.tsv --tables .", "c.tsv", "many.tsv", table_text),
+    TABLES("report", "report in.md --claims c.tsv --tables .", "in.md", "many.tsv", table_text),
+    {"particles", {"t.tsv", NULL}, NULL, "run particles.cfg", NULL, true},
+    {"bench", {"t.tsv", NULL}, NULL, "bench --start t.tsv --steps 2 --repeat 1", NULL, true},
+    TABLE("pile_disks", "pile --disks t.tsv"),
+    TABLE("pile_outline", "pile --base 7 --outline t.tsv"),
+    TABLE("angle_slope", "angle slope t.tsv --width 4"),
+    TABLE("angle_phi", "angle phi t.tsv --bootstrap 5"),
+    TABLE("angle_compare", "angle compare t.tsv --bootstrap 5"),
+    TABLE("stress_dip", "stress dip t.tsv --resamples 9 --profile"),
+    TABLE("stress_critical", "stress critical t.tsv --bootstrap 5"),
+    TABLES("stress_field", "stress field t --width 4", "t_contacts.tsv", "t_grains.tsv", grains_text),
+    TABLES("stress_base", "stress base t --width 4", "t_contacts.tsv", "t_grains.tsv", grains_text),
+    TABLE("stats_select", "stats select t.tsv --columns a,b --where a>1.5 --where c!=x"),
+    TABLE("stats_fit", "stats fit t.tsv -x a -y b --se s --scale log --successive"),
+    TABLE("stats_trend", "stats trend t.tsv -x a -y b --by c --pair"),
+    TABLE("stats_size", "stats size t.tsv -x a -y b --by c"),
+    TABLE("stats_maximum", "stats maximum t.tsv --column b --draws 3 --bootstrap 5"),
+    TABLE("stats_threshold", "stats threshold t.tsv -x a --by c --most b"),
+    TABLE("stats_cost", "stats cost t.tsv -y b --by a --size c"),
+    TABLE("calibrate", "calibrate --runs t.tsv --theta-r-deg 20 --error-deg 1 --bootstrap 3"),
+    TABLE("calibrate_verify", "calibrate --runs t.tsv --verify 3 --planted hold-out --bootstrap 2"),
+    TABLES("forensics", "forensics t.tsv --factors slip,shape --claims f.tsv --draws 20", "t.tsv", "f.tsv",
+           claims_text),
+    {NULL, {NULL, NULL}, NULL, NULL, NULL, false}};
+
+static bool make_files(void)
+{
+    put_text("scene.cfg", scene_text);
+    put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2;\n");
+    put_text("sweep.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 3; };\n");
+    put_text("t.tsv", table_text);
+    put_text("many.tsv", table_text);
+    put_text("c.tsv", claims_text);
+    put_text("in.md", "{{value many a=1 b}} {{verdict high}}\n{{claims lh1}}\n");
+    return true;
+}
+
+bool fuzz_enter(void)
+{
+    const char *parent = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%.40s/repose_fuzz_XXXXXX", parent ? parent : "/tmp");
+    begin = open(".", O_RDONLY | O_CLOEXEC);
+    if (begin < 0 || !mkdtemp(folder) || chdir(folder) != 0) return false;
+    for (size_t i = 0; i < N_PROTOCOLS && sweep_protocols[i]; i++) {
+        plain[i] = *sweep_protocols[i];
+        plain[i].fingerprint = mark;
+        listed[i] = &plain[i];
+    }
+    return make_files() && make_store();
+}
+
+void fuzz_leave(void)
+{
+    nftw(".", remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    (void)!fchdir(begin);
+    rmdir(folder);
+    close(begin);
+}
+
+void fuzz_run(const fuzz_target *target, size_t n, const char bytes[])
+{
+    const char *zero = target->files[1] ? memchr(bytes, 0, n) : NULL;
+    const size_t first = zero ? (size_t)(zero - bytes) : n;
+    /* nothing outside the folder */
+    if (memmem(bytes, n, "/dev", 4) || memmem(bytes, n, "/proc", 5)) return;
+    put(target->files[0], first, bytes);
+    if (zero)
+        put(target->files[1], n - first - 1, zero + 1);
+    else if (target->files[1])
+        put_text(target->files[1], target->other);
+    if (target->act) {
+        target->act(n, bytes);
+        return;
+    }
+    const int status = run_line(target->words, " ");
+    demand(status != RP_BROKEN || target->simulates, "exit status 70");
+}
+
+/* ---- libFuzzer ---- */
+
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* libconfig 1.5 loses the text that it is reading where a file breaks off. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void)
+{
+    return "leak:libconfig.so\n";
+}
+
+static const fuzz_target *chosen;
+
+int LLVMFuzzerInitialize(int *argc, char ***argv)
+{
+    (void)argc, (void)argv;
+    const char *name = getenv("FUZZ");
+    for (chosen = fuzz_targets; chosen->name && name; chosen++)
+        if (strcmp(chosen->name, name) == 0) break;
+    demand(name && chosen->name, "FUZZ=target expected");
+    demand(fuzz_enter(), "cannot make the folder");
+    atexit(fuzz_leave);
+    return 0;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_run(chosen, size, (const char *)data);
+    return 0;
+}
