@@ -365,9 +365,7 @@ static void test_deadly_run(void)
     sweep_counts c = {0};
     shared->as = ENDS_DRIVER;
     shared->times = 99;
-    shared->pace =
-        20000; /* rows are stored in groups: a drive of less than a quarter of a second leaves none */
-    for (int drives = 0; drives < 12 && c.stored < RUNS - 1; drives++) {
+    for (int drives = 0; drives < 25 && c.stored < RUNS - 1; drives++) {
         CU_ASSERT(end_of(start_driver((sweep_options){.workers = 1})) == 128 + SIGKILL);
         CHECK_OK(sweep_status(dir, protocols, &c));
     }

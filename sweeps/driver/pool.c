@@ -41,6 +41,7 @@ typedef struct {
     size_t *todo;
     unsigned char *tries;
     size_t n_todo, next, waiting, finished;
+    bool careful; /* after a drive that failed, each row is committed by itself */
     const sweep_options *options;
     sweep_progress progress;
     double start, last_tick;
@@ -134,6 +135,7 @@ static rp_status hand_out(pool *p, worker *w)
 static rp_status store_row(pool *p, const sweep_row *row)
 {
     rp_status status = sweep_store_insert(p->store, p->plan, row);
+    if (!status && p->careful) status = sweep_store_commit(p->store);
     if (status) return status;
     p->finished++;
     p->progress.stored++;
@@ -291,13 +293,14 @@ static rp_status run_all(pool *p)
 
 /* Where the queue starts. After a drive that failed it is elsewhere, so that one run that always ends the
  * drive does not keep the others from being made: the lock file counts drives without an orderly end. */
-static size_t begin_drive(int lock, size_t n)
+static void begin_drive(pool *p, int lock)
 {
     unsigned char failed = 0;
     if (pread(lock, &failed, 1, 0) < 1) failed = 0;
     const unsigned char next = (unsigned char)(failed + 1);
-    if (pwrite(lock, &next, 1, 0) < 1) return 0; /* as on a full disk: in order */
-    return (size_t)(fmod(0.618 * failed, 1.0) * (double)n);
+    p->careful = failed > 0;
+    if (pwrite(lock, &next, 1, 0) == 1) /* else, as on a full disk, in order */
+        p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
 }
 
 static void end_drive(int lock, rp_status status)
@@ -313,10 +316,10 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *tod
               .todo = todo,
               .n_todo = n,
               .waiting = n,
-              .next = begin_drive(lock, n),
               .options = options,
               .start = rp_clock()};
     p.last_tick = p.start;
+    begin_drive(&p, lock);
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
     sigset_t stops, before;
