@@ -329,7 +329,7 @@ enum { N_COLUMNS = 11 };
 sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "INSERT OR IGNORE INTO main.runs (");
+    sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
     sweep_store_columns(sql, protocol);
     sqlite3_str_appendall(sql, ") VALUES (?");
     for (size_t n = N_COLUMNS + count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
