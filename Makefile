@@ -60,8 +60,7 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 
 # The commit is part of every table's provenance: rebuild that one file when it changes.
 $(B)/commit: FORCE
-	@mkdir -p $(@D)
-	@c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
@@ -95,14 +94,12 @@ lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is e
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@$(MAKE) --no-print-directory lint asan
-	@echo "check   plain"
-	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
+	@echo "check   plain" && REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  $(B)/asan/check $(B)/asan/repose
-	@echo "check   with sanitizers"
-	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
+	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'

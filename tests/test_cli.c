@@ -37,10 +37,10 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",   "--study ",      "--where ",    "--bare ",      "--set ",     "--reduce ",  "--base ",
-    "--pair ",   "--successive ", "-o ",         "--runs ",      "--missing ", "--outline ", "--disks ",
-    "--linear ", "--set-again ",  "--summary ",  "--threshold ", "--map ",     "--ledger ",  "--profile ",
-    "--shard ",  "--start ",      "--variants ", "--published ", NULL};
+    "--help ",   "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
+    "--pair ",   "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
+    "--linear ", "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--profile ",
+    "--shard ",  "--resume ",     "--start ",   "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1481,6 +1481,12 @@ static void test_run_stopped(void)
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
     CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    /* neither a run that can go on nor that of another process is thrown away */
+    CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
+    FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");
+    CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
+    CU_ASSERT(shell("flock d/unfinished \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
+              strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d");
     CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
     leave();

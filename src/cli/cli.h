@@ -91,17 +91,6 @@ bool cli_given(const char *name);
  * for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts);
 
-/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first. A whole
- * result moves into the directory, in place of what is there; any other one stays, and the message of `run`,
- * which is returned, names its folder. Errors: RP_IO, RP_BAD_INPUT. */
-rp_status cli_stage_open(const char *directory, char stage[4096]);
-rp_status cli_stage_close(const char *directory, const char *stage, rp_status run);
-
-/* SIGINT, SIGTERM and SIGHUP call `handler`, or end this process with RP_STOPPED and a message that names the
- * stage. */
-void cli_on_stop(void (*handler)(int));
-void cli_stage_stops(const char *stage);
-
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 
@@ -110,6 +99,9 @@ const sweep_watch *cli_watch(void);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
+
+/* Another one, that started what this process continues. */
+void cli_command_line_set(const char *text);
 
 /* Zeroed memory for n objects, a generator of resamples, a table: all freed after the command, and those
  * since a mark by cli_release. Without memory the program ends. */

@@ -21,6 +21,11 @@ const char *cli_command_line(void)
     return command_line;
 }
 
+void cli_command_line_set(const char *text)
+{
+    snprintf(command_line, sizeof command_line, "%s", text);
+}
+
 static void print_overview(FILE *out)
 {
     fprintf(out,

@@ -353,7 +353,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
         status = p->threshold ? sweep_pile_threshold(p, &h, results)
                               : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
     if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
-    if (!status && tables && s.pile) status = sweep_pile_write(&s, tables);
+    if (!status && tables && tables->directory && s.pile) status = sweep_pile_write(&s, tables);
     sweep_solved_free(&s);
     sweep_outline_free(&h);
     return status;
