@@ -40,7 +40,7 @@ static const char *const without_default[] = {
     "--help ",   "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
     "--pair ",   "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
     "--linear ", "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--profile ",
-    "--shard ",  "--resume ",     "--start ",   "--variants ",  "--published ", NULL};
+    "--resume ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {

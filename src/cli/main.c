@@ -124,7 +124,7 @@ int main(int argc, char **argv)
         return finish("", RP_OK);
     }
     if (strcmp(argv[1], "--version") == 0) {
-        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit());
+        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)

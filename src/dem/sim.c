@@ -272,13 +272,10 @@ dem_fault dem_sim_fault(const dem_sim *sim)
 
 const char *dem_fault_text(dem_fault fault)
 {
-    switch (fault) {
-#define X(name, text)                                                                                        \
-    case name: return text;
-        DEM_FAULT_LIST(X)
+#define X(name, text) [name] = text,
+    static const char *const texts[] = {DEM_FAULT_LIST(X)};
 #undef X
-    }
-    return "unknown";
+    return texts[fault];
 }
 
 long dem_step(const dem_sim *sim)

@@ -82,6 +82,14 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
+/* Has grain i at x moved beyond its margin, so that the neighbour list may lack a pair of it? True for NaN.
+ */
+static inline bool dem_beyond_margin(const dem_sim *sim, size_t i, dem_vec x)
+{
+    const dem_vec moved = x - sim->grains.listed_x[i];
+    return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
+}
+
 /* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
  * wall, whose slot is NULL of a pair. */
 #define DEM_NOBODY SIZE_MAX

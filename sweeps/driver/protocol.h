@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "core/params.h"
-#include "stress/dip.h"
+#include "stress/stress.h"
 
 enum { SWEEP_MAX_OUTPUTS = 64 };
 

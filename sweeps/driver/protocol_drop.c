@@ -24,7 +24,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"

@@ -275,7 +275,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
-    sweep_conclude(results, statics_fault_text(s->r.fault), "%s", status ? rp_message() : "");
+    sweep_conclude(results, statics_fault_texts[s->r.fault], "%s", status ? rp_message() : "");
     double *v = results->values;
     v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
     v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
@@ -328,7 +328,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         rp_status status = is_stable(p, h, eps, &stable, &r);
         if (status == RP_NO_RESULT) {
             rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
-            return sweep_conclude(results, statics_fault_text(r.fault), "%s", rp_message());
+            return sweep_conclude(results, statics_fault_texts[r.fault], "%s", rp_message());
         }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;

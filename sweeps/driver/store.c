@@ -363,8 +363,8 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
     char key[33], program[256], parameters[8192];
     const sweep_stream stream = sweep_plan_stream(plan, row->run);
     sweep_plan_key(plan, row->run, key);
-    snprintf(program, sizeof program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit(),
-             rp_build_compiler());
+    snprintf(program, sizeof program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
+             rp_build_compiler);
     const record r = {
         .key = key,
         .status = row->result.status,
