@@ -347,13 +347,12 @@ static void mutate_line(void)
     const char *code = at_line.code;
     at_line.is_loop = strstr(code, "for (") != NULL;
     const bool declares = matches(DECLARES, code, NULL);
-    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there, then indices */
+    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there */
     if (at_line.is_figure || at_line.is_result) mutate_text();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
         regmatch_t m;
-        for (size_t from = changes[i].change == change_index ? declared : 0;
-             matches(changes[i].pattern, code + from, &m);) {
+        for (size_t from = declared; matches(changes[i].pattern, code + from, &m);) {
             const size_t len = (size_t)(m.rm_eo - m.rm_so);
             from += (size_t)m.rm_so;
             changes[i].change(from, len);
