@@ -104,7 +104,7 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
