@@ -196,6 +196,8 @@ static void test_bad_values(void)
         {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
         {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
         {65, "x/B = 1.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 0.1,1.5"},
+        {65, "x/B = -0.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at -0.5,0.1"},
+        {65, "x/B = 1.25: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 1.25,0.1"},
         {65, "--points = 1: out of range", "continuum --alpha-deg 30 --points 1"},
         {65, "--x1 = 0.5: out of range, allowed: (0, 0.5)", "tent --outer-deg 30 --inner-deg 45 --x1 0.5"},
         {65, "--layers = 0: out of range", "lattice --layers 0"},

@@ -250,6 +250,27 @@ static void test_scene(void)
     leave();
 }
 
+/* Units stand above the names, 1 where there is none. */
+static void test_units(void)
+{
+    static const struct {
+        const char *table, *units;
+    } lists[] = {{"d/states.tsv", "1\ts\t1\tcm\tcm\trad\tcm/s\tcm/s\trad/s\tdyn\tdyn\tcm\tg\t1"},
+                 {"d/contacts.tsv", "1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
+                 {"d/walls.tsv", "1\tdyn\tdyn"},
+                 {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};
+    enter();
+    write_scene("");
+    GOOD("run scene.cfg -o d");
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+        rp_table t = read_table(lists[i].table);
+        const char *units = rp_table_find_note(&t, "units");
+        CU_ASSERT(units && strcmp(units, lists[i].units) == 0);
+        rp_table_free(&t);
+    }
+    leave();
+}
+
 /* ---- the ledger ---- */
 
 /* Gravity turns, a wall rises, a grain leaves, wells break, collisions are hard, and every contact damps: no
@@ -669,6 +690,7 @@ static void test_compare(void)
 void suite_tables(void)
 {
     static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
+                                       {"units", test_units},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},
                                        {"runs and points of a sweep", test_sweep},

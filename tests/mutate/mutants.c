@@ -110,6 +110,11 @@ static void change_operator(size_t from, size_t len)
                                            {"<", ">=", "comparison"},  {">", "<=", "comparison"},
                                            {"==", "!=", "comparison"}, {"&&", "||", "comparison"}};
     const char *word = at_line.code + from + 1;
+    size_t before = from; /* a size of memory, as in `sizeof text - used`, is no number of the model */
+    while (before > 0 &&
+           (isalnum((unsigned char)at_line.code[before - 1]) || strchr("_.>-*", at_line.code[before - 1])))
+        before--;
+    if (before >= 7 && strncmp(at_line.code + before - 7, "sizeof ", 7) == 0) return;
     if (at_line.is_loop && strchr("<>", *word)) return; /* past the end is what the sanitizers are for */
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         for (size_t k = 0; k < 2; k++)
