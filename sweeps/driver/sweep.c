@@ -219,11 +219,12 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     counts->planned = planned;
     counts->stored = planned - n;
     if (!status && n > 0 && own.snapshots) status = rp_make_directory(snapshots);
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, &own, counts);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status && whole) rmdir(snapshots);                  /* unless some are left, of runs that crashed */
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
+    if (!status) status = sweep_check_aborted(counts);
     free(todo);
     sweep_folder_close(&f);
     return status;
