@@ -652,7 +652,7 @@ static void goes_on(const sweep_protocol *protocol, const setting *settings, dou
         CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, s->name), params, s->value));
     sweep_result whole, parts;
     CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
-    const int runs = run_killed(protocol, params, check_fast() ? 10.0 * seconds : seconds, &parts);
+    const int runs = run_killed(protocol, params, check_fast() ? 5.0 * seconds : seconds, &parts);
     CU_ASSERT(runs > 2);
     CU_ASSERT_STRING_EQUAL(whole.status, word);
     CU_ASSERT_STRING_EQUAL(whole.status, parts.status);
