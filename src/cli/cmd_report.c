@@ -264,7 +264,7 @@ static rp_status fill_line(report *r, char *line)
     fclose(r->out);
     r->out = out;
     if (!status && *r->lacking)
-        fprintf(out, "No data: `%s.tsv` has not been made.\n", r->lacking);
+        fprintf(out, "No data: `%s.tsv` has not been made.", r->lacking);
     else if (!status)
         fputs(text, out);
     free(text);
