@@ -688,6 +688,40 @@ static void test_compare(void)
     leave();
 }
 
+/* Closed-form models: the outline of a tent of 30 and 45 degrees, the triangle by (42) and (44). */
+static void test_models(void)
+{
+    static const double x[] = {0.1, 0.4, 0.8};
+    const double steep = tan(M_PI / 4.0), flat = tan(M_PI / 6.0);
+    const double height[] = {0.1 * flat, 0.3 * flat + 0.1 * steep, 0.2 * flat};
+    enter();
+    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --at 0.1,0.4,0.8");
+    checked tent = checked_read("out");
+    CU_ASSERT_FATAL(tent.t.n_rows == 3);
+    for (size_t i = 0; i < 3; i++) {
+        CHECK_NEAR(at(&tent, i, "x/B"), x[i], 0.0);
+        CHECK_NEAR(at(&tent, i, "y/B"), height[i], 1e-14);
+        CU_ASSERT(at(&tent, i, "N/(chi*g*B)") > 0.0 && at(&tent, i, "N/(chi*g*B)") < height[1]);
+        CU_ASSERT((at(&tent, i, "H/(chi*g*B)") > 0.0) == (x[i] > 0.5));
+    }
+    checked_end(&tent);
+    GOOD("lattice --layers 5");
+    checked lattice = checked_read("out");
+    CU_ASSERT_FATAL(lattice.t.n_rows == 5);
+    const double width = at(&lattice, 0, "N/mg") / at(&lattice, 0, "N/(chi*g*B)");
+    for (size_t i = 0; i < 5; i++) {
+        const double N = 3.0, H = ((double)i - 2.0) / sqrt(3.0);
+        CHECK_NEAR(at(&lattice, i, "i"), (double)i + 1.0, 0.0);
+        CHECK_NEAR(at(&lattice, i, "N/mg"), N, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "H/mg"), H, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "N/(chi*g*B)"), N / width, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "H/(chi*g*B)"), H / width, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "x/B"), 0.5 + ((double)i - 2.0) / width, 1e-13);
+    }
+    checked_end(&lattice);
+    leave();
+}
+
 /* Columns by their names, against the members of the same name. */
 typedef struct {
     const char *column;
@@ -821,6 +855,7 @@ void suite_tables(void)
                                        {"forensics", test_forensics},
                                        {"angle compare", test_compare},
                                        {"stats trend, size, fit", test_fits},
+                                       {"tent, lattice", test_models},
                                        {0}};
     check_register("tables", cases);
 }
