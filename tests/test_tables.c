@@ -476,6 +476,10 @@ static void test_sweep(void)
         if (row % 5) continue; /* three of them */
         GOOD("run s.cfg --row %zu -o again", row);
         rp_table again = read_table("out");
+        const char *const own = rp_table_find_note(&again, "units");
+        const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");
+        CU_ASSERT(own && strlen(own) == length + 2 &&
+                  strncmp(own, units + 12, length) == 0); /* and the status */
         for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++) {
             at(&runs, row, o->name);
             CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs.t, row, o->name));
