@@ -65,6 +65,8 @@ typedef struct {
     double patience;     /* s without progress after which a worker is replaced; 0: a minute */
     /* One line on a run that failed, when it does; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
+    double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
+    const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
 /* A table that `repose COMMAND` prints. */
