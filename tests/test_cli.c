@@ -1418,6 +1418,34 @@ static void test_row_again(void)
     leave();
 }
 
+/* An endless run and a large one end at their limits: the others are made, and no digest or table hides it.
+ */
+static void test_limits(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
+                        "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+                        "grid = { relax_steps = [100, 1000000000]; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    CU_ASSERT(run("sweep run d -j 2 --time 0.5") == 1 &&
+              strstr(err, "1 of 2 runs are aborted: 1 time_limit; run again"));
+    CU_ASSERT(strstr(err, "run 1 (relax_steps = 1000000000): ended after ") != NULL);
+    CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
+    CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
+    FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "1 time_limit"));
+    CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
+    CU_ASSERT(shell("! ls t | grep -q .") == 0);
+    write_text("p.cfg", "protocol = \"pile\"; replicas = 1; fixed = { disorder = 1.0e-3; well = 1.0; };\n"
+                        "grid = { base = [12, 700]; };\n");
+    GOOD("sweep plan p.cfg -o p");
+    if (!check_fast()) { /* a sanitizer takes terabytes of addresses */
+        CU_ASSERT(run("sweep run p --mem 40") == 1 && strstr(err, "1 of 2 runs are aborted: 1 no_memory"));
+        CU_ASSERT(strstr(err, "run 1 (base = 700): pile of 245350 disks: out of memory; no_memory") != NULL);
+    }
+    leave();
+}
+
 /* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
@@ -1532,6 +1560,7 @@ void suite_cli(void)
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

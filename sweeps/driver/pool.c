@@ -385,15 +385,23 @@ static bool is_aborted(const char *status)
     return strstr(SWEEP_MACHINE, quoted) != NULL;
 }
 
+size_t sweep_count_aborted(const sweep_counts *counts)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < counts->n_words; i++)
+        if (is_aborted(counts->words[i].status)) n += counts->words[i].runs;
+    return n;
+}
+
 rp_status sweep_check_aborted(const sweep_counts *counts)
 {
+    const size_t n = sweep_count_aborted(counts);
     char text[128] = "";
-    size_t used = 0, n = 0;
+    size_t used = 0;
     for (size_t i = 0; i < counts->n_words; i++) {
         if (!is_aborted(counts->words[i].status)) continue;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", n ? ", " : "",
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", used ? ", " : "",
                                  counts->words[i].runs, counts->words[i].status);
-        n += counts->words[i].runs;
     }
     return n == 0 ? RP_OK
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs are aborted: %s; run again to try them again", n,

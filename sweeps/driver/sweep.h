@@ -120,7 +120,8 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
  * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
 
-/* Errors: RP_NO_RESULT while there are runs that the machine or a limit ended. */
+/* Runs that the machine or a limit ended. Errors: RP_NO_RESULT while there is one. */
+size_t sweep_count_aborted(const sweep_counts *counts);
 rp_status sweep_check_aborted(const sweep_counts *counts);
 
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
