@@ -65,7 +65,7 @@ $(B)/commit: FORCE
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
-	'-DRP_FLAGS="$(filter -std=% -O% -f%,$(CFLAGS))"'
+	'-DRP_FLAGS="$(filter -std=% -O% -f% -m%,$(CFLAGS))"'
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
