@@ -9,15 +9,15 @@ JOBS    ?= $(shell nproc)
 CC      := gcc
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
-           -Wno-missing-field-initializers $(WERROR) $(SAN)
-CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
+           -Wno-missing-field-initializers $(if $(SAN),,-fstack-protector-strong -fPIE) $(WERROR) $(SAN)
+CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
             librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core clang-format
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
-LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm
+LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))

@@ -92,6 +92,18 @@ static void check_help(const char *command)
     free(text);
 }
 
+/* Addresses at random, tables of the linker read-only, checked copies and stacks. */
+static void test_hardened(void)
+{
+    static const char *const marks[] = {"DYN (Position-Independent", "GNU_RELRO", "BIND_NOW",
+                                        "__stack_chk_fail", "__snprintf_chk"};
+    enter();
+    CU_ASSERT_EQUAL(check_fast() ? 0 : shell("readelf -hldW --dyn-syms \"$REPOSE\" >out 2>err"), 0);
+    for (size_t i = 0; i < sizeof marks / sizeof *marks && !check_fast(); i++)
+        CU_ASSERT_PTR_NOT_NULL(strstr(out, marks[i]));
+    leave();
+}
+
 static void test_help(void)
 {
     static const char *const commands[] = {
@@ -1444,7 +1456,8 @@ static void test_scene_stopped(void)
 
 void suite_cli(void)
 {
-    static const check_case cases[] = {{"help of every command", test_help},
+    static const check_case cases[] = {{"hardened", test_hardened},
+                                       {"help of every command", test_help},
                                        {"params", test_params},
                                        {"wrong usage: 64", test_wrong_usage},
                                        {"bad values: 65", test_bad_values},
