@@ -27,6 +27,9 @@
     X(suite_ledger)                                                                                          \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
+    X(suite_helpers)                                                                                         \
+    X(suite_figures)                                                                                         \
+    X(suite_evidence)                                                                                        \
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_stress)                                                                                          \

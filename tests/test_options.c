@@ -301,8 +301,72 @@ static void test_options(void)
     leave();
 }
 
+/* ---- rows without a result ---- */
+
+/* Append to a table rows whose status is not ok, with numbers that would change any result. */
+static void add_failed(const char *name, const char *status)
+{
+    char path[256], copy[64];
+    rp_table t = read_table(name);
+    path_of(name, path);
+    FILE *file = fopen(path, "a");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    for (size_t row = 0; row < 2; row++)
+        for (size_t c = 0; c < t.n_columns; c++) {
+            const char *text = t.cells[row * t.n_columns + c];
+            if (strcmp(t.names[c], "status") == 0)
+                text = status;
+            else if (strspn(text, "0123456789.") == strlen(text) && strncmp(t.names[c], "mu", 3) != 0 &&
+                     strcmp(t.names[c], "W") != 0 && strcmp(t.names[c], "k") != 0) {
+                snprintf(copy, sizeof copy, "%g", 3.0 * strtod(text, NULL) + 7.0);
+                text = copy;
+            }
+            fprintf(file, "%s%s", text, c + 1 < t.n_columns ? "\t" : "\n");
+        }
+    fclose(file);
+    rp_table_free(&t);
+}
+
+/* No command that reads runs takes one without a result for one. stats maximum takes any column, and
+ * forensics wants a share of runs with results. */
+static void test_failed_runs(void)
+{
+    static const char *const commands[] = {
+        "angle compare runs.tsv --bootstrap 20",
+        "angle phi runs.tsv --bootstrap 20",
+        "stress dip piles.tsv --resamples 99",
+        "stress critical runs.tsv --bootstrap 20",
+        "stats trend runs.tsv -x W -y theta --by mu",
+        "stats size runs.tsv -x W -y theta --by mu",
+        "stats cost runs.tsv -y theta --by mu,W",
+        "calibrate --runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20"};
+    static const char *const statuses[] = {"not_at_rest", "no_pile",   "leaked",  "crashed",
+                                           "broken",      "not_level", "no_room", "drops_not_at_rest",
+                                           "no_response", "too_high"};
+    enum { N = sizeof commands / sizeof *commands };
+    char *before[N];
+    enter();
+    write_fixtures();
+    for (size_t i = 0; i < N; i++) before[i] = rows_of(commands[i], "", "");
+    for (size_t k = 0; k < sizeof statuses / sizeof *statuses; k++) {
+        add_failed("runs.tsv", statuses[k]);
+        add_failed("more.tsv", statuses[k]);
+        add_failed("piles.tsv", statuses[k]);
+    }
+    for (size_t i = 0; i < N; i++) {
+        char *after = rows_of(commands[i], "", "");
+        const bool same = before[i] && after && strcmp(before[i], after) == 0;
+        if (!same) fprintf(stderr, "repose %s: counts runs without a result\n", commands[i]);
+        CU_ASSERT(same);
+        free(before[i]);
+        free(after);
+    }
+    leave();
+}
+
 void suite_options(void)
 {
-    static const check_case cases[] = {{"options of commands", test_options}, {0}};
+    static const check_case cases[] = {
+        {"options of commands", test_options}, {"runs without a result", test_failed_runs}, {0}};
     check_register("options", cases);
 }

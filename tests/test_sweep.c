@@ -17,6 +17,7 @@
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
+#include "sweeps/driver/private.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
@@ -345,6 +346,58 @@ static void test_reduce(void)
     char d[33];
     size_t n;
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "1 of 16 runs are missing");
+    clean();
+}
+
+/* A result is a row whose status begins with ok; whatever else ended a run, its numbers count nowhere. */
+static void test_statuses(void)
+{
+    static const struct {
+        const char *status;
+        bool result;
+    } words[] = {{"ok", true},          {"ok_fixed_time", true}, {"not_at_rest", false},
+                 {"no_pile", false},    {"leaked", false},       {"overlap", false},
+                 {"crashed", false},    {"not_level", false},    {"no_response", false},
+                 {"not_solved", false}, {"broken", false},       {"not_ok", false}};
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+        char text[160], path[128];
+        rp_table t;
+        sweep_counts c;
+        snprintf(text, sizeof text, "UPDATE runs SET status = '%s' WHERE run = 1", words[k].status);
+        sql(text);
+        CHECK_OK(sweep_status(dir, toys, &c));
+        CU_ASSERT(c.stored == 4 && c.failed == (words[k].result ? 0 : 1));
+        export_table(true, &t, path, sizeof path);
+        CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n"), words[k].result ? "4" : "3");
+        CU_ASSERT_STRING_EQUAL(cell(&t, 0, "y_deg_n"), words[k].result ? "4" : "3");
+        CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n_failed"), words[k].result ? "0" : "1");
+        double mean = 0.0;
+        for (unsigned long i = 0; i < 4; i++)
+            if (words[k].result || i != 1)
+                mean += expected(2.385, 3, 1993, i) / (words[k].result ? 4.0 : 3.0);
+        CHECK_NEAR(strtod(cell(&t, 0, "y_deg_mean"), NULL), mean, 1e-13);
+        rp_table_free(&t);
+    }
+    clean();
+}
+
+/* A run is stored once: a second result under the same key is refused, and the first stays. */
+static void test_stored_once(void)
+{
+    sweep_folder f;
+    sweep_row row = {.run = 2, .seconds = 1.0, .result = {.status = "ok", .values = {99.0, 98.0}}};
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    const char *before = digest(4);
+    CHECK_OK(sweep_folder_open(dir, toys, true, &f));
+    CHECK_FAILS(sweep_store_insert(f.store, &f.plan, &row), RP_IO, "cannot store run 2");
+    sweep_folder_close(&f);
+    CU_ASSERT_STRING_EQUAL(digest(4), before);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE y_deg = 99") == 0);
     clean();
 }
 
@@ -750,6 +803,8 @@ void suite_sweep(void)
                                        {"shared piles", test_shared_piles},
                                        {"more replicas", test_more_replicas},
                                        {"reduce", test_reduce},
+                                       {"statuses that count", test_statuses},
+                                       {"a run is stored once", test_stored_once},
                                        {"digest: 1 and 2 workers, SIGKILL, SIGTERM", test_digest},
                                        {"progress and stop", test_stop},
                                        {"crashed workers", test_crash},

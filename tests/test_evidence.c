@@ -1,0 +1,472 @@
+/* From a table to a verdict to the words of the report: fixtures whose answers are known. And the sweeps of
+ * the papers against the settings that figures/claims.tsv states. */
+#include <ctype.h>
+#include <glob.h>
+#include <gsl/gsl_cdf.h>
+#include <libconfig.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/table.h"
+#include "sweeps/driver/protocol.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* ---- from a table to the words of the report ---- */
+
+#define CLAIMS                                                                                               \
+    "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
+    "against\tforensics\tstatement\tnote\n"
+
+/* A test, the published number, the rows of ours, the verdict and the words of the cell `ours`. Errors of 1
+ * and of 0.75 decide between one standard error and two; p_value and p_holm lie on two sides of 5 %. */
+static const struct {
+    const char *test, *published, *se, *samples, *margin, *answer, *against, *verdict, *ours;
+} answers[] = {
+    {"agrees", "20", "0", "0", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "20", "0", "0", "1.9", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
+    {"agrees", "19.4", "0", "0", "9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
+    {"agrees", "18.9", "0.9", "0", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "18.9", "0.9", "100", "9", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
+    {"same", "-", "-", "-", "9", "t k=1 a", "t k=2 a", "reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
+    {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
+    {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
+    {"below", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
+    {"below", "-", "-", "-", "-", "t k=1 a", "t k=2 a", "undecided", "21.5 ± 1.0 against 23.25 ± 0.75"},
+    {"below", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "not reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
+    {"least", "-", "-", "-", "-", "t #count", "7", "reproduced", "7 against 7"},
+    {"least", "-", "-", "-", "-", "t #count", "7.5", "not reproduced", "7 against 7.5"},
+    {"most", "-", "-", "-", "-", "t #count", "7", "reproduced", "7 against 7"},
+    {"most", "-", "-", "-", "-", "t #count", "6", "not reproduced", "7 against 6"},
+    {"equals", "20", "-", "-", "1.5", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"equals", "20", "-", "-", "1.4", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
+    {"order", "10", "-", "-", "3", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"order", "10", "-", "-", "2.2", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
+    {"order", "10", "-", "-", "1.9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
+    {"ratio", "1", "-", "-", "1", "t k=1 a", "t k=2 a", "reproduced", "0.925 ± 0.052"},
+    {"ratio", "1.2", "-", "-", "1", "t k=1 a", "t k=2 a", "not reproduced", "0.925 ± 0.052"},
+    {"ratio", "1", "-", "-", "0.1", "t k=1 a", "t k=2 a", "undecided", "0.925 ± 0.052"},
+    {"independent", "-", "-", "-", "1", "trend k=1 change", "-", "reproduced",
+     "0.10 ± 0.40 (90 %: -0.6 to 0.8)"},
+    {"independent", "-", "-", "-", "0.7", "trend k=1 change", "-", "undecided",
+     "0.10 ± 0.40 (90 %: -0.6 to 0.8)"},
+    {"independent", "-", "-", "-", "1", "trend k=2 change", "-", "undecided", "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
+    {"independent", "-", "-", "-", "1", "trend k=3 change", "-", "not reproduced",
+     "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
+    {"rises", "-", "-", "-", "1", "trend k=2 change", "-", "undecided", "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
+    {"rises", "-", "-", "-", "1", "trend k=3 change", "-", "not reproduced",
+     "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
+    {"falls", "-", "-", "-", "1", "trend k=3 change", "-", "reproduced", "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
+    {"falls", "-", "-", "-", "1", "trend k=1 change", "-", "not reproduced",
+     "0.10 ± 0.40 (90 %: -0.6 to 0.8)"},
+    {"above", "-", "-", "-", "-", "nowhere v", "0", "no data", ""},
+    {"untestable", "-", "-", "-", "-", "-", "-", "can't be tested", ""},
+    {"picture", "-", "-", "-", "-", "fig-lh1a", "-", "by eye", ""},
+    {"formula", "-", "-", "-", "-", "angle: x", "-", "reproduced", ""}};
+enum { N_ANSWERS = sizeof answers / sizeof *answers };
+
+static void write_claims(void)
+{
+    char path[256];
+    path_of("claims.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs(CLAIMS, file);
+    for (size_t i = 0; i < N_ANSWERS; i++)
+        fprintf(file, "c%zu\t-\tlh\tplace %zu\tall\t%s\t%s\t%s\t%s\t%s\t%s\t%s\t-\tstatement %zu\tnote %zu\n",
+                i, i, answers[i].test, answers[i].published, strcmp(answers[i].se, "0") ? answers[i].se : "-",
+                strcmp(answers[i].samples, "0") ? answers[i].samples : "-", answers[i].margin,
+                answers[i].answer, answers[i].against, i, i);
+    fclose(file);
+    write_text("t.tsv",
+               "# count: 7 of 8\n# k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n");
+    write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                            "1\t0.1\t0.4\t-0.6\t0.8\t0.8\t0.9\n2\t2\t1\t0.3\t3.7\t0.03\t0.06\n"
+                            "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n");
+}
+
+/* The same verdicts in the table of claims, in the scores and in the section of the report, and their counts.
+ */
+static void test_verdicts(void)
+{
+    static const char *const words[] = {"reproduced",      "not reproduced", "undecided",
+                                        "can't be tested", "by eye",         "no data"};
+    size_t counts[6] = {0};
+    char line[512], path[256], template[4096] = "";
+    enter();
+    write_claims();
+    GOOD("claims --claims claims.tsv --tables .");
+    rp_table t;
+    path_of("out", path);
+    CHECK_OK(rp_table_read_texts(path, &t));
+    CU_ASSERT_FATAL(t.n_rows == N_ANSWERS);
+    for (size_t i = 0; i < N_ANSWERS; i++) {
+        const char *verdict = word(&t, i, "verdict"), *ours = word(&t, i, "ours");
+        const bool right =
+            strcmp(verdict, answers[i].verdict) == 0 &&
+            (strcmp(ours, answers[i].ours) == 0 || (!*answers[i].ours && strcmp(ours, "-") == 0));
+        if (!right)
+            fprintf(stderr, "claim %zu, %s: %s, \"%s\"; expected %s, \"%s\"\n", i, answers[i].test, verdict,
+                    ours, answers[i].verdict, answers[i].ours);
+        CU_ASSERT(right);
+        for (size_t k = 0; k < 6; k++) counts[k] += strcmp(answers[i].verdict, words[k]) == 0;
+        snprintf(template + strlen(template), sizeof template - strlen(template), "{{verdict c%zu}}\n", i);
+    }
+    rp_table_free(&t);
+    write_text("in.md", "{{scores lh}}\n{{claims all}}\n{{counts lh}}\n%s", template);
+    GOOD("report in.md --tables . --claims claims.tsv");
+    for (size_t i = 0; i < N_ANSWERS; i++) {
+        snprintf(line, sizeof line, "\n| c%zu | place %zu | statement %zu | ", i, i, i);
+        const char *score = strstr(out, line);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(score);
+        snprintf(line, sizeof line, "| %s |\n", answers[i].verdict);
+        const char *verdict = strstr(score, line);
+        CU_ASSERT(verdict && verdict < strchr(score + 1, '\n'));
+        snprintf(line, sizeof line, "\n| c%zu | statement %zu", i, i);
+        const char *row = strstr(out, line);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+        snprintf(line, sizeof line, "| %s", answers[i].verdict);
+        verdict = strstr(row, line);
+        CU_ASSERT(verdict && verdict < strchr(row + 1, '\n'));
+        if (*answers[i].ours) {
+            const char *ours = strstr(row, answers[i].ours);
+            CU_ASSERT(ours && ours < strchr(row + 1, '\n'));
+        }
+    }
+    *line = '\0';
+    for (size_t k = 0; k < 6; k++)
+        snprintf(line + strlen(line), sizeof line - strlen(line), "%s%zu %s", k ? ", " : "", counts[k],
+                 words[k]);
+    const char *rest = strstr(out, line);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(rest);
+    for (size_t i = 0; i < N_ANSWERS; i++) { /* one line each, that begins with the verdict */
+        rest = strchr(rest, '\n') + 1;
+        CU_ASSERT(strncmp(rest, answers[i].verdict, strlen(answers[i].verdict)) == 0);
+    }
+    leave();
+}
+
+/* ---- Holm ---- */
+
+/* Of k tests in order of their p: p times k, k - 1, ..., at least that of the test before, at most 1. */
+static double holm(size_t n, const double p[], size_t i)
+{
+    double largest = 0.0;
+    for (size_t j = 0; j < n; j++) {
+        size_t before = 0;
+        for (size_t k = 0; k < n; k++) before += p[k] < p[j];
+        if (p[j] <= p[i]) largest = fmax(largest, fmin(1.0, p[j] * (double)(n - before)));
+    }
+    return largest;
+}
+
+/* Four groups: a strong trend, two that alone would be significant, one without. The word follows from
+ * p_holm. */
+static void test_holm(void)
+{
+    static const double slopes[] = {1.0, 0.21, -0.2, 0.01}, scatter[] = {0.3, -0.2, -0.25, 0.15, 0.1, -0.1};
+    static const char *const tests[] = {"trend", "size"};
+    char path[256];
+    double p[4];
+    enter();
+    path_of("runs.tsv", path);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "# group\tx\ty\n");
+    for (int g = 0; g < 4; g++)
+        for (int i = 0; i < 12; i++) {
+            const double x = 1.0 + i % 3, u = g < 0 ? 1.0 / x : x;
+            fprintf(file, "%d\t%g\t%.6f\n", g, x, 5.0 + slopes[g] * u + scatter[(i * 5 + g) % 6]);
+        }
+    fclose(file);
+    for (size_t k = 0; k < 2; k++) {
+        size_t between = 0;
+        GOOD("stats %s runs.tsv -x x -y y --by group", tests[k]);
+        rp_table t = read_table("out");
+        CU_ASSERT_FATAL(t.n_rows == 4);
+        for (size_t g = 0; g < 4; g++) p[g] = cell(&t, g, "p_value");
+        for (size_t g = 0; g < 4; g++) {
+            const double corrected = cell(&t, g, "p_holm");
+            CHECK_NEAR(corrected, holm(4, p, g), 1e-12);
+            between += p[g] < 0.05 && corrected >= 0.05;
+            if (k > 0) continue;
+            const char *status = t.cells[(g + 1) * t.n_columns - 1];
+            const bool moves = strstr(status, "rises") || strstr(status, "falls");
+            CU_ASSERT(moves == (corrected < 0.05));
+            if (moves) CU_ASSERT((strncmp(status, "rises", 5) == 0) == (cell(&t, g, "change") > 0.0));
+        }
+        if (k == 0) CU_ASSERT(between > 0); /* the plain p would have said otherwise */
+        rp_table_free(&t);
+    }
+    leave();
+}
+
+/* ---- dips and peaks ---- */
+
+/* Profiles that are flat but for the middle tenth on each side: D is that change, to 2/3. */
+static void write_profiles(double change, double scatter)
+{
+    char path[256];
+    path_of("piles.tsv", path);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "# status\tleft_deg\tright_deg");
+    for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
+    for (int i = 0; i < 20; i++) {
+        const double d = change + scatter * (i % 5 - 2);
+        fprintf(file, "\nok\t30\t30");
+        for (int k = 0; k < 20; k++) fprintf(file, "\t%.6f", k >= 8 && k < 12 ? 1.0 + d : 1.0);
+    }
+    fputc('\n', file);
+    fclose(file);
+}
+
+static void test_dips(void)
+{
+    static const struct {
+        double change, scatter;
+        const char *margin, *verdict;
+    } cases[] = {{-0.3, 0.02, "0.1", "dip"},
+                 {0.3, 0.02, "0.1", "peak"},
+                 {-0.05, 0.01, "0.2", "dip_within_margin"},
+                 {0.05, 0.01, "0.2", "peak_within_margin"},
+                 {0.0, 0.01, "0.1", "none_within_margin"},
+                 {0.0, 0.3, "0.01", "undecided"}};
+    enter();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_profiles(cases[i].change, cases[i].scatter);
+        GOOD("stress dip piles.tsv --against zero --margin %s", cases[i].margin);
+        rp_table t = read_table("out");
+        CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
+        const double D = cell(&t, 0, "D"), se = cell(&t, 0, "D_se"), tail = cell(&t, 0, "p_dip");
+        CU_ASSERT(cases[i].change == 0.0 || (D < 0.0) == (cases[i].change < 0.0));
+        CHECK_NEAR(D, cell(&t, 0, "D_raw") - cell(&t, 0, "D_reference"), 1e-12);
+        CHECK_NEAR(se, cell(&t, 0, "D_sd") / sqrt(20.0), 1e-12);
+        CHECK_NEAR(cell(&t, 0, "D_hi") - D, 2.0930240544082634 * se,
+                   1e-9); /* Student's t of 19 degrees of freedom */
+        CHECK_NEAR(D - cell(&t, 0, "D_lo"), 2.0930240544082634 * se, 1e-9);
+        CHECK_NEAR(cell(&t, 0, "p_margin"), gsl_cdf_tdist_Q((atof(cases[i].margin) - fabs(D)) / se, 19.0),
+                   1e-9);
+        CU_ASSERT(cell(&t, 0, "null_lo") < 0.0 && cell(&t, 0, "null_hi") > 0.0);
+        if (cases[i].change < -0.1) CU_ASSERT(tail < 0.001);
+        if (cases[i].change > 0.1) CU_ASSERT(tail > 0.999);
+        rp_table_free(&t);
+    }
+    leave();
+}
+
+/* ---- the inclination of the rays ---- */
+
+/* (3) with rays at phi: tan theta_MS = mu tan^2 phi. */
+static void test_rays(void)
+{
+    const double deg = M_PI / 180.0;
+    enter();
+    for (int k = 0; k < 3; k++) {
+        const double phi = 50.0 + 5.0 * k, marginal = atan(0.2 * pow(tan(phi * deg), 2.0)) / deg;
+        GOOD("angle marginal --mu 0.2 --phi-deg %g", phi);
+        rp_table t = read_table("out");
+        CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), marginal, 1e-12);
+        rp_table_free(&t);
+        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
+        t = read_table("out");
+        CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, 1e-12);
+        rp_table_free(&t);
+    }
+    leave();
+}
+
+/* ---- sweeps of the papers against the claims ---- */
+
+/* The values of a parameter in a sweep file: of the grid, fixed, or the default. */
+static size_t values_of(const config_t *config, const sweep_protocol *protocol, const char *key,
+                        double values[64])
+{
+    config_setting_t *grid = config_lookup(config, "grid"), *fixed = config_lookup(config, "fixed"),
+                     *list = NULL;
+    for (int g = 0; grid && !list && g < (config_setting_is_list(grid) ? config_setting_length(grid) : 1);
+         g++)
+        list = config_setting_get_member(
+            config_setting_is_list(grid) ? config_setting_get_elem(grid, (unsigned)g) : grid, key);
+    size_t n = 0;
+    for (int i = 0; list && i < config_setting_length(list) && n < 64; i++) {
+        config_setting_t *e = config_setting_get_elem(list, (unsigned)i);
+        values[n++] = config_setting_type(e) == CONFIG_TYPE_FLOAT ? config_setting_get_float(e)
+                                                                  : config_setting_get_int(e);
+    }
+    config_setting_t *one = fixed ? config_setting_get_member(fixed, key) : NULL;
+    if (one)
+        values[n++] = config_setting_type(one) == CONFIG_TYPE_FLOAT ? config_setting_get_float(one)
+                                                                    : config_setting_get_int(one);
+    const rp_param *p = rp_params_find(protocol->schema, key);
+    const char *fallback = p && p->fallback ? p->fallback : "";
+    if (n == 0 && *fallback)
+        values[n++] = strcmp(fallback, "auto") ? strtod(fallback, NULL) : 500.0; /* gamma_n */
+    return n;
+}
+
+static bool holds(size_t n, const double values[], double value)
+{
+    for (size_t i = 0; i < n; i++)
+        if (fabs(values[i] - value) <= 1e-9 * fabs(value)) return true;
+    return false;
+}
+
+/* The sweep file whose name is the longest beginning of the table's. */
+static bool find_sweep(const char *table, char path[256])
+{
+    static const char *const folders[] = {"lh", "li", "studies", "val"};
+    char name[128];
+    for (size_t length = strcspn(table, " "); length > 0; length--)
+        for (size_t k = 0; k < 4; k++) {
+            if (table[length] != ' ' && table[length] != '_' && table[length] != '\0') continue;
+            snprintf(name, sizeof name, "%.*s", (int)length, table);
+            snprintf(path, 256, "sweeps/%s/%s.cfg", folders[k], name);
+            FILE *in = fopen(path, "r");
+            if (in) fclose(in);
+            if (in) return true;
+        }
+    return false;
+}
+
+static const sweep_protocol *protocol_of(const config_t *config)
+{
+    const char *name = "";
+    config_lookup_string(config, "protocol", &name);
+#define X(p)                                                                                                 \
+    if (strcmp(name, #p) == 0) return &sweep_protocol_##p;
+    SWEEP_PROTOCOLS(X)
+#undef X
+    return NULL;
+}
+
+/* Every "KEY=VALUE" of the answer and "KEY = VALUE" of the statement is a value of the sweep, and "from KEY =
+ * A to B" its ends. What the claims do not say is `at`: of figure 1 the paper says otherwise. */
+static size_t check_statement(const char *id, const char *text, const config_t *config,
+                              const sweep_protocol *protocol)
+{
+    size_t checked = 0;
+    for (const char *equals = text; (equals = strchr(equals, '=')); equals++) {
+        const char *end = equals, *begin;
+        while (end > text && end[-1] == ' ') end--;
+        for (begin = end; begin > text && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'); begin--) {
+        }
+        char key[64], *after;
+        const bool wall = begin - text >= 9 && strncmp(begin - 9, "walls of ", 9) == 0;
+        snprintf(key, sizeof key, "%.*s%s", (int)(end - begin), begin, wall ? "_wall" : "");
+        const double value = strtod(equals + 1, &after);
+        const rp_param *p = rp_params_find(protocol->schema, key);
+        if (!p || p->type != RP_REAL || after == equals + 1) continue;
+        double values[64];
+        const size_t n = values_of(config, protocol, key, values);
+        bool right = holds(n, values, value);
+        double to;
+        if (begin - text >= 5 && strncmp(begin - 5, "from ", 5) == 0 && sscanf(after, " to %lf", &to) == 1)
+            right &= holds(n, values, to);
+        if (!right) fprintf(stderr, "claim %s: \"%s\": the sweep has no %s = %g\n", id, text, key, value);
+        CU_ASSERT(right);
+        checked++;
+    }
+    return checked;
+}
+
+/* What a claim of Lee & Herrmann does not say is as the header line `at` has it, but in sweeps of boxes of
+ * several sizes. */
+static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
+                     const sweep_protocol *protocol)
+{
+    const char *at = rp_table_find_note(t, "at");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    char key[64];
+    double value, values[64];
+    for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
+        static const char *const texts[] = {"answer", "statement", "note"};
+        char said[96];
+        bool mentioned = (strstr(path, "lh2") || strstr(path, "lh_grain") || strstr(path, "lh_wall")) &&
+                         (*key == 'W' || *key == 'H');
+        for (size_t k = 0; k < 3; k++) {
+            snprintf(said, sizeof said, "%s =", key);
+            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
+            snprintf(said, sizeof said, "%s=", key);
+            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
+        }
+        if (mentioned || !rp_params_find(protocol->schema, key)) continue;
+        const bool right = holds(values_of(config, protocol, key, values), values, value);
+        if (!right) fprintf(stderr, "claim %s: %s has no %s = %g\n", word(t, row, "id"), path, key, value);
+        CU_ASSERT(right);
+    }
+}
+
+static void test_settings(void)
+{
+    rp_table t;
+    size_t checked = 0;
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        static const char *const texts[] = {"answer", "statement", "note"};
+        char path[256];
+        if (strcmp(word(&t, row, "paper"), "ours") == 0 || !find_sweep(word(&t, row, "answer"), path))
+            continue;
+        config_t config;
+        config_init(&config);
+        CU_ASSERT(config_read_file(&config, path));
+        const sweep_protocol *protocol = protocol_of(&config);
+        for (size_t k = 0; k < 3 && protocol; k++)
+            checked += check_statement(word(&t, row, "id"), word(&t, row, texts[k]), &config, protocol);
+        if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0) check_at(&t, row, path, &config, protocol);
+        config_destroy(&config);
+    }
+    rp_table_free(&t);
+    CU_ASSERT(checked > 100);
+}
+
+/* A sweep file without comments, its blanks single. */
+static void squeeze(const char *path, char text[4096])
+{
+    FILE *in = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    char line[1024], *to = text;
+    while (fgets(line, sizeof line, in)) {
+        line[strcspn(line, "#\n")] = ' ';
+        for (const char *c = line; *c && *c != '\n' && to < text + 4000; c++)
+            if (*c != ' ' || (to > text && to[-1] != ' ')) *to++ = *c;
+    }
+    *to = '\0';
+    fclose(in);
+}
+
+/* The sweeps of the papers' figures stand a second time in tests/sweeps.txt: a changed width, method or
+ * number of piles is a change of both. */
+static void test_second_entry(void)
+{
+    static const char *const patterns[] = {"sweeps/lh/*.cfg", "sweeps/li/*.cfg"};
+    for (size_t k = 0; k < 2; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char text[4096], line[4300], wanted[4300];
+            squeeze(found.gl_pathv[i], text);
+            snprintf(wanted, sizeof wanted, "%s: %s\n", found.gl_pathv[i] + strlen("sweeps/"), text);
+            bool has = false;
+            FILE *in = fopen("tests/sweeps.txt", "r");
+            while (in && !has && fgets(line, sizeof line, in)) has = strcmp(line, wanted) == 0;
+            if (in) fclose(in);
+            if (!has) fprintf(stderr, "tests/sweeps.txt has not: %s", wanted);
+            CU_ASSERT(has);
+        }
+        globfree(&found);
+    }
+}
+
+void suite_evidence(void)
+{
+    static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
+                                       {"Holm's correction by groups", test_holm},
+                                       {"dips and peaks", test_dips},
+                                       {"rays at any inclination", test_rays},
+                                       {"sweeps have the claims' settings", test_settings},
+                                       {"sweeps of the papers, second entry", test_second_entry},
+                                       {0}};
+    check_register("evidence", cases);
+}

@@ -1,0 +1,449 @@
+/* Figures: what gnuplot draws from tables in which every cell has its own value, read back and compared with
+ * the columns that tests/figures.txt names. Another column, table, row, factor or shift is another number. */
+#include <ctype.h>
+#include <glob.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/table.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+enum { MOST_NAMES = 512, MOST_TABLES = 16, MOST_ROWS = 16, MOST_KEYS = 24 };
+
+/* gnuplot writes six digits. */
+#define DRAWN 2e-5
+
+/* ---- fixtures: tables of distinct numbers ---- */
+
+typedef struct {
+    char name[64]; /* "lh3.tsv" */
+    bool only;     /* no columns but the keys */
+    size_t n_rows, n_keys;
+    char keys[MOST_KEYS][48]; /* columns whose cells are given */
+    char cells[MOST_KEYS][MOST_ROWS][32];
+    char notes[256]; /* header lines */
+} fixture;
+
+static fixture fixtures[MOST_TABLES];
+static size_t n_fixtures;
+
+/* Columns of every table: all words that figures quote, and columns near to them. */
+static char names[MOST_NAMES][48];
+static size_t n_names;
+
+static size_t index_of(const char *name)
+{
+    size_t i = 0;
+    while (i < n_names && strcmp(names[i], name) != 0) i++;
+    return i;
+}
+
+static void add_name(const char *name, size_t length)
+{
+    char word[48];
+    if (length == 0 || length >= sizeof word || n_names == MOST_NAMES) return;
+    snprintf(word, sizeof word, "%.*s", (int)length, name);
+    if (index_of(word) == n_names) strcpy(names[n_names++], word);
+}
+
+static void add_names_of(const char *path)
+{
+    char line[4096];
+    FILE *in = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    while (fgets(line, sizeof line, in)) {
+        if (*line == '#') continue;
+        for (char *quote = line; (quote = strpbrk(quote, "'\"")); quote++) {
+            const size_t length = strcspn(quote + 1, "'\"");
+            const size_t word = strspn(quote + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                                  "0123456789_/()*");
+            if (word == length && isalpha((unsigned char)quote[1])) add_name(quote + 1, length);
+            if (!quote[1 + length]) break;
+            quote += 1 + length;
+        }
+    }
+    fclose(in);
+}
+
+static void collect_names(void)
+{
+    static const char *const more[] = {"theta_r1_deg_mean",
+                                       "theta_r1_deg_se",
+                                       "theta_r2_deg_mean",
+                                       "theta_r2_deg_se",
+                                       "theta_r3_deg_mean",
+                                       "theta_r3_deg_sd",
+                                       "theta_r3_deg_se",
+                                       "theta_r3_deg_lo95",
+                                       "theta_r3_deg_hi95",
+                                       "H",
+                                       "W",
+                                       "mu"};
+    static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
+    char name[48];
+    glob_t found;
+    n_names = 0;
+    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) add_names_of(found.gl_pathv[i]);
+    globfree(&found);
+    for (size_t i = 0; i < sizeof more / sizeof *more; i++) add_name(more[i], strlen(more[i]));
+    for (size_t i = 0; i < 4; i++)
+        for (int k = 0; k < 2; k++) {
+            snprintf(name, sizeof name, "theta_t_%s_%sdeg", forms[i], k ? "se_" : "");
+            add_name(name, strlen(name));
+        }
+    for (int k = 0; k < 2; k++) {
+        snprintf(name, sizeof name, "%c_diagonals/mg", "NH"[k]);
+        add_name(name, strlen(name));
+        snprintf(name, sizeof name, "%c/(chi*g*B)", "NH"[k]);
+        add_name(name, strlen(name));
+    }
+}
+
+/* The number in a cell: distinct in five digits, and within the ranges of normalised axes. */
+static double value_of(const fixture *f, const char *column, size_t row)
+{
+    for (size_t k = 0; k < f->n_keys; k++)
+        if (strcmp(f->keys[k], column) == 0) return strtod(f->cells[k][row], NULL);
+    const size_t c = index_of(column);
+    if (c == n_names || f->only) return NAN;
+    return 0.01 * (1.0 + 0.1 * (double)c + 0.013 * (double)row + 0.001 * (double)(f - fixtures));
+}
+
+static void write_fixture(const fixture *f)
+{
+    char path[256], command[400];
+    path_of(f->name, path);
+    if (strchr(f->name, '/')) {
+        snprintf(command, sizeof command, "mkdir -p \"$(dirname %s)\"; :>out; :>err", path);
+        shell(command);
+    }
+    FILE *out_file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out_file);
+    fputs(f->notes, out_file);
+    fputs("# units: 1\n#", out_file);
+    const char *tab = " ";
+    for (size_t k = 0; k < f->n_keys; k++, tab = "\t") fprintf(out_file, "%s%s", tab, f->keys[k]);
+    for (size_t c = 0; c < n_names && !f->only; c++) {
+        bool is_key = false;
+        for (size_t k = 0; k < f->n_keys; k++) is_key |= strcmp(f->keys[k], names[c]) == 0;
+        if (!is_key) fprintf(out_file, "%s%s", tab, names[c]), tab = "\t";
+    }
+    fputc('\n', out_file);
+    for (size_t row = 0; row < f->n_rows; row++) {
+        tab = "";
+        for (size_t k = 0; k < f->n_keys; k++, tab = "\t") fprintf(out_file, "%s%s", tab, f->cells[k][row]);
+        for (size_t c = 0; c < n_names && !f->only; c++) {
+            bool is_key = false;
+            for (size_t k = 0; k < f->n_keys; k++) is_key |= strcmp(f->keys[k], names[c]) == 0;
+            if (!is_key) fprintf(out_file, "%s%.6g", tab, value_of(f, names[c], row)), tab = "\t";
+        }
+        fputc('\n', out_file);
+    }
+    fclose(out_file);
+}
+
+/* "NAME [only] KEY=a,b,c ... [#NOTE=text]": a table of as many rows as the longest list. */
+static void read_fixture(char *words)
+{
+    CU_ASSERT_FATAL(n_fixtures < MOST_TABLES);
+    fixture *f = &fixtures[n_fixtures++];
+    memset(f, 0, sizeof *f);
+    f->n_rows = 1;
+    snprintf(f->name, sizeof f->name, "%s", strsep(&words, " "));
+    for (char *word_now; (word_now = strsep(&words, " "));) {
+        char *equals = strchr(word_now, '=');
+        if (strcmp(word_now, "only") == 0) f->only = true;
+        if (!equals) continue;
+        *equals = '\0';
+        if (*word_now == '#') {
+            snprintf(f->notes + strlen(f->notes), sizeof f->notes - strlen(f->notes), "# %s: %s\n",
+                     word_now + 1, equals + 1);
+            continue;
+        }
+        snprintf(f->keys[f->n_keys], sizeof f->keys[0], "%s", word_now);
+        size_t row = 0;
+        for (char *list = equals + 1, *cell_now; (cell_now = strsep(&list, ",")); row++)
+            snprintf(f->cells[f->n_keys][row], sizeof f->cells[0][0], "%s", cell_now);
+        f->n_keys++;
+        if (row > f->n_rows) f->n_rows = row;
+    }
+    for (size_t k = 0; k < f->n_keys; k++) /* a single value is that of every row */
+        for (size_t row = 1; row < f->n_rows; row++)
+            if (!*f->cells[k][row]) strcpy(f->cells[k][row], f->cells[k][row - 1]);
+}
+
+/* ---- expressions ---- */
+
+static const fixture *find_fixture(const char *name)
+{
+    for (size_t i = 0; i < n_fixtures; i++)
+        if (strncmp(fixtures[i].name, name, strlen(name)) == 0 &&
+            strcmp(fixtures[i].name + strlen(name), ".tsv") == 0)
+            return &fixtures[i];
+    fprintf(stderr, "figures.txt: no table %s\n", name);
+    CU_FAIL_FATAL("no such table");
+    return NULL;
+}
+
+static double operand(const fixture *f, size_t row, const char **text)
+{
+    if (**text != '{' && **text != 'm') return strtod(*text, (char **)text);
+    const char *open = strchr(*text, '{'), *other = strchr(*text, '@');
+    if (other && other < open) { /* of another table */
+        char name[64];
+        snprintf(name, sizeof name, "%.*s", (int)(open - other) - 1, other + 1);
+        f = find_fixture(name);
+    }
+    const size_t length = strcspn(open, "}");
+    char column[48];
+    snprintf(column, sizeof column, "%.*s", (int)length - 1, open + 1);
+    double v = **text == '{' ? value_of(f, column, row) : 0.0;
+    for (size_t r = 0; r < f->n_rows && **text != '{'; r++) {
+        const double u = value_of(f, column, r);
+        v = (*text)[1] == 'a' ? fmax(v, fabs(u)) : v + u / (double)f->n_rows;
+    }
+    *text = open + length + 1;
+    return v;
+}
+
+/* "{mu}+0.003", "{x_b}-{x}", "{N}/max{N}", "{N}/max@TABLE{N}": from left to right. */
+static double evaluate(const fixture *f, size_t row, const char *text)
+{
+    double v = operand(f, row, &text);
+    while (*text) {
+        const char sign = *text++;
+        const double next = operand(f, row, &text);
+        v = sign == '+'   ? v + next
+            : sign == '-' ? v - next
+            : sign == '*' ? v * next
+            : sign == '/' ? v / next
+                          : NAN;
+    }
+    return v;
+}
+
+/* ---- drawn data ---- */
+
+static char *drawn;
+
+/* The next line of numbers of this curve; false at its end. */
+static bool next_point(double point[6], size_t *n)
+{
+    while (drawn && *drawn && *drawn != '#' && *drawn != '\n') {
+        char *line = strsep(&drawn, "\n"), *end;
+        *n = 0;
+        bool undefined = false;
+        for (; *n < 6; (*n)++, line = end) {
+            point[*n] = strtod(line, &end);
+            if (end == line) break;
+            undefined |= isnan(point[*n]);
+        }
+        if (strchr(line, 'u') || undefined) continue; /* an undefined point */
+        return *n > 0;
+    }
+    return false;
+}
+
+/* Go to the next curve. */
+static bool next_curve(void)
+{
+    while (drawn && *drawn && strncmp(drawn, "# Curve ", 8) != 0 && strncmp(drawn, "# Surface ", 10) != 0)
+        strsep(&drawn, "\n");
+    if (!drawn || !*drawn) return false;
+    while (drawn && *drawn == '#') strsep(&drawn, "\n");
+    return true;
+}
+
+static bool near(double a, double b)
+{
+    return fabs(a - b) <= DRAWN * fmax(fabs(b), 1e-3);
+}
+
+static bool is_among(double value, const char *list)
+{
+    for (char *end; *list; list = *end ? end + 1 : end)
+        if (strtod(list, &end) == value) return true;
+    return false;
+}
+
+/* "TABLE [KEY=VALUE] EXPRESSION ...": one point a row; ~E is a bar, of y - E and y + E. */
+static bool check_curve(char *words)
+{
+    const fixture *f = find_fixture(strsep(&words, " "));
+    const char *where = NULL, *expressions[6];
+    size_t n_expressions = 0;
+    for (char *word_now; (word_now = strsep(&words, " "));)
+        if (strchr(word_now, '='))
+            where = word_now;
+        else if (n_expressions < 6)
+            expressions[n_expressions++] = word_now;
+    double point[6];
+    size_t n;
+    for (size_t row = 0; row < f->n_rows; row++) {
+        if (where) {
+            char key[48];
+            snprintf(key, sizeof key, "%.*s", (int)strcspn(where, "="), where);
+            if (!is_among(value_of(f, key, row), strchr(where, '=') + 1)) continue;
+        }
+        double expected[8];
+        size_t m = 0;
+        for (size_t k = 0; k < n_expressions; k++) {
+            const bool bar = *expressions[k] == '~';
+            const double v = evaluate(f, row, expressions[k] + bar);
+            if (bar) expected[m + 1] = expected[m - 1] + v, expected[m] = expected[m - 1] - v;
+            if (!bar) expected[m] = v;
+            m += bar ? 2 : 1;
+        }
+        bool right = next_point(point, &n) && n >= m;
+        for (size_t k = 0; k < m && right; k++) right = near(point[k], expected[k]);
+        if (!right) {
+            fprintf(stderr, "row %zu of %s: expected", row, f->name);
+            for (size_t k = 0; k < m; k++) fprintf(stderr, " %g", expected[k]);
+            fputs(", drawn", stderr);
+            for (size_t k = 0; k < n && k < 6; k++) fprintf(stderr, " %g", point[k]);
+            fputc('\n', stderr);
+            return false;
+        }
+    }
+    if (next_point(point, &n))
+        fprintf(stderr, "%s: more points than rows\n", f->name);
+    else
+        return true;
+    return false;
+}
+
+/* "A B": y = A + B x; "A B C": y = A + B/x + C. */
+static bool check_line(const char *words)
+{
+    double a = 0.0, b = 0.0, c = 0.0, point[6];
+    const int given = sscanf(words, "%lf %lf %lf", &a, &b, &c);
+    size_t n, points = 0;
+    for (; next_point(point, &n); points++) {
+        const double change = given == 3 ? b / point[0] + c : b * point[0];
+        if (fabs(point[1] - a - change) > DRAWN * (fabs(a) + fabs(change))) {
+            fprintf(stderr, "line %s: (%g, %g)\n", words, point[0], point[1]);
+            return false;
+        }
+    }
+    return points > 0;
+}
+
+/* ---- figures ---- */
+
+/* Draw a figure of gnuplot into a table. */
+static bool draw(const char *figure)
+{
+    char command[2048], tables[1024] = "";
+    for (size_t i = 0; i < n_fixtures; i++) {
+        write_fixture(&fixtures[i]);
+        snprintf(tables + strlen(tables), sizeof tables - strlen(tables), "%s%s", i ? " " : "",
+                 fixtures[i].name);
+    }
+    char path[256];
+    path_of("", path);
+    /* bars of lines are not in a table, and formats of axes would be */
+    snprintf(command, sizeof command,
+             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' figures/%s.gp >%sgp; "
+             "gnuplot -e \"T='%s'; tables='%s'; terminal='svg'; file='%snone'\" figures/style.gp "
+             "-e \"set table '%sdrawn'\" %sgp 2>%serr",
+             figure, path, path, tables, path, path, path, path);
+    const int status = shell(command);
+    if (status != 0 || *err) fprintf(stderr, "%s: gnuplot: %s\n", figure, err);
+    return status == 0 && !*err;
+}
+
+static void test_drawn(void)
+{
+    static char data[1 << 20];
+    char line[1024], figure[64] = "";
+    int number = 0;
+    bool is_drawn = false, good_figure = true;
+    FILE *in = fopen("tests/figures.txt", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    enter();
+    collect_names();
+    while (fgets(line, sizeof line, in)) {
+        number++;
+        line[strcspn(line, "\n")] = '\0';
+        char *rest = strchr(line, ' ');
+        if (*line == '#' || !*line || strncmp(line, "skip ", 5) == 0) continue;
+        if (rest) *rest++ = '\0';
+        if (strcmp(line, "figure") == 0) {
+            if (is_drawn && good_figure && next_curve()) {
+                fprintf(stderr, "%s: more curves than figures.txt has\n", figure);
+                CU_FAIL("more curves");
+            }
+            snprintf(figure, sizeof figure, "%s", rest);
+            n_fixtures = 0;
+            is_drawn = false, good_figure = true;
+            continue;
+        }
+        if (strcmp(line, "table") == 0) {
+            read_fixture(rest);
+            continue;
+        }
+        if (strcmp(line, "file") == 0) {
+            char *text = strchr(rest, ' ');
+            *text = '\0';
+            write_text(rest, "%s\n", text + 1);
+            continue;
+        }
+        if (!is_drawn) {
+            good_figure = draw(figure);
+            CU_ASSERT(good_figure);
+            if (good_figure) slurp("drawn", data, sizeof data);
+            drawn = data;
+            is_drawn = true;
+        }
+        if (!good_figure) continue;
+        bool right = next_curve();
+        if (!right) fprintf(stderr, "%s: no such curve\n", figure);
+        if (right && strcmp(line, "curve") == 0) right = check_curve(rest);
+        if (right && strcmp(line, "line") == 0) right = check_line(rest);
+        if (!right) fprintf(stderr, "tests/figures.txt:%d: %s\n", number, figure);
+        CU_ASSERT(right);
+        if (!right) good_figure = false;
+    }
+    fclose(in);
+    leave();
+}
+
+static bool file_has_line(const char *path, const char *word, const char *name)
+{
+    char line[1024], wanted[160];
+    bool has = false;
+    FILE *in = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    snprintf(wanted, sizeof wanted, "%s %s", word, name);
+    while (!has && fgets(line, sizeof line, in))
+        has = strncmp(line, wanted, strlen(wanted)) == 0 && strchr(" \n", line[strlen(wanted)]);
+    fclose(in);
+    return has;
+}
+
+/* Every figure is described, or skipped for a reason. */
+static void test_all_described(void)
+{
+    glob_t found;
+    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s", found.gl_pathv[i] + strlen("figures/"));
+        *strrchr(name, '.') = '\0';
+        const bool described = file_has_line("tests/figures.txt", "figure", name) ||
+                               file_has_line("tests/figures.txt", "skip", name);
+        if (!described) fprintf(stderr, "tests/figures.txt: no figure %s\n", name);
+        CU_ASSERT(described);
+    }
+    globfree(&found);
+}
+
+void suite_figures(void)
+{
+    static const check_case cases[] = {
+        {"drawn data", test_drawn}, {"all are described", test_all_described}, {0}};
+    check_register("figures", cases);
+}

@@ -1,0 +1,234 @@
+/* Tests of the tests: each helper by which a test fails must fail where it should, NaN included. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/status.h"
+#include "core/version.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+#include "tests/program.h"
+#include "validation/cases.h"
+#include "validation/oblique.h"
+#include "validation/solved_pile.h"
+
+/* How many assertions of a function fail, counted in a process of its own, which keeps its messages to
+ * itself. */
+static unsigned failures_of(void (*function)(void))
+{
+    int status = 0;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        const unsigned before = CU_get_number_of_failures();
+        if (!freopen("/dev/null", "w", stderr)) _exit(255);
+        function();
+        _exit((int)(CU_get_number_of_failures() - before));
+    }
+    CU_ASSERT_FATAL(child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status));
+    return (unsigned)WEXITSTATUS(status);
+}
+
+/* ---- check.h ---- */
+
+static rp_status fails(void)
+{
+    return rp_fail(RP_BAD_INPUT, "mu = -1: out of range");
+}
+
+static rp_status passes(void)
+{
+    return RP_OK;
+}
+
+static void bad_numbers(void)
+{
+    CHECK_NEAR(1.0 + 0x1p-40, 1.0, 0x1p-41);
+    CHECK_NEAR(1.0 - 0x1p-40, 1.0, 0x1p-41);
+    CHECK_NEAR(NAN, 1.0, INFINITY);
+    CHECK_NEAR(1.0, NAN, INFINITY);
+    CHECK_NEAR(1.0, 1.0, NAN);
+    CHECK_NEAR(INFINITY, 1.0, 1e300);
+    CHECK_NEAR(INFINITY, INFINITY, 1.0); /* their difference is NaN */
+    CHECK_NEAR(1.0, 1.0, -0x1p-60);
+}
+
+static void good_numbers(void)
+{
+    CHECK_NEAR(1.0 + 0x1p-40, 1.0, 0x1p-40);
+    CHECK_NEAR(1.0 - 0x1p-40, 1.0, 0x1p-40);
+    CHECK_NEAR(2.385, 2.385, 0.0);
+}
+
+static void bad_statuses(void)
+{
+    CHECK_OK(fails());
+    CHECK_FAILS(passes(), RP_BAD_INPUT, "");
+    CHECK_FAILS(fails(), RP_IO, "out of range");
+    CHECK_FAILS(fails(), RP_BAD_INPUT, "within range");
+}
+
+static void good_statuses(void)
+{
+    CHECK_OK(passes());
+    CHECK_FAILS(fails(), RP_BAD_INPUT, "mu = -1: out of range");
+}
+
+static void test_check(void)
+{
+    CU_ASSERT_EQUAL(failures_of(bad_numbers), 8);
+    CU_ASSERT_EQUAL(failures_of(good_numbers), 0);
+    CU_ASSERT_EQUAL(failures_of(bad_statuses), 4);
+    CU_ASSERT_EQUAL(failures_of(good_statuses), 0);
+}
+
+/* ---- cases of validation ---- */
+
+static case_problem problem;
+
+static void bad_cases(void)
+{
+    case_near(&problem, "v", 2.0, 2.0 + 0x1p-30, 0x1p-31, "e = %g", 0.5);
+    case_near(&problem, "v", 2.0, 2.0 - 0x1p-30, 0x1p-31, "e = %g", 0.5);
+    case_near(&problem, "v", 2.0, NAN, INFINITY, "e = %g", 0.5);
+    case_near(&problem, "v", NAN, 2.0, INFINITY, "e = %g", 0.5);
+    case_near(&problem, "v", 2.0, 2.0, NAN, "e = %g", 0.5);
+}
+
+static void no_case(void)
+{
+    case_problem empty = {.problem = "none"};
+    case_write("nothing", (case_problem *[]){&empty}, 1);
+}
+
+/* The row of a case, and the largest error over its bound, NaN counted as the largest of all. */
+static void test_cases(void)
+{
+    problem = (case_problem){.problem = "impact"};
+    CU_ASSERT_EQUAL(failures_of(bad_cases), 5);
+    CU_ASSERT_EQUAL(failures_of(no_case), 1);
+    case_near(&problem, "exit speed", 2.0, 2.25, 0.5, "e = %g, law = %s", 0.5, "hertz");
+    CHECK_NEAR(problem.worst, 0.5, 0.0);
+    case_near(&problem, "time", 3.0, 2.875, 0.5, "e = %g", 0.25);
+    CHECK_NEAR(problem.worst, 0.5, 0.0);
+    case_near(&problem, "time", 3.0, 3.0, 0.0, "e = 1"); /* exact, and meant so */
+    CHECK_NEAR(problem.worst, 0.5, 0.0);
+    CU_ASSERT_EQUAL(problem.n, 3);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(problem.text);
+    fflush(problem.text);
+    CU_ASSERT_STRING_EQUAL(problem.rows, "impact\te,=,0.5,law,=,hertz\texit,speed\t2\t2.25\t0.25\t0.5\n"
+                                         "impact\te,=,0.25\ttime\t3\t2.875\t0.125\t0.5\n"
+                                         "impact\te,=,1\ttime\t3\t3\t0\t0\n");
+    case_write("nothing", (case_problem *[]){&problem}, 1);
+    CU_ASSERT(!problem.text && !problem.rows);
+    CU_ASSERT_EQUAL(case_stride(3), check_full() ? 1 : check_fast() ? 15 : 3);
+}
+
+/* ---- oblique impact ---- */
+
+/* kappa = 1/a: with W = 1 the shear spring swings as the normal one, and a grain that sticks leaves with its
+ * slip reversed. Slow friction slides throughout: the slip falls by 2 a mu v_n. */
+static void test_oblique(void)
+{
+    const double a = 3.5;
+    for (int sign = -1; sign < 2; sign += 2) {
+        CHECK_NEAR(oblique_left(a, 1.0 / a, 50.0, 1.0, sign * 0.3), sign * -0.3, 1e-9);
+        CHECK_NEAR(oblique_left(a, 1.0 / a, 0.05, 1.0, sign * 2.0), sign * (2.0 - 2.0 * a * 0.05), 1e-9);
+        CHECK_NEAR(oblique_left(a, 0.8, 0.05, 2.0, sign * 4.0), sign * (4.0 - 2.0 * a * 0.05 * 2.0), 1e-9);
+        /* two swings of stick for W = 2 */
+        CHECK_NEAR(oblique_left(a, 4.0 / a, 50.0, 1.0, sign * 0.3), sign * 0.3, 1e-9);
+        /* three halves of a swing, but for the end, where the normal force no longer holds the spring */
+        CHECK_NEAR(oblique_left(a, 2.25 / a, 50.0, 1.0, sign * 0.3), 0.0, 2e-3);
+    }
+}
+
+/* ---- scenes of the tests ---- */
+
+/* Any difference in any bit of a state is one. */
+static void test_same_bits(void)
+{
+    dem_grain one = {.x = 0.3, .y = 0.7, .r = 0.1, .m = 0.2, .vx = 1.5, .vy = -2.5};
+    dem_definition def = dem_definition_default();
+    def.grains = &one;
+    def.n_grains = 1;
+    dem_sim *a = grains_start(&def), *same = grains_start(&def);
+    CU_ASSERT(grains_same_bits(a, same));
+    double *const members[] = {&one.x, &one.y, &one.r, &one.m, &one.vx, &one.vy};
+    for (size_t k = 0; k < sizeof members / sizeof *members; k++) {
+        const double old = *members[k];
+        *members[k] = nextafter(old, 9.0);
+        dem_sim *other = grains_start(&def);
+        CU_ASSERT(!grains_same_bits(a, other));
+        *members[k] = old;
+        dem_free(other);
+    }
+    CHECK_OK(dem_run(same, 1));
+    CU_ASSERT(!grains_same_bits(a, same));
+    dem_free(a);
+    dem_free(same);
+}
+
+/* The lattice pile in equilibrium: its scene holds the same disks without weight, and loading raises gravity
+ * to 1. */
+static void test_solved_pile(void)
+{
+    const double eps = 1e-4;
+    solved_pile pile = solved_pile_make(7, 30.0, eps, 1);
+    double N = 0.0, H = 0.0;
+    for (size_t i = 0; i < pile.k; i++) N += pile.N[i], H += pile.H[i];
+    CHECK_NEAR(N, (double)pile.n, 1e-9);
+    CHECK_NEAR(H, 0.0, 1e-9);
+    const dem_definition def = solved_pile_scene(&pile, DEM_VERLET, 0.3, 0.02);
+    const double omega = 1.0 / sqrt(eps);
+    CHECK_NEAR(def.dt * omega, 0.02, 1e-15);
+    CHECK_NEAR(def.material.gamma_n / omega, 0.3, 1e-15);
+    CHECK_NEAR(def.material.k_n, 1.0 / eps, 1e-8);
+    CHECK_NEAR(def.ground.a, eps, 1e-18);
+    CU_ASSERT(def.gravity[0] == 0.0 && def.gravity[1] == 0.0 && def.n_grains == pile.n);
+    dem_sim *sim = grains_start(&def);
+    solved_pile_load(sim, 40);
+    CU_ASSERT_EQUAL(dem_step(sim), 40);
+    dem_state *states = calloc(pile.n, sizeof *states);
+    CHECK_OK(dem_states(sim, states));
+    double fy = 0.0, floor = 0.0;
+    for (size_t i = 0; i < pile.n; i++) fy += states[i].fy;
+    double forces[2 * DEM_MAX_WALLS] = {0};
+    dem_wall_forces(sim, forces);
+    floor = forces[1];
+    CHECK_NEAR(fy, -(double)pile.n - floor,
+               1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
+    free(states);
+    dem_free(sim);
+    solved_pile_free(&pile);
+}
+
+/* ---- provenance ---- */
+
+/* The program names the commit that it was built from, as the build noted it beside the program. */
+static void test_commit(void)
+{
+    char line[256] = "", commit[128] = "";
+    enter();
+    CU_ASSERT(shell("cat \"$(dirname \"$REPOSE\")/commit\" >out 2>err") == 0);
+    snprintf(commit, sizeof commit, "%.*s", (int)strcspn(out, "\n"), out);
+    CU_ASSERT(*commit != 0);
+    CU_ASSERT_STRING_EQUAL(rp_build_commit(), commit);
+    GOOD("lattice --layers 2");
+    snprintf(line, sizeof line, "commit %s", commit);
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
+    leave();
+}
+
+void suite_helpers(void)
+{
+    static const check_case cases[] = {{"near, ok, fails", test_check},
+                                       {"cases of validation", test_cases},
+                                       {"oblique impact", test_oblique},
+                                       {"same bits", test_same_bits},
+                                       {"solved pile", test_solved_pile},
+                                       {"commit of the program", test_commit},
+                                       {0}};
+    check_register("helpers", cases);
+}
