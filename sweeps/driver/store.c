@@ -85,12 +85,19 @@ void sweep_store_close(sweep_store *store)
     free(store);
 }
 
+/* A text; empty for what a damaged store lacks. */
+static const char *column_text(sqlite3_stmt *q, int column)
+{
+    const char *text = (const char *)sqlite3_column_text(q, column);
+    return text ? text : "";
+}
+
 rp_status sweep_store_note(sweep_store *s, const char *name, char *buffer, size_t size)
 {
     sqlite3_stmt *q = query(s, "SELECT value FROM sweep WHERE name = ?");
     buffer[0] = '\0';
     sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
-    if (sqlite3_step(q) == SQLITE_ROW) snprintf(buffer, size, "%s", (const char *)sqlite3_column_text(q, 0));
+    if (sqlite3_step(q) == SQLITE_ROW) snprintf(buffer, size, "%s", column_text(q, 0));
     return finish(s, "read the store", q);
 }
 
@@ -161,7 +168,7 @@ rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
     bool same = true;
     for (; same && sqlite3_step(q) == SQLITE_ROW; n++)
         same = n < plan->n_runs && sqlite3_column_int64(q, 0) == (sqlite3_int64)n &&
-               strcmp((const char *)sqlite3_column_text(q, 1), plan->keys[n]) == 0;
+               strcmp(column_text(q, 1), plan->keys[n]) == 0;
     rp_status status = finish(s, "read the plan", q);
     if (status) return status;
     if (!same || n != plan->n_runs)
@@ -249,8 +256,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
         query(s, "SELECT status, count(*) FROM plan JOIN runs USING (key) GROUP BY status ORDER BY status");
     while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
         size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
-        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
-                 (const char *)sqlite3_column_text(q, 0));
+        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s", column_text(q, 0));
         counts->words[i].runs = runs;
         counts->stored += runs;
         if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
@@ -275,7 +281,7 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
     rp_status status = RP_OK;
     while (!status && sqlite3_step(q) == SQLITE_ROW) {
         sweep_row row = {.run = (size_t)sqlite3_column_int64(q, 0), .seconds = column_number(q, 2)};
-        snprintf(row.result.status, sizeof row.result.status, "%s", (const char *)sqlite3_column_text(q, 1));
+        snprintf(row.result.status, sizeof row.result.status, "%s", column_text(q, 1));
         for (int i = 0; plan->protocol->outputs[i].name; i++) row.result.values[i] = column_number(q, 3 + i);
         status = visit(&row, context);
     }
