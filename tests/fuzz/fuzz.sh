@@ -13,7 +13,7 @@ make --no-print-directory -j"$jobs" CC=clang B="$build/fuzz/obj" CHECK='$(FUZZ)'
 [ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
 printf '%s\n' "$@" | ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
     xargs -P "$jobs" -I{} sh -c 'mkdir -p "$1/fuzz/{}"
-        FUZZ={} "$1/fuzz/obj/check" "$2" -max_len=4096 -len_control=20 -timeout=20 -rss_limit_mb=4000 -close_fd_mask=3 -print_final_stats=1 \
+        FUZZ={} "$1/fuzz/obj/check" "$2" -max_len=4096 -len_control=20 -timeout=60 -rss_limit_mb=4000 -detect_leaks=0 -close_fd_mask=3 -print_final_stats=1 \
             -artifact_prefix="$1/fuzz/found/{}-" "$1/fuzz/{}" "$3/{}" >"$1/fuzz/{}.log" 2>&1
         status=$?
         runs=$(sed -n "s/^stat::number_of_executed_units: *//p" "$1/fuzz/{}.log")

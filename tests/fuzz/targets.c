@@ -334,7 +334,7 @@ const fuzz_target fuzz_targets[] = {
 static bool make_files(void)
 {
     put_text("scene.cfg", scene_text);
-    put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2;\n");
+    put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2; normal = { gamma_n = 0.0; };\n");
     put_text("sweep.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 3; };\n");
     put_text("t.tsv", table_text);
     put_text("many.tsv", table_text);
