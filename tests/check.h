@@ -25,6 +25,7 @@
     X(suite_hard)                                                                                            \
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
+    X(suite_snapshot)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
     X(suite_helpers)                                                                                         \

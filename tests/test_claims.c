@@ -15,7 +15,7 @@
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
 static const double beyond = 1.0 + 0x1p-40;
 
-#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(stats_verdict_text(call), verdict)
+#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(stats_verdict_texts[call], verdict)
 
 static stats_number number(double value, double se)
 {

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "core/random.h"
 #include "dem/sim.h"
 #include "sweeps/driver/protocol.h"

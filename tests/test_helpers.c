@@ -214,7 +214,7 @@ static void test_commit(void)
     CU_ASSERT(shell("cat \"$(dirname \"$REPOSE\")/commit\" >out 2>err") == 0);
     snprintf(commit, sizeof commit, "%.*s", (int)strcspn(out, "\n"), out);
     CU_ASSERT(*commit != 0);
-    CU_ASSERT_STRING_EQUAL(rp_build_commit(), commit);
+    CU_ASSERT_STRING_EQUAL(rp_build_commit, commit);
     GOOD("lattice --layers 2");
     snprintf(line, sizeof line, "commit %s", commit);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, line));

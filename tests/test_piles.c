@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "core/table.h"
 #include "sweeps/driver/pile.h"
 #include "sweeps/driver/sweep.h"

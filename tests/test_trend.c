@@ -306,24 +306,25 @@ static void test_threshold(void)
 static void test_front(void)
 {
     enum { POINTS = 60 };
-    double a[POINTS], b[POINTS];
-    bool front[POINTS];
+    stats_cost c[POINTS] = {{0}},
+               ties[] = {{.cost = 1, .bias = -2}, {.cost = 1, .bias = 2}, {.cost = 2, .bias = 2}};
     gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_TEST);
     for (int i = 0; i < POINTS; i++) {
-        a[i] = gsl_rng_uniform(rng);
-        b[i] = gsl_rng_uniform(rng);
+        c[i].cost = gsl_rng_uniform(rng);
+        c[i].bias = gsl_rng_uniform(rng) * (i % 2 ? -1 : 1);
     }
-    a[7] = NAN;
-    stats_front(POINTS, a, b, front);
-    CU_ASSERT(!front[7]);
+    c[7].cost = NAN;
+    stats_front(POINTS, c);
+    CU_ASSERT(!c[7].front);
     for (int i = 0; i < POINTS; i++) {
         bool dominated = false;
-        for (int j = 0; j < POINTS; j++) dominated = dominated || (front[j] && a[j] < a[i] && b[j] < b[i]);
-        if (i != 7) CU_ASSERT(front[i] == !dominated);
+        for (int j = 0; j < POINTS; j++)
+            dominated |= c[j].front && c[j].cost < c[i].cost && fabs(c[j].bias) < fabs(c[i].bias);
+        if (i != 7) CU_ASSERT(c[i].front == !dominated);
     }
     gsl_rng_free(rng);
-    stats_front(3, (double[]){1, 1, 2}, (double[]){2, 2, 2}, front); /* ties stay */
-    CU_ASSERT(front[0] && front[1] && front[2]);
+    stats_front(3, ties); /* ties stay */
+    CU_ASSERT(ties[0].front && ties[1].front && ties[2].front);
 }
 
 static void test_costs(void)

@@ -814,9 +814,9 @@ static void tilts(void)
                 ang_tilt_result t;
                 CHECK_OK(ang_marginal(mus[i], phi, &ms, NULL));
                 const double theta_r = parts[p] * ms;
-                PARAMETERS("mu = %g, theta_R = %.12g theta_MS, %s", mus[i], parts[p], ang_form_word(form));
+                PARAMETERS("mu = %g, theta_R = %.12g theta_MS, %s", mus[i], parts[p], ang_form_words[form]);
                 rp_status status = ang_tilt(form, mus[i], theta_r, phi, &t);
-                OBSERVED("theta_T = %g, %s", t.theta_t, status ? rp_message() : ang_tilt_word(t.status));
+                OBSERVED("theta_T = %g, %s", t.theta_t, status ? rp_message() : ang_tilt_words[t.status]);
                 const bool ok = !status && (t.status == ANG_TILT_OK || t.status == ANG_TILT_OK_PULLING);
                 if (theta_r >= M_PI_2) {
                     refusal("tilt", status, RP_BAD_INPUT, "theta_r = ");
@@ -835,7 +835,7 @@ static void tilts(void)
                 } else {
                     const rp_status asks = ang_friction(form, theta_r, t.theta_t, phi, &back);
                     EXPECTED("required friction %g", mus[i]);
-                    OBSERVED("theta_T = %g requires %g, %s", t.theta_t, back, ang_tilt_word(t.status));
+                    OBSERVED("theta_T = %g requires %g, %s", t.theta_t, back, ang_tilt_words[t.status]);
                     verdict("tilt", ok && !asks && fabs(back - mus[i]) < 1e-12 * fmax(1.0, mus[i] * mus[i]));
                 }
             }

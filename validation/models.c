@@ -224,10 +224,10 @@ static void check_tilt(double mu, double part, double P)
         if (r.status != ANG_TILT_OK && r.status != ANG_TILT_OK_PULLING) continue;
         if (form == ANG_LATTICE || form == ANG_SINE)
             case_near(&tilt_problem, "theta_T", closed[form], r.theta_t, 2e-14, "%s mu=%g theta_R=%.6g P=%g",
-                      ang_form_word((ang_form)form), mu, theta_r, P);
+                      ang_form_words[form], mu, theta_r, P);
         if (form != ANG_LATTICE)
             case_near(&tilt_problem, "mu", mu, needed(form, theta_r, r.theta_t, P), 2e-14,
-                      "%s theta_R=%.6g P=%g", ang_form_word((ang_form)form), theta_r, P);
+                      "%s theta_R=%.6g P=%g", ang_form_words[form], theta_r, P);
     }
 }
 

@@ -12,6 +12,7 @@
 #include <stddef.h>
 
 #include "core/status.h"
+#include "stats/claims.h"
 #include "stats/stats.h"
 
 /* ---- marginal stability and tilt (criterion.c) ---- */
@@ -43,8 +44,8 @@ typedef struct {
     double limit;    /* tilt at which the form ends (a ray runs along the flank; lattice: pi/2) */
 } ang_tilt_result;
 
-const char *ang_form_word(ang_form form);
-const char *ang_tilt_word(ang_tilt_status status);
+extern const char *const ang_form_words[];
+extern const char *const ang_tilt_words[];
 
 /* Equation (3) for any inclination of the rays: tan theta_ms = mu tan^2 phi. mu in [0, inf], where infinity
  * gives pi/2; phi in (0, pi/2). *extrapolated (may be NULL) is true if theta_ms >= phi: then a pile whose
@@ -135,26 +136,22 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
 
 /* ---- piles against theory (compare.c) ---- */
 
-/* Standard errors are bootstrapped over piles. */
-typedef struct {
-    double value, se;
-} ang_estimate;
-
-/* Piles of one friction coefficient against (3) and (4). Estimates are NaN where the form has no theta_t. */
+/* Piles of one friction coefficient against (3) and (4), standard errors bootstrapped over piles. Estimates
+ * are NaN where the form has no theta_t. */
 typedef struct {
     stats_summary theta_r, theta_t, theta_rt; /* rt: the sum, pile by pile */
     double theta_ms;                          /* (3) */
-    ang_estimate diff_ms;                     /* theta_rt - theta_ms */
+    stats_number diff_ms;                     /* theta_rt - theta_ms */
     size_t n_unstable;                        /* piles steeper than theta_ms */
     size_t n_lost;                            /* resamples without theta_t, left out (the worst form's) */
     struct {
         ang_tilt_status status;
-        ang_estimate theta_t;  /* (4) at the mean theta_r */
-        ang_estimate diff;     /* mean measured theta_t minus that */
-        ang_estimate theta_rt; /* mean theta_r plus that */
+        stats_number theta_t;  /* (4) at the mean theta_r */
+        stats_number diff;     /* mean measured theta_t minus that */
+        stats_number theta_rt; /* mean theta_r plus that */
         /* magnitude of diff less that of diff_ms, and the same with each over its measured angle: negative
          * where (4) is nearer to the measurement than (3), the claim of Fig. 7 */
-        ang_estimate gain, gain_relative;
+        stats_number gain, gain_relative;
     } form[ANG_N_FORMS];
 } ang_comparison;
 
@@ -196,7 +193,7 @@ typedef struct {
     bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
 } ang_phi;
 
-const char *ang_against_word(ang_against against);
+extern const char *const ang_against_words[];
 
 /* The phi that serves all groups best, against each equation, and the differences: where minus twice the
  * logarithm of the likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean

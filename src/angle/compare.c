@@ -50,15 +50,15 @@ static rp_status quantities(double mu, double phi, double theta_ms, double r, do
 static void take_estimates(size_t n, const double q[], size_t n_resamples, double sample[], ang_comparison *c)
 {
     const double unbias = sqrt((double)n / (double)(n - 1));
-    ang_estimate all[N_QUANTITIES];
+    stats_number all[N_QUANTITIES];
     for (int k = 0; k < N_QUANTITIES; k++) {
         const stats_spread spread = stats_resampled(n_resamples, sample + (size_t)k * n_resamples);
-        all[k] = (ang_estimate){q[k], n > 1 && !isnan(q[k]) ? unbias * spread.sd : NAN};
+        all[k] = (stats_number){q[k], n > 1 && !isnan(q[k]) ? unbias * spread.sd : NAN};
         if (n > 1 && n_resamples - spread.n > c->n_lost) c->n_lost = n_resamples - spread.n;
     }
     c->diff_ms = all[0];
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const ang_estimate *e = all + 1 + OF_FORM * f;
+        const stats_number *e = all + 1 + OF_FORM * f;
         c->form[f].theta_t = e[0];
         c->form[f].diff = e[1];
         c->form[f].theta_rt = e[2];

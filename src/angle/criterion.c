@@ -42,18 +42,9 @@ typedef struct {
     double sin_f, cos_f; /* of the friction angle */
 } pile;
 
-const char *ang_form_word(ang_form form)
-{
-    static const char *const words[] = {"balanced", "lattice", "sine", "printed"};
-    return words[form];
-}
-
-const char *ang_tilt_word(ang_tilt_status status)
-{
-    static const char *const words[] = {"ok",       "ok_pulling", "already_unstable",
-                                        "no_slide", "rays_miss",  "no_pile"};
-    return words[status];
-}
+const char *const ang_form_words[] = {"balanced", "lattice", "sine", "printed"};
+const char *const ang_tilt_words[] = {"ok",       "ok_pulling", "already_unstable",
+                                      "no_slide", "rays_miss",  "no_pile"};
 
 /* T and N on the base, up to a common positive factor. */
 static void base_force(const pile *s, double theta, double *t, double *n)

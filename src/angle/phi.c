@@ -42,12 +42,8 @@ typedef struct {
     double most; /* chi2 where the interval of phi ends */
 } problem;
 
-const char *ang_against_word(ang_against against)
-{
-    static const char *const words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
-                                        "lattice_less_marginal"};
-    return words[against];
-}
+const char *const ang_against_words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
+                                         "lattice_less_marginal"};
 
 /* What the equation gives at theta_r = r: theta_r + theta_t of (3), theta_t of (4). */
 static double predicted(ang_against against, double mu, double r, double phi)
@@ -152,8 +148,9 @@ static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem 
 }
 
 /* The best phi: of several minima, as a sum of terms that saturate may have, the least. */
-static rp_status minimise(problem *q, double *phi, double *chi2)
+static rp_status minimise(problem *q, ang_against against, double *phi, double *chi2)
 {
+    q->against = against;
     double lo[2] = {0.0}, hi[2] = {0.0}, x[2];
     phi_range(q, lo, hi);
     rp_status status = stats_least(misfit, q, lo, hi, SCAN, x, chi2);
@@ -176,10 +173,10 @@ static rp_status profile_end(problem *q, double phi, double end, bool *open, dou
     return ang_root(above_level, q, fmin(phi, end), fmax(phi, end), root_tolerance, 0.0, at);
 }
 
-static rp_status fit_equation(problem *q, ang_phi *fit)
+static rp_status fit_equation(problem *q, ang_against against, ang_phi *fit)
 {
     double lo, hi;
-    rp_status status = minimise(q, &fit->phi, &fit->chi2);
+    rp_status status = minimise(q, against, &fit->phi, &fit->chi2);
     if (status) return status;
     phi_range(q, &lo, &hi);
     q->most = fit->chi2 + rise;
@@ -222,16 +219,11 @@ static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resample
 {
     rp_status status = RP_OK;
     double chi2;
-    for (int a = 0; a < N_EQUATIONS && !status; a++) {
-        q->against = (ang_against)a;
-        status = fit_equation(q, &fit[a]);
-    }
+    for (int a = 0; a < N_EQUATIONS && !status; a++) status = fit_equation(q, (ang_against)a, &fit[a]);
     for (size_t k = 0; k < n_resamples && !status; k++) {
         resample(q, groups, rng, pick);
-        for (int a = 0; a < N_EQUATIONS && !status; a++) {
-            q->against = (ang_against)a;
-            status = minimise(q, &sample[a * n_resamples + k], &chi2);
-        }
+        for (int a = 0; a < N_EQUATIONS && !status; a++)
+            status = minimise(q, (ang_against)a, &sample[a * n_resamples + k], &chi2);
     }
     if (!status) compare_samples(n_resamples, sample, fit);
     return status;

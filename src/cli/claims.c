@@ -251,11 +251,11 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
 
 static void explain(const cli_claim *c, cli_judged *j)
 {
-    const char *verdict = stats_verdict_text(j->verdict);
+    const char *verdict = stats_verdict_texts[j->verdict];
     if (j->two_readings)
         snprintf(j->reason, sizeof j->reason,
                  "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
-                 stats_verdict_text(j->match.error), stats_verdict_text(j->match.deviation));
+                 stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
     else if ((c->test == CLAIM_AGREES || c->test == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
         snprintf(j->reason, sizeof j->reason, "%s (%+.1f standard errors)", verdict, j->match.z_error);
     else if (c->test == CLAIM_FORMULA)
@@ -308,5 +308,5 @@ void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const
     stats_count_verdicts(n, verdicts, counts);
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
         snprintf(text + strlen(text), 256 - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
-                 stats_verdict_text(v));
+                 stats_verdict_texts[v]);
 }

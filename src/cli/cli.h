@@ -92,6 +92,9 @@ rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
 
+/* Another one, that started what this process continues. */
+void cli_command_line_set(const char *text);
+
 /* Zeroed memory for n objects, a generator of resamples, a table: all freed after the command, and those
  * since a mark by cli_release. Without memory the program ends. */
 void *cli_memory(size_t n, size_t size);

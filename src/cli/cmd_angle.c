@@ -55,7 +55,7 @@ static rp_status print_tilt(void *values)
     cli_table(stdout);
     rp_table_header(stdout,
                     "theta_t_deg [deg], theta_ms_deg [deg], margin_deg [deg], limit_deg [deg], status");
-    CLI_ROW_WORD(ang_tilt_word(r.status), r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg);
+    CLI_ROW_WORD(ang_tilt_words[r.status], r.theta_t / deg, r.theta_ms / deg, r.margin / deg, r.limit / deg);
     if (r.status == ANG_TILT_RAYS_MISS)
         return rp_fail(RP_NO_RESULT,
                        "theta-r-deg = %g: the rays of inclination %g deg never leave through the flank",

@@ -30,7 +30,7 @@ static void print_compare_header(void)
         "theta_t_se_deg [deg], theta_rt_deg [deg], theta_rt_se_deg [deg], theta_ms_deg [deg], "
         "diff_ms_deg [deg], diff_ms_se_deg [deg], n_unstable, n_lost");
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const char *form = ang_form_word((ang_form)f);
+        const char *form = ang_form_words[f];
         for (size_t k = 0; k < N_OF(parts); k++)
             used += (size_t)snprintf(text + used, sizeof text - used, ", %s_%s_deg [deg], %s_%s_se_deg [deg]",
                                      parts[k], form, parts[k], form);
@@ -60,7 +60,7 @@ static void print_comparison(double mu, const ang_comparison *c)
                                     *next = v + N_HEAD;
     ang_tilt_status worst = ANG_TILT_OK;
     for (int f = 0; f < ANG_N_FORMS; f++) {
-        const ang_estimate angles[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
+        const stats_number angles[] = {c->form[f].theta_t, c->form[f].diff, c->form[f].theta_rt,
                                        c->form[f].gain};
         for (size_t k = 0; k < N_OF(angles); k++)
             *next++ = angles[k].value / deg, *next++ = angles[k].se / deg;
@@ -68,7 +68,7 @@ static void print_comparison(double mu, const ang_comparison *c)
         *next++ = c->form[f].gain_relative.se;
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
-    rp_table_row_word(stdout, N_OF(v), v, ang_tilt_word(worst));
+    rp_table_row_word(stdout, N_OF(v), v, ang_tilt_words[worst]);
 }
 
 static rp_status compare_table(rp_table *table, void *values)
@@ -134,7 +134,7 @@ static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, an
     if (piles && against < ANG_BALANCED_LESS_MARGINAL)
         status = ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given);
     if (!status)
-        CLI_ROW_WORD(ang_against_word(against), piles ? piles->mu : NAN, (double)n_groups, (double)n,
+        CLI_ROW_WORD(ang_against_words[against], piles ? piles->mu : NAN, (double)n_groups, (double)n,
                      fit->phi / deg, fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
                      fit->chi2, (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN,
                      open, measured.mean / deg, measured.se / deg, given[0] / deg, given[1] / deg);

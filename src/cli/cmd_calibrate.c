@@ -182,7 +182,7 @@ static void note_responses(const stats_calibration *c, unsigned mask)
         rp_table_note(stdout, "response",
                       "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
                       "discrepancy %.2g deg%s",
-                      angle_names[angle], stats_shape_word(r->shape), r->degree[0],
+                      angle_names[angle], stats_shape_words[r->shape], r->degree[0],
                       r->degree[1] == 1   ? " and 1"
                       : r->degree[1] == 2 ? " and 2"
                                           : "",
@@ -214,7 +214,7 @@ static void print_found(const source *s, const stats_calibrated found[])
             const stats_calibrated *f = &found[p];
             bool none = f->n_solutions == 0;
             printf("%s\t", s->params[p]);
-            CLI_ROW_WORD(stats_calibrated_word(f->status), none ? NAN : f->solutions[k].value, f->se,
+            CLI_ROW_WORD(stats_calibrated_words[f->status], none ? NAN : f->solutions[k].value, f->se,
                          none ? NAN : f->solutions[k].lower, none ? NAN : f->solutions[k].upper, f->boot_se,
                          f->boot_lower, f->boot_upper);
         }
@@ -235,8 +235,8 @@ static rp_status conclude(const source *s, const stats_calibrated found[])
             snprintf(text, sizeof text, "; %s >= %g", name, lower);
         else if (!isnan(upper))
             snprintf(text, sizeof text, "; %s <= %g", name, upper);
-        return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, stats_calibrated_word(f->status),
-                       stats_calibrated_meaning(f->status), text);
+        return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, stats_calibrated_words[f->status],
+                       stats_calibrated_meanings[f->status], text);
     }
     return RP_OK;
 }
@@ -337,8 +337,8 @@ static bool note_coverage(const trial *t, const source *s)
                       sum / (double)counts[STATS_CALIBRATED_OK]);
         for (int i = 1; i <= STATS_CALIBRATED_NO_MATCH; i++)
             if (counts[i] > 0) {
-                snprintf(key, sizeof key, "%s_%s_%s", stats_calibrated_word((stats_calibrated_status)i),
-                         mask_word(t->mask), s->params[p]);
+                snprintf(key, sizeof key, "%s_%s_%s", stats_calibrated_words[i], mask_word(t->mask),
+                         s->params[p]);
                 rp_table_note(stdout, key, "%zu of %zu", counts[i], t->n);
             }
         good = good && 10 * covered >= 9 * t->n;
@@ -356,7 +356,7 @@ static void print_cases(const trial *t, const source *s)
             for (size_t a = 0, i = 0; a < N_ANGLES; a++)
                 if (t->mask & 1u << a) angle[a] = c->measured.angle[i], error[a] = c->measured.error[i++];
             printf("%s\t%s\t", mask_word(t->mask), s->params[p]);
-            CLI_ROW_WORD(stats_calibrated_word(f->status), c->truth[p], angle[0], error[0], angle[1],
+            CLI_ROW_WORD(stats_calibrated_words[f->status], c->truth[p], angle[0], error[0], angle[1],
                          error[1], f->value, f->se, lower_limit(f), upper_limit(f), c->covered[p]);
         }
 }

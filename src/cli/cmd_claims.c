@@ -61,7 +61,7 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
                c->test_word, or_dash(published), c->samples, or_dash(c->answer), or_dash(j->text));
         printf("%g\t%.3g\t%.3g\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
-               stats_verdict_text(j->verdict));
+               stats_verdict_texts[j->verdict]);
     }
 }
 

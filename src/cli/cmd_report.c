@@ -142,7 +142,7 @@ static void print_claim(report *r, const cli_claim *c, const cli_judged *j, bool
                 c->statement, note, published, j->text, values, j->reason);
     else
         fprintf(r->out, "\n| %s | %s | %s | %s | %s | %s | %s |", c->id, c->place, c->statement, published,
-                j->text, values, stats_verdict_text(j->verdict));
+                j->text, values, stats_verdict_texts[j->verdict]);
 }
 
 static rp_status fill_claims(report *r, const char *section)

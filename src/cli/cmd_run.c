@@ -1,11 +1,15 @@
-/* `repose run`: any scene from a file, or one run of a sweep again with its tables. */
+/* `repose run`: any scene from a file, with snapshots that it goes on from; or one run of a sweep again with
+ * its tables. */
 #include <math.h>
 #include <signal.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "cli/cli.h"
+#include "cli/unfinished.h"
 #include "core/clock.h"
 #include "core/config.h"
 #include "dem/scene.h"
@@ -18,30 +22,83 @@
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
-    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")
+    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
+    X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
+      "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
+
+/* What a run is to do. A snapshot keeps it. */
+typedef struct {
+    long steps, every, snapshot;
+    size_t n_walls;
+    bool ledger;
+    XXH128_hash_t scene;
+    char command[4096];
+} run_plan;
+
+/* A scene run in the making. */
+typedef struct {
+    run_plan plan;
+    dem_sim *sim;
+} scene_run;
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
     sweep_tables tables; /* no folder: standard output */
+    bool resumable;      /* the growing tables are in `unfinished` */
     sweep_file states, energy;
+    cli_unfinished unfinished;
 } outputs;
 
-static rp_status outputs_open(outputs *o, const dem_scene *scene, const dem_sim *sim)
+static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv"};
+
+static uint64_t layout(void)
 {
-    rp_status status = RP_OK;
+    return dem_keep_layout() ^ sizeof(run_plan);
+}
+
+static void keep_run(rp_snapshot *s, void *context)
+{
+    scene_run *r = context;
+    RP_KEEP(s, r->plan);
+    dem_keep(s, &r->sim);
+}
+
+static void take_growing(outputs *o)
+{
+    o->states.out = o->unfinished.table[0].file;
+    o->energy.out = o->unfinished.table[1].file;
+}
+
+/* The growing tables, with the first lines of all tables. */
+static rp_status open_growing(outputs *o)
+{
+    rp_status status = rp_make_directory(o->tables.directory);
+    if (!o->resumable) {
+        if (!status) status = sweep_table_open(&o->tables, growing[0], &o->states);
+        return status ? status : sweep_table_open(&o->tables, growing[1], &o->energy);
+    }
+    if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
+    if (status) return status;
+    take_growing(o);
+    cli_provenance(o->states.out);
+    cli_provenance(o->energy.out);
+    return RP_OK;
+}
+
+static rp_status outputs_open(outputs *o, const scene_run *r)
+{
     if (*o->tables.directory) {
-        status = rp_make_directory(o->tables.directory);
-        if (!status) status = sweep_table_open(&o->tables, "states.tsv", &o->states);
-        if (!status) status = sweep_table_open(&o->tables, "energy.tsv", &o->energy);
+        rp_status status = open_growing(o);
         if (status) return status;
-        dem_write_energy_columns(scene->def.ledger, o->energy.out);
+        dem_write_energy_columns(r->plan.ledger, o->energy.out);
     } else {
         o->states = (sweep_file){"-", stdout};
         cli_provenance(stdout);
     }
-    dem_write_notes(sim, o->states.out);
+    dem_write_notes(r->sim, o->states.out);
     dem_write_state_columns(o->states.out);
     return RP_OK;
 }
@@ -59,7 +116,7 @@ static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
     return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
 }
 
-static rp_status write_walls(const sweep_tables *tables, const dem_scene *scene, const dem_sim *sim)
+static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const dem_sim *sim)
 {
     double forces[2 * DEM_MAX_WALLS];
     sweep_file file;
@@ -67,23 +124,30 @@ static rp_status write_walls(const sweep_tables *tables, const dem_scene *scene,
     if (status) return status;
     dem_wall_forces(sim, forces);
     rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
-    for (size_t w = 0; w < scene->def.n_walls; w++)
+    for (size_t w = 0; w < n_walls; w++)
         rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
     return sweep_table_close(&file, RP_OK);
 }
 
-/* What was computed before a failure is kept. */
-static rp_status outputs_close(const outputs *o, const dem_scene *scene, const dem_sim *sim, rp_status run)
+static rp_status close_growing(const outputs *o)
+{
+    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
+    rp_status closed = o->states.out ? sweep_table_close(&o->states, RP_OK) : RP_OK;
+    return status ? status : closed;
+}
+
+/* What was computed before a failure is kept. A run that can go on keeps it in its folder. */
+static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
-    if (*o->tables.directory && o->states.out) {
-        rp_status closed = sweep_table_close(&o->states, RP_OK);
-        if (!status) status = closed;
-        if (!status) status = write_contacts(&o->tables, sim);
-        if (!status) status = write_walls(&o->tables, scene, sim);
-    }
+    const bool goes_on = o->resumable && (run == RP_STOPPED || run == RP_IO || run == RP_NO_MEMORY);
+    const bool whole = *o->tables.directory && o->states.out && !goes_on;
+    rp_status status = o->resumable || !*o->tables.directory ? RP_OK : close_growing(o);
+    if (!status && whole) status = write_contacts(&o->tables, r->sim);
+    if (!status && whole) status = write_walls(&o->tables, r->plan.n_walls, r->sim);
+    if (!status && whole && o->resumable) status = cli_unfinished_finish(&o->unfinished);
+    if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }
 
@@ -103,34 +167,71 @@ static void note_stop(int signal_number)
     stop_signal = signal_number;
 }
 
-static rp_status run_scene(const dem_scene *scene, const run_options *o, dem_sim *sim)
+/* Steps from `step` to the next multiple of `every`; `most` without. */
+static long steps_to(long step, long every, long most)
+{
+    return every > 0 && every - step % every < most ? every - step % every : most;
+}
+
+/* Advance to the end, or until a signal. */
+static rp_status advance(scene_run *r, outputs *out)
+{
+    const run_plan *p = &r->plan;
+    /* some tenths of a second: often enough to show progress and to notice a signal */
+    const long most = 1 + 10000000 / ((long)dem_count(r->sim) + 1);
+    rp_status status = RP_OK;
+    while (!status && dem_step(r->sim) < p->steps) {
+        const long left = p->steps - dem_step(r->sim);
+        long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
+        part = steps_to(dem_step(r->sim), p->snapshot, part);
+        status = dem_run(r->sim, part);
+        /* a grain that got away, or a step too hard to solve, is no result, not a program gone wrong */
+        const dem_fault fault = dem_sim_fault(r->sim);
+        if (status == RP_BROKEN && (fault == DEM_FAULT_LEAKED || fault == DEM_FAULT_NOT_SOLVED))
+            status = RP_NO_RESULT;
+        const long step = dem_step(r->sim);
+        show_progress(r->sim, p->steps);
+        const bool stopped = stop_signal && step < p->steps;
+        if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
+            status = outputs_write(out, r->sim);
+        if (!status && out->resumable && step < p->steps && (stopped || step % p->snapshot == 0))
+            status = cli_unfinished_write(&out->unfinished, keep_run, r);
+        if (!status && stopped)
+            status = out->resumable
+                         ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
+                                   step, p->steps, out->tables.directory)
+                         : rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
+                                   step, p->steps);
+    }
+    return status;
+}
+
+static void catch_signals(bool resumable)
 {
     signal(SIGINT, note_stop);
     signal(SIGTERM, note_stop);
-    /* some tenths of a second: often enough to show progress and to notice a signal */
-    const long most = 1 + 10000000 / ((long)dem_count(sim) + 1);
-    outputs out = {.tables = {.directory = o->o, .header = cli_provenance}};
-    rp_status status = outputs_open(&out, scene, sim);
-    if (!status && o->every > 0) status = outputs_write(&out, sim);
-    while (!status && dem_step(sim) < scene->steps) {
-        long part = scene->steps - dem_step(sim);
-        long to_next = o->every > 0 ? o->every - dem_step(sim) % o->every : part;
-        if (to_next < part) part = to_next;
-        if (part > most) part = most;
-        status = dem_run(sim, part);
-        /* a grain that got away, or a step too hard to solve, is no result, not a program gone wrong */
-        const dem_fault fault = dem_sim_fault(sim);
-        if (status == RP_BROKEN && (fault == DEM_FAULT_LEAKED || fault == DEM_FAULT_NOT_SOLVED))
-            status = RP_NO_RESULT;
-        show_progress(sim, scene->steps);
-        if (!status && stop_signal)
-            status = rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
-                             dem_step(sim), scene->steps);
-        if (!status && o->every > 0 && dem_step(sim) % o->every == 0 && dem_step(sim) < scene->steps)
-            status = outputs_write(&out, sim);
-    }
-    if (!status && (o->every <= 0 || scene->steps > 0)) status = outputs_write(&out, sim);
-    return outputs_close(&out, scene, sim, status);
+    if (!resumable) return;
+    signal(SIGHUP, note_stop);
+    signal(SIGXFSZ, SIG_IGN); /* a write then fails, and the older snapshot stays */
+}
+
+/* From the start, or with `out` resumed from where the run is. */
+static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
+{
+    if (!status) status = advance(r, out);
+    if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
+    return outputs_close(out, r, status);
+}
+
+static rp_status run_scene(scene_run *r, const char *directory)
+{
+    outputs out = {.tables = {.directory = directory, .header = cli_provenance},
+                   .resumable = r->plan.snapshot > 0};
+    catch_signals(out.resumable);
+    rp_status status = outputs_open(&out, r);
+    if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
+    if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
+    return finish_scene(r, &out, status);
 }
 
 static rp_status run_row(const char *path, const run_options *o)
@@ -169,37 +270,115 @@ static rp_status is_sweep(const char *path, bool *sweep)
     return status;
 }
 
+/* Of all that makes a scene, whatever the kernel. */
+static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
+{
+    char *text = NULL;
+    size_t size = 0;
+    dem_scene any = *scene;
+    any.def.kernel = DEM_FAST;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
+    dem_scene_write(&any, out);
+    fclose(out);
+    *hash = XXH3_128bits(text, size);
+    free(text);
+    return RP_OK;
+}
+
+static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
+{
+    rp_status status = dem_scene_read(path, &o->set, scene);
+    if (o->ledger) scene->def.ledger = true;
+    return status;
+}
+
 static rp_status run_file(const char *path, const run_options *o)
 {
     dem_scene scene;
-    dem_sim *sim = NULL;
+    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}};
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
-    rp_status status = dem_scene_read(path, &o->set, &scene);
-    if (o->ledger) scene.def.ledger = true;
-    if (!status && (status = dem_scene_start(&scene, &sim)) == RP_BAD_INPUT) rp_prefix(status, "%s: ", path);
-    if (!status) status = run_scene(&scene, o, sim);
-    dem_free(sim);
+    if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
+    rp_status status = read_scene(path, o, &scene);
+    if (!status && o->snapshot > 0) status = hash_scene(&scene, &r.plan.scene);
+    r.plan.steps = scene.steps;
+    r.plan.n_walls = scene.def.n_walls;
+    r.plan.ledger = scene.def.ledger;
+    snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
+    if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
+        rp_prefix(status, "%s: ", path);
+    if (!status) status = run_scene(&r, o->o);
+    dem_free(r.sim);
     dem_scene_free(&scene);
+    return status;
+}
+
+/* A scene file that is given must be that of the snapshot. */
+static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan)
+{
+    dem_scene scene;
+    XXH128_hash_t hash = {0};
+    rp_status status = read_scene(path, o, &scene);
+    if (!status) status = hash_scene(&scene, &hash);
+    dem_scene_free(&scene);
+    if (status || XXH128_isEqual(hash, plan->scene)) return status;
+    return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
+}
+
+static rp_status resume(const run_options *o)
+{
+    const char *scene = cli_argument(0);
+    scene_run r = {.sim = NULL};
+    outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
+    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot"))
+        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row and "
+                                 "--snapshot do not go with it");
+    if (!scene && (o->set.n > 0 || o->ledger))
+        return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
+    catch_signals(true);
+    rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
+    if (!status && scene) status = check_scene(scene, o, &r.plan);
+    if (status) {
+        cli_unfinished_close(&out.unfinished);
+        dem_free(r.sim);
+        return status;
+    }
+    take_growing(&out);
+    cli_command_line_set(r.plan.command);
+    status = finish_scene(&r, &out, RP_OK);
+    dem_free(r.sim);
     return status;
 }
 
 static rp_status run_any(void *values)
 {
+    const run_options *o = values;
     const char *path = cli_argument(0);
     bool sweep;
+    if (*o->resume) return resume(o);
+    if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     rp_status status = is_sweep(path, &sweep);
+    if (!status && sweep && o->snapshot > 0)
+        status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);
     return status ? status : sweep ? run_row(path, values) : run_file(path, values);
 }
 
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR] | SWEEP.cfg [--row N] [--every N] "
-    "[--ledger] -o DIR",
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N]] | [SCENE.cfg] --resume "
+    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
     "lists the keys of a scene file.\n"
+    "\n"
+    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
+    "SIGINT,\n"
+    "SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and ends "
+    "with\n"
+    "the files of an undisturbed run, byte by byte. A snapshot of another scene, program version or model,\n"
+    "or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
     "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"

@@ -21,6 +21,11 @@ const char *cli_command_line(void)
     return command_line;
 }
 
+void cli_command_line_set(const char *text)
+{
+    snprintf(command_line, sizeof command_line, "%s", text);
+}
+
 static void print_overview(FILE *out)
 {
     fprintf(out,
@@ -119,7 +124,7 @@ int main(int argc, char **argv)
         return finish("", RP_OK);
     }
     if (strcmp(argv[1], "--version") == 0) {
-        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit());
+        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)

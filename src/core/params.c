@@ -77,17 +77,12 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name)
 
 void rp_params_defaults(const rp_param *schema, void *values)
 {
+    static const size_t sizes[] = {
+        [RP_REAL] = sizeof(double),   [RP_INT] = sizeof(long),       [RP_BOOL] = sizeof(bool),
+        [RP_CHOICE] = sizeof(int),    [RP_FLAGS] = sizeof(unsigned), [RP_TEXT] = sizeof(char *),
+        [RP_TEXTS] = sizeof(rp_texts)};
     for (; schema->name; schema++) {
-        char *field = (char *)values + schema->offset;
-        switch (schema->type) {
-        case RP_REAL: *(double *)field = 0.0; break;
-        case RP_INT: *(long *)field = 0; break;
-        case RP_BOOL: *(bool *)field = false; break;
-        case RP_CHOICE: *(int *)field = 0; break;
-        case RP_FLAGS: *(unsigned *)field = 0; break;
-        case RP_TEXT: *(const char **)field = NULL; break;
-        case RP_TEXTS: ((rp_texts *)field)->n = 0; break;
-        }
+        memset((char *)values + schema->offset, 0, sizes[schema->type]);
         if (schema->fallback && schema->type != RP_TEXTS)
             rp_params_set_text(schema, values, schema->fallback);
     }
@@ -106,35 +101,24 @@ static rp_status wrong_type(const rp_param *param, const rp_value *value, const 
                    param->range && *param->range ? ", allowed: " : "", param->range ? param->range : "");
 }
 
-static rp_status set_real(const rp_param *param, double *field, const rp_value *value)
+static rp_status set_number(const rp_param *param, void *field, const rp_value *value)
 {
     const numeric_range range = parse_range(param->range);
-    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
-        *field = strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
-        return RP_OK;
-    }
-    if (value->kind != RP_V_INT && value->kind != RP_V_REAL) return wrong_type(param, value, "a number");
+    const bool whole = param->type == RP_INT;
     double v = value->kind == RP_V_INT ? (double)value->i : value->r;
-    if (!isfinite(v)) return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
-    if (!in_range(&range, v))
+    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0)
+        v = whole || strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
+    else if (value->kind != RP_V_INT && (whole || value->kind != RP_V_REAL))
+        return wrong_type(param, value, whole ? "a whole number" : "a number");
+    else if (!isfinite(v))
+        return rp_fail(RP_BAD_INPUT, "%s = %g: a finite number expected", param->name, v);
+    else if (!in_range(&range, v))
         return rp_fail(RP_BAD_INPUT, "%s = %.15g: out of range, allowed: %s%s%s", param->name, v,
                        param->range, *param->unit ? " " : "", param->unit);
-    *field = v;
-    return RP_OK;
-}
-
-static rp_status set_int(const rp_param *param, long *field, const rp_value *value)
-{
-    const numeric_range range = parse_range(param->range);
-    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0) {
-        *field = -1;
-        return RP_OK;
-    }
-    if (value->kind != RP_V_INT) return wrong_type(param, value, "a whole number");
-    if (!in_range(&range, (double)value->i))
-        return rp_fail(RP_BAD_INPUT, "%s = %ld: out of range, allowed: %s", param->name, value->i,
-                       param->range);
-    *field = value->i;
+    if (whole)
+        *(long *)field = value->kind == RP_V_INT ? value->i : -1;
+    else
+        *(double *)field = v;
     return RP_OK;
 }
 
@@ -165,8 +149,8 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
 {
     void *field = (char *)values + param->offset;
     switch (param->type) {
-    case RP_REAL: return set_real(param, field, value);
-    case RP_INT: return set_int(param, field, value);
+    case RP_REAL:
+    case RP_INT: return set_number(param, field, value);
     case RP_CHOICE:
     case RP_FLAGS: return set_word(param, field, value);
     case RP_TEXTS: return add_text(param, field, value);

@@ -17,10 +17,10 @@
 
 void rp_table_provenance(FILE *out, const char *command)
 {
-    rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit(),
+    rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit,
                   RP_MODEL_VERSION);
-    rp_table_note(out, "compiler", "%s", rp_build_compiler());
-    rp_table_note(out, "libraries", "%s", rp_build_libraries());
+    rp_table_note(out, "compiler", "%s", rp_build_compiler);
+    rp_table_note(out, "libraries", "%s", rp_build_libraries);
     if (command) rp_table_note(out, "command", "%s", command);
 }
 

@@ -20,27 +20,18 @@
 #ifndef RP_FLAGS
 #define RP_FLAGS ""
 #endif
-#define TEXT_(x) #x
-#define TEXT(x)  TEXT_(x)
-
-const char *rp_build_commit(void)
-{
-    return RP_COMMIT;
-}
-
-const char *rp_build_compiler(void)
-{
 #ifdef __clang__ /* its __VERSION__ has its name */
-    return __VERSION__ " " RP_FLAGS;
+#define COMPILER ""
 #else
-    return "gcc " __VERSION__ " " RP_FLAGS;
+#define COMPILER "gcc "
 #endif
-}
+#define TEXT_(x)  #x
+#define TEXT(x)   TEXT_(x)
+#define LIBCONFIG TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(LIBCONFIG_VER_MINOR)
+#define CHOLMOD   TEXT(CHOLMOD_MAIN_VERSION) "." TEXT(CHOLMOD_SUB_VERSION) "." TEXT(CHOLMOD_SUBSUB_VERSION)
+#define XXHASH    TEXT(XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE)
 
-const char *rp_build_libraries(void)
-{
-    return "GSL " GSL_VERSION ", libconfig " TEXT(LIBCONFIG_VER_MAJOR) "." TEXT(
-        LIBCONFIG_VER_MINOR) ", SQLite " SQLITE_VERSION
-                             ", CHOLMOD " TEXT(CHOLMOD_MAIN_VERSION) "." TEXT(CHOLMOD_SUB_VERSION) "." TEXT(CHOLMOD_SUBSUB_VERSION) ", xxHash " TEXT(
-                                 XXH_VERSION_MAJOR) "." TEXT(XXH_VERSION_MINOR) "." TEXT(XXH_VERSION_RELEASE) ", Random123 philox4x32-10";
-}
+const char rp_build_commit[] = RP_COMMIT;
+const char rp_build_compiler[] = COMPILER __VERSION__ " " RP_FLAGS;
+const char rp_build_libraries[] = "GSL " GSL_VERSION ", libconfig " LIBCONFIG ", SQLite " SQLITE_VERSION
+                                  ", CHOLMOD " CHOLMOD ", xxHash " XXHASH ", Random123 philox4x32-10";

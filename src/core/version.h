@@ -8,8 +8,6 @@
  * bits of a run change; the golden digests in tests/test_golden.c fail otherwise. */
 #define RP_MODEL_VERSION 2
 
-const char *rp_build_commit(void);
-const char *rp_build_compiler(void);
-const char *rp_build_libraries(void);
+extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[];
 
 #endif

@@ -188,12 +188,11 @@ rp_status dem_scheme_check(const dem_definition *def)
     return scheme->check ? scheme->check(def) : RP_OK;
 }
 
-rp_status dem_definition_check(const dem_definition *def)
+rp_status dem_laws_check(const dem_definition *def)
 {
-    rp_status status = check_grain_values(def);
-    if (!status && (status = check_material(def, &def->material)) != RP_OK)
-        return rp_prefix(status, "particles: ");
-    if (!status) status = check_walls(def);
+    rp_status status = check_material(def, &def->material);
+    if (status) return rp_prefix(status, "particles: ");
+    status = check_walls(def);
     if (!status) status = check_ground(def);
     if (!status) status = check_hard(def);
     if (!status) status = dem_scheme_check(def);
@@ -210,6 +209,14 @@ rp_status dem_definition_check(const dem_definition *def)
     if (!(fabs(def->box_turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
                        def->box_turn_per_step);
+    return RP_OK;
+}
+
+rp_status dem_definition_check(const dem_definition *def)
+{
+    rp_status status = check_grain_values(def);
+    if (!status) status = dem_laws_check(def);
+    if (status) return status;
     const char *what;
     double limit = dem_time_step_limit(def, &what);
     if (def->dt > limit)

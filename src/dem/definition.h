@@ -4,9 +4,10 @@
 
 #include "dem/dem.h"
 
-/* All of it; a wall's geometry; one grain; the integrator alone: can it do all that the definition asks for?
- * Errors: RP_BAD_INPUT. */
+/* All of it; all but the grains, and so without the largest time step; a wall's geometry; one grain; the
+ * integrator alone: can it do all that the definition asks for? Errors: RP_BAD_INPUT. */
 rp_status dem_definition_check(const dem_definition *def);
+rp_status dem_laws_check(const dem_definition *def);
 rp_status dem_wall_check(const dem_wall *wall);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);

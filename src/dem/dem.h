@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/snapshot.h"
 #include "core/status.h"
 #include "dem/laws.h"
 #include "dem/physics.h"
@@ -178,6 +179,12 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim);
 /* A copy that goes on exactly as the original would. Errors: RP_NO_MEMORY. */
 rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
+
+/* Write the simulation into a snapshot, or make *sim from one: it goes on exactly as the original would,
+ * whatever its kernel. After a failure of a reading *sim is NULL. Errors, in the snapshot's status:
+ * RP_BAD_INPUT (a state that no simulation can have), RP_NO_MEMORY. dem_keep_layout: for the file's head. */
+void dem_keep(rp_snapshot *s, dem_sim **sim);
+uint64_t dem_keep_layout(void);
 
 /* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
  * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt;

@@ -20,29 +20,24 @@ static void hold_fixed(dem_sim *sim)
     }
 }
 
-static inline void predict(dem_motion *grain, dem_gear *gear, dem_vec *excess, double dt)
+static unsigned predict(dem_sim *sim)
 {
-    dem_vec *q = gear->q;
-    dem_vec curve = q[0] + q[1] + q[2] + q[3];
-    dem_vec gain = 2.0 * q[0] + 3.0 * q[1] + 4.0 * q[2] + 5.0 * q[3]; /* of v dt */
-    grain->x += grain->v * dt + curve;
-    grain->v += gain / dt;
-    *excess += curve - gain;
-    q[0] += 3.0 * q[1] + 6.0 * q[2] + 10.0 * q[3];
-    q[1] += 4.0 * q[2] + 10.0 * q[3];
-    q[2] += 5.0 * q[3];
-}
-
-static unsigned predict_all(dem_sim *sim)
-{
+    const double dt = sim->def.dt;
     unsigned left = 0;
     for (size_t i = 0; i < sim->grains.n; i++) {
-        predict(&sim->grains.motion[i], &sim->grains.gear[i], &sim->grains.excess[i], sim->def.dt);
+        dem_motion *grain = &sim->grains.motion[i];
+        dem_vec *q = sim->grains.gear[i].q;
+        const dem_vec curve = q[0] + q[1] + q[2] + q[3];
+        const dem_vec gain = 2.0 * q[0] + 3.0 * q[1] + 4.0 * q[2] + 5.0 * q[3]; /* of v dt */
+        grain->x += grain->v * dt + curve;
+        grain->v += gain / dt;
+        sim->grains.excess[i] += curve - gain;
+        q[0] += 3.0 * q[1] + 6.0 * q[2] + 10.0 * q[3];
+        q[1] += 4.0 * q[2] + 10.0 * q[3];
+        q[2] += 5.0 * q[3];
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
-        const dem_vec x = sim->grains.motion[i].x, moved = x - sim->grains.listed_x[i];
-        left |= !(dem_dot(moved, moved) <= sim->grains.margin2[i]) *
-                DEM_LIST_OUT; /* so that NaN counts as moved */
-        left |= dem_beyond(sim, x) * DEM_GRAIN_OUT;
+        left |=
+            dem_beyond_margin(sim, i, grain->x) * DEM_LIST_OUT | dem_beyond(sim, grain->x) * DEM_GRAIN_OUT;
     }
     sim->count.grain_steps += (double)sim->grains.n;
     hold_fixed(sim);
@@ -67,7 +62,7 @@ static rp_status step(dem_sim *sim, bool last)
 {
     (void)last;
     dem_walls_turn(sim);
-    rp_status status = dem_step_lists(sim, predict_all(sim));
+    rp_status status = dem_step_lists(sim, predict(sim));
     if (!status) status = dem_step_forces(sim);
     if (!status) correct(sim);
     return status;

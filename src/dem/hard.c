@@ -81,13 +81,6 @@ static void predict(dem_sim *sim, size_t i)
     sim->grains.next_angle[i] = sim->grains.angle[i] + dt * sim->grains.next_omega[i];
 }
 
-/* Is grain i then beyond its margin, so that the neighbour list may lack one of its pairs? True for NaN. */
-static bool beyond_margin(const dem_sim *sim, size_t i)
-{
-    const dem_vec moved = sim->grains.next_motion[i].x - sim->grains.listed_x[i];
-    return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
-}
-
 /* Change the velocity of grain i at time t from that of body `from` to that of body `to`. The whole step then
  * has the new velocity, from a start that is moved back to match. */
 static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
@@ -257,7 +250,7 @@ static size_t predict_all(dem_sim *sim)
     size_t beyond = sim->grains.n;
     for (size_t i = sim->kernels.predict ? sim->kernels.predict(sim, &beyond) : 0; i < sim->grains.n; i++) {
         predict(sim, i);
-        if (beyond_margin(sim, i)) beyond = i;
+        if (dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) beyond = i;
     }
     return beyond;
 }
@@ -294,7 +287,8 @@ unsigned dem_hard_move(dem_sim *sim)
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
     for (size_t i = 0; i < sim->grains.n && sim->collided; i++)
-        left |= (sim->grains.collided[i] && beyond_margin(sim, i)) * DEM_LIST_OUT;
+        left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
+                DEM_LIST_OUT;
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;

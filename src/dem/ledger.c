@@ -425,6 +425,36 @@ rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
     return RP_OK;
 }
 
+/* Grains are there or not, and every contact is one of grains and walls that there are. */
+static bool contacts_exist(const dem_sim *sim)
+{
+    const struct dem_ledger_state *b = sim->ledger;
+    bool exist = true;
+    for (size_t id = 0; id <= sim->grains.last_id; id++)
+        exist &= rp_keep_bool(&b->grain[id].present) && rp_keep_bool(&b->grain[id].seen);
+    for (size_t k = 0; k < b->old.n; k++) {
+        const ledger_contact *c = &b->old.at[k];
+        exist &= c->a <= sim->grains.last_id && c->b <= sim->grains.last_id;
+        exist &= c->b > 0 || UINT32_MAX - (uint32_t)c->key < sim->def.n_walls;
+    }
+    return exist;
+}
+
+void dem_ledger_keep(rp_snapshot *s, dem_sim *sim)
+{
+    if (s->status || !sim->def.ledger) return;
+    if (s->reading && (s->status = dem_ledger_alloc(sim)) != RP_OK) return;
+    struct dem_ledger_state *b = sim->ledger;
+    RP_KEEP(s, b->sum);
+    RP_KEEP(s, b->gravity);
+    RP_KEEP(s, b->old.n);
+    rp_keep_check(s, b->old.n <= s->n / sizeof *b->old.at, "impossible contacts of the ledger");
+    if (!s->status && s->reading) s->status = reserve(&b->old, b->old.n + 1);
+    rp_keep(s, b->grain, (sim->grains.last_id + 1) * sizeof *b->grain);
+    rp_keep(s, b->old.at, b->old.n * sizeof *b->old.at);
+    rp_keep_check(s, s->status || contacts_exist(sim), "impossible contacts of the ledger");
+}
+
 void dem_ledger_free(dem_sim *sim)
 {
     if (!sim->ledger) return;

@@ -2,12 +2,16 @@
 #ifndef DEM_LEDGER_H
 #define DEM_LEDGER_H
 
+#include "core/snapshot.h"
 #include "dem/hard.h"
 #include "dem/vec.h"
 
 rp_status dem_ledger_alloc(dem_sim *sim);
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
+
+/* Its part of a snapshot; a reading makes the ledger. */
+void dem_ledger_keep(rp_snapshot *s, dem_sim *sim);
 
 /* Record the contacts' forces after all springs have advanced by h. An integrator with one force throughout a
  * step passes it before the grains move. Then start, or balance the step once all grains have moved. */

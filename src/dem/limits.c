@@ -5,12 +5,6 @@
 #include "dem/definition.h"
 #include "dem/observe.h"
 
-/* Overlap that an impact at speed v reaches without damping. */
-static double impact_overlap(const dem_definition *def, const dem_material *c, double m_eff, double v)
-{
-    return c->k_n > 0.0 ? dem_normal_descriptors[def->normal].impact_overlap(c->k_n, m_eff, v) : 0.0;
-}
-
 /* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
  * what a pair's are. Of normal forces alone a triangular packing's modes have 3 k_n/m_eff at most; with shear
  * springs 3 k_n + k_s, or the other way round, at the edges of its cell of wave numbers, and
@@ -40,28 +34,22 @@ static contact_pair pair_of(double m_a, double coordination_a, double m_b, doubl
     return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse};
 }
 
-static void contact_rates(const dem_definition *def, const dem_material *c, contact_pair of, double overlap,
-                          double *gamma, double *omega_squared)
+/* Largest time step of a contact at this overlap. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
+                                 double overlap, dem_load load)
 {
+    const dem_scheme *scheme = dem_schemes[def->integrator];
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     const double k_n = law->stiffness(c->k_n, overlap),
                  gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    *gamma =
-        of.coordination * packing_sum(gamma_n, shear ? c->gamma_s : 0.0, rolls ? c->gamma_roll : 0.0, turns);
-    *omega_squared =
-        of.coordination / of.m_eff * packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns);
-}
-
-/* Largest time step of a contact at this overlap. */
-static double contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
-                                 double overlap, dem_load load)
-{
-    const dem_scheme *scheme = dem_schemes[def->integrator];
-    dem_rates rates;
-    contact_rates(def, c, of, overlap, &rates.gamma, &rates.omega2);
+    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? c->gamma_s : 0.0,
+                                                                    rolls ? c->gamma_roll : 0.0, turns),
+                             .omega2 =
+                                 of.coordination / of.m_eff *
+                                 packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns)};
     return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
 
@@ -70,11 +58,12 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
 static double speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of, double r,
                                double v)
 {
-    double limit = contact_step_limit(def, c, of, impact_overlap(def, c, of.m_eff, v), DEM_AT_IMPACT);
-    if (!(c->k_n > 0.0)) return limit;
-    double weight = of.m_eff * v * v / (4.0 * r);
-    double overlap = dem_normal_descriptors[def->normal].rest_overlap(c->k_n, weight);
-    return fmin(limit, contact_step_limit(def, c, of, overlap, DEM_AT_REST));
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    if (!(c->k_n > 0.0)) return contact_step_limit(def, c, of, 0.0, DEM_AT_IMPACT);
+    const double impact = law->impact_overlap(c->k_n, of.m_eff, v), weight = of.m_eff * v * v / (4.0 * r),
+                 rest = law->rest_overlap(c->k_n, weight);
+    return fmin(contact_step_limit(def, c, of, impact, DEM_AT_IMPACT),
+                contact_step_limit(def, c, of, rest, DEM_AT_REST));
 }
 
 /* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
@@ -125,48 +114,47 @@ static void lightest_two(const dem_definition *def, double r_min, const dem_grai
     }
 }
 
+/* Lower the limit to t, which `contact` sets. */
+static void lower(double t, const char *contact, double *limit, const char **what)
+{
+    if (t >= *limit) return;
+    *limit = t;
+    *what = contact;
+}
+
 double dem_time_step_limit(const dem_definition *given, const char **what)
 {
     dem_definition own = *given, *const def = &own;
-    if (dem_physics_resolve(&own)) {
-        if (what) *what = "a restitution that cannot be had";
-        return 0.0;
-    }
+    const char *unused;
+    if (!what) what = &unused;
+    *what = "a restitution that cannot be had";
+    if (dem_physics_resolve(&own)) return 0.0;
+    *what = "nothing: the integrator is implicit";
+    if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
     double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
     const dem_grain *first, *second;
-    if (!dem_schemes[def->integrator]->step_limit) {
-        if (what) *what = "nothing: the integrator is implicit";
-        return INFINITY;
-    }
     for (size_t i = 0; i < def->n_grains; i++) {
         r_min = fmin(r_min, def->grains[i].r);
         if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
     }
     lightest_two(def, r_min, &first, &second);
-    const double v = dem_impact_speed(def), coordination = first ? coordination_of(first->r, r_min) : 0.0;
-    const char *which = "no contact";
-    if (def->n_grains > 1 && first) {
-        /* one that can move: the others are fixed */
+    *what = "no contact";
+    if (!first) return limit;
+    const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min);
+    const contact_pair one = pair_of(first->m, coordination, INFINITY, 0.0); /* the other cannot move */
+    if (def->n_grains > 1) {
         const contact_pair two =
-            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min))
-                   : pair_of(first->m, coordination, INFINITY, 0.0);
+            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min)) : one;
+        *what = "two of the lightest grains";
         limit = speed_step_limit(def, &def->material, two, r_moves, v);
-        which = "two of the lightest grains";
     }
-    for (size_t w = 0; w < def->n_walls && first; w++) {
-        const dem_material *c = &def->walls[w].material;
-        double t = speed_step_limit(def, c, pair_of(first->m, coordination, INFINITY, 0.0), r_moves, v);
-        if (t < limit) {
-            limit = t;
-            which = "the lightest grain at a wall";
-        }
-        t = (int)w + 1 == def->ground.wall ? well_step_limit(def, first->m, r_moves, v) : INFINITY;
-        if (t < limit) {
-            limit = t;
-            which = "the lightest grain in a well of the ground";
-        }
+    for (size_t w = 0; w < def->n_walls; w++) {
+        lower(speed_step_limit(def, &def->walls[w].material, one, r_moves, v), "the lightest grain at a wall",
+              &limit, what);
+        if ((int)w + 1 == def->ground.wall)
+            lower(well_step_limit(def, first->m, r_moves, v), "the lightest grain in a well of the ground",
+                  &limit, what);
     }
-    if (what) *what = which;
     return limit;
 }
 

@@ -24,6 +24,7 @@ struct dem_list_work {
 };
 
 static const uint32_t NOWHERE = UINT32_MAX;
+enum { MOST_CELLS = 1 << 14 }; /* in a row at the start */
 
 static rp_status no_memory(void)
 {
@@ -58,9 +59,8 @@ static void size_cells(dem_sim *sim, struct dem_list_work *w)
             hi[a] = fmax(hi[a], sim->grains.motion[i].x[a]);
         }
     const double size = 2.0 * (sim->r_max + margin(sim, 0.0));
-    const size_t most = (size_t)1 << 14;
-    w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, most);
-    w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, most);
+    w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, MOST_CELLS);
+    w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, MOST_CELLS);
     while (w->cells_x * w->cells_y > 4 * sim->grains.n + 64 && (w->cells_x > 4 || w->cells_y > 4))
         if (w->cells_x > w->cells_y)
             w->cells_x /= 2;
@@ -83,6 +83,22 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     }
     w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
     return w->cell_start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
+}
+
+void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)
+{
+    struct dem_list_work cells = {0};
+    if (!s->reading) cells = *sim->list.work;
+    RP_KEEP(s, cells.cells_x);
+    RP_KEEP(s, cells.cells_y);
+    rp_keep_check(s,
+                  power_of_two((double)cells.cells_x, MOST_CELLS) == cells.cells_x &&
+                      power_of_two((double)cells.cells_y, MOST_CELLS) == cells.cells_y &&
+                      cells.cells_x * cells.cells_y <= 4 * (size_t)sim->grains.last_id + 64,
+                  "impossible cells");
+    if (s->status || !s->reading) return;
+    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &cells};
+    s->status = dem_neighbours_alloc(sim, &like);
 }
 
 void dem_neighbours_free(dem_sim *sim)

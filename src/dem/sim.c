@@ -2,6 +2,7 @@
 #include "dem/sim.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,7 +117,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
     sim->start.speed = dem_impact_speed(def);
-    sim->start.dt_limit = dem_time_step_limit(def, &sim->start.dt_limit_of);
+    const char *limit_of;
+    sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
+    snprintf(sim->start.dt_limit_of, sizeof sim->start.dt_limit_of, "%s", limit_of);
     status = dem_neighbours_alloc(sim, NULL);
     if (!status && def->ledger) status = dem_ledger_alloc(sim);
     return status ? status : start_forces(sim, def);
@@ -151,6 +154,20 @@ static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
     return status;
 }
 
+void dem_forget_parts(dem_sim *sim)
+{
+    sim->grains.slack = NULL;
+#define X(type, name, ...) sim->grains.name = NULL;
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    sim->pairs.done = NULL;
+#define X(type, name, ...) sim->pairs.name = NULL;
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    sim->walls.slot = NULL;
+    sim->work = NULL, sim->list.work = NULL, sim->ledger = NULL;
+}
+
 /* A copy with capacity for so many grains. */
 static rp_status copy_with_capacity(const dem_sim *sim, size_t capacity, dem_sim **copy)
 {
@@ -158,10 +175,7 @@ static rp_status copy_with_capacity(const dem_sim *sim, size_t capacity, dem_sim
     dem_sim *c = malloc(sizeof *c);
     if (!c) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     *c = *sim;
-    c->grains = (dem_grains){0};
-    c->pairs = (dem_pairs){0};
-    c->walls.slot = NULL;
-    c->work = NULL, c->list.work = NULL, c->ledger = NULL;
+    dem_forget_parts(c);
     rp_status status = copy_parts(sim, capacity, c);
     if (status)
         dem_free(c);
@@ -258,13 +272,10 @@ dem_fault dem_sim_fault(const dem_sim *sim)
 
 const char *dem_fault_text(dem_fault fault)
 {
-    switch (fault) {
-#define X(name, text)                                                                                        \
-    case name: return text;
-        DEM_FAULT_LIST(X)
+#define X(name, text) [name] = text,
+    static const char *const texts[] = {DEM_FAULT_LIST(X)};
 #undef X
-    }
-    return "unknown";
+    return texts[fault];
 }
 
 long dem_step(const dem_sim *sim)

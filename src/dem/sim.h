@@ -48,13 +48,16 @@ struct dem_sim {
     /* of the start, for the header's notes */
     struct {
         double radius_mean, mass_mean, speed, dt_limit;
-        const char *dt_limit_of;
+        char dt_limit_of[64];
     } start;
 
     dem_fault fault;
     dem_phases *times; /* of dem_run_timed, and the clock of its last reading; NULL without */
     double clock;
 };
+
+/* Forget, in a copy of the structure, the arrays and work spaces that are the original's. */
+void dem_forget_parts(dem_sim *sim);
 
 /* Force on a grain, in either of its arrays. */
 static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
@@ -77,6 +80,14 @@ static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
 {
     x = dem_to_box(&sim->walls, x);
     return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
+}
+
+/* Has grain i at x moved beyond its margin, so that the neighbour list may lack a pair of it? True for NaN.
+ */
+static inline bool dem_beyond_margin(const dem_sim *sim, size_t i, dem_vec x)
+{
+    const dem_vec moved = x - sim->grains.listed_x[i];
+    return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
 }
 
 /* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
@@ -112,6 +123,9 @@ static inline void dem_hold_fixed(dem_sim *sim)
 /* Work space of a simulation, or of the copy of another, for its capacity of grains. Errors: RP_NO_MEMORY. */
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
 void dem_neighbours_free(dem_sim *sim);
+
+/* Its part of a snapshot; a reading makes the work space. */
+void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim);
 
 /* For hard collisions: let every grain's margin hold its displacement of the coming step. Few grains get
  * their part of the list anew, else all of it is rebuilt. Errors: RP_BROKEN, RP_NO_MEMORY. */

@@ -101,6 +101,21 @@ static inline void wide_store_records(void *to, wide x, wide v)
     wide_store((double *)to + WIDTH, wide_shuffle(x, v, low + WIDTH / 2));
 }
 
+/* The vectors (x, y). */
+static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
+{
+    const __typeof__(WIDE_INDEX) low = WIDE_INDEX / 2 + WIDE_ODD * WIDTH;
+    wide_store((double *)to, wide_shuffle(x, y, low));
+    wide_store((double *)(to + WIDTH / 2), wide_shuffle(x, y, low + WIDTH / 2));
+}
+
+/* WIDTH/2 numbers, each twice; reads WIDTH. */
+static inline wide wide_load_twice(const double *from)
+{
+    const wide a = wide_load(from);
+    return wide_shuffle(a, a, WIDE_INDEX / 2);
+}
+
 static inline wide num_sqrt(wide a)
 {
     return WIDE_PD(sqrt)(a);
@@ -174,21 +189,6 @@ static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, 
     }
 }
 
-/* WIDTH/2 numbers, each twice. */
-static inline wide wide_load_twice(const double *from)
-{
-    const __m512i index = _mm512_setr_epi64(0, 0, 1, 1, 2, 2, 3, 3);
-    return _mm512_permutexvar_pd(index, _mm512_castpd256_pd512(_mm256_loadu_pd(from)));
-}
-
-/* The vectors (x, y). */
-static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
-{
-    const __m512i low = WIDE_INDEX / 2 + WIDE_ODD * WIDTH;
-    wide_store((double *)to, wide_shuffle(x, y, low));
-    wide_store((double *)(to + 4), wide_shuffle(x, y, low + WIDTH / 2));
-}
-
 /* Record i[0], followed by record i[2]. */
 static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
 {
@@ -252,16 +252,6 @@ static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, 
     wide_store((double *)(to + 1), wide_evens(odd, t_odd));
     wide_store((double *)(to + 2), wide_odds(even, t_even));
     wide_store((double *)(to + 3), wide_odds(odd, t_odd));
-}
-
-static inline wide wide_load_twice(const double *from)
-{
-    return _mm256_permute4x64_pd(_mm256_castpd128_pd256(_mm_loadu_pd(from)), 0x50);
-}
-
-static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
-{
-    wide_store_records(to, wide_zip_firsts(x, y), wide_zip_seconds(x, y));
 }
 
 static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)

@@ -15,14 +15,19 @@ static dem_vec turned(const dem_sim *sim, const double x[2])
            sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
 }
 
+rp_status dem_walls_alloc(dem_walls *walls)
+{
+    walls->capacity = walls->n_slots + 1;
+    walls->slot = malloc(walls->capacity * sizeof *walls->slot);
+    return walls->slot ? RP_OK : rp_fail(RP_NO_MEMORY, "wall slots: out of memory");
+}
+
 rp_status dem_walls_copy(const dem_walls *walls, dem_walls *copy)
 {
     *copy = *walls;
-    copy->capacity = walls->n_slots + 1;
-    copy->slot = malloc(copy->capacity * sizeof *copy->slot);
-    if (!copy->slot) return rp_fail(RP_NO_MEMORY, "wall slots: out of memory");
-    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
-    return RP_OK;
+    rp_status status = dem_walls_alloc(copy);
+    if (!status && walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
+    return status;
 }
 
 void dem_walls_free(dem_walls *walls)

@@ -47,7 +47,8 @@ static inline dem_vec dem_box_velocity(const dem_walls *walls, dem_vec x)
     return walls->swing[0] * x + walls->swing[1] * dem_clockwise(x);
 }
 
-/* A copy. Errors: RP_NO_MEMORY. */
+/* Room for the n_slots slots; a copy. Errors: RP_NO_MEMORY. */
+rp_status dem_walls_alloc(dem_walls *walls);
 rp_status dem_walls_copy(const dem_walls *walls, dem_walls *copy);
 void dem_walls_free(dem_walls *walls);
 

@@ -118,111 +118,93 @@ size_t statics_bonds_unsupported(size_t n, const statics_disk *disks, const rp_p
 
 /* ---- The pile of half the size ---- */
 
-/* Place on a lattice: number `along` of row `row`, in columns that lean to the right. */
+/* A disk's position on a lattice: number `along` of row `row`, in columns that lean to the right. */
 typedef struct {
-    long along, row;
-} lattice_place;
+    long row, along;
+    uint32_t disk, half; /* its number, and that in the pile of half the size, UINT32_MAX without */
+} lattice_site;
 
-typedef struct {
-    double right[2], up[2]; /* from a place to the next of its row, of its column */
-    long first[2], size[2]; /* of the grid around all places, with a margin: along, row */
-    lattice_place *places;
-    uint32_t *half; /* [size[0] size[1]] the disk there in the pile of half the size, counted from 1 */
-} lattice;
+static int by_site(const void *left, const void *right)
+{
+    const lattice_site *p = left, *q = right;
+    if (p->row != q->row) return p->row < q->row ? -1 : 1;
+    return (p->along > q->along) - (p->along < q->along);
+}
 
-/* Steps from a bond that leans to the right and one that leans to the left; false if there is none. */
-static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_t n_bonds, lattice *l)
+/* Steps to the next site of a row and of a column, from a bond that leans to the right and one that leans to
+ * the left; false if there is none. */
+static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_t n_bonds, double along[2],
+                          double up[2])
 {
     const double LEANS = 0.25; /* of a bond's length: less is level, or upright */
     double left[2] = {0, 0};
-    for (size_t k = 0; k < n_bonds && !(l->up[0] > 0 && left[0] < 0); k++) {
+    up[0] = 0;
+    for (size_t k = 0; k < n_bonds && !(up[0] > 0 && left[0] < 0); k++) {
         const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
         const double sign = q->y > p->y ? 1 : -1, dx = sign * (q->x - p->x), dy = sign * (q->y - p->y);
         if (!(dy > LEANS * fabs(dx) && fabs(dx) > LEANS * dy)) continue;
-        double *side = dx > 0 ? l->up : left;
+        double *side = dx > 0 ? up : left;
         side[0] = dx;
         side[1] = dy;
     }
-    for (int c = 0; c < 2; c++) l->right[c] = l->up[c] - left[c];
-    return l->up[0] > 0 && left[0] < 0;
+    for (int c = 0; c < 2; c++) along[c] = up[c] - left[c];
+    return up[0] > 0 && left[0] < 0;
 }
 
-/* The disks' places, counted from a lowest one; false if one is off the lattice, or the grid mostly empty. */
-static bool lattice_places(size_t n, const statics_disk *disks, lattice *l)
+/* The disks' sites in order, counted from a lowest disk, and the pile of half the size; 0 if a disk is off
+ * the lattice. */
+static size_t take_half(size_t n, const statics_disk *disks, const double along[2], const double up[2],
+                        lattice_site *sites, statics_disk *half)
 {
     const double OFF = 0.1; /* of a step */
-    const double det = l->right[0] * l->up[1] - l->right[1] * l->up[0];
+    const double det = along[0] * up[1] - along[1] * up[0];
     const statics_disk *origin = disks;
-    long last[2] = {0, 0};
+    size_t n_half = 0;
     for (size_t i = 0; i < n; i++)
         if (disks[i].y < origin->y) origin = &disks[i];
     for (size_t i = 0; i < n; i++) {
         const double dx = disks[i].x - origin->x, dy = disks[i].y - origin->y;
-        const double at[2] = {(dx * l->up[1] - dy * l->up[0]) / det,
-                              (dy * l->right[0] - dx * l->right[1]) / det};
-        for (int c = 0; c < 2; c++) {
-            if (!(fabs(at[c] - rint(at[c])) < OFF)) return false;
-            const long whole = lrint(at[c]);
-            *(c ? &l->places[i].row : &l->places[i].along) = whole;
-            if (whole < l->first[c]) l->first[c] = whole;
-            if (whole > last[c]) last[c] = whole;
-        }
-    }
-    for (int c = 0; c < 2; c++) {
-        l->first[c]--;
-        l->size[c] = last[c] - l->first[c] + 2;
-    }
-    return (double)l->size[0] * (double)l->size[1] < 16 * (double)n + 64;
-}
-
-static uint32_t *half_at(const lattice *l, long along, long row)
-{
-    return &l->half[(along - l->first[0]) + l->size[0] * (row - l->first[1])];
-}
-
-static size_t take_half(size_t n, const statics_disk *disks, const lattice *l, statics_disk *half)
-{
-    size_t n_half = 0;
-    for (size_t i = 0; i < n; i++) {
-        const lattice_place at = l->places[i];
-        if (at.along % 2 || at.row % 2) continue;
+        const double x = (dx * up[1] - dy * up[0]) / det, y = (dy * along[0] - dx * along[1]) / det;
+        if (!(fabs(x - rint(x)) < OFF && fabs(y - rint(y)) < OFF)) return 0;
+        sites[i] = (lattice_site){lrint(y), lrint(x), (uint32_t)i, UINT32_MAX};
+        if (sites[i].along % 2 || sites[i].row % 2) continue;
+        sites[i].half = (uint32_t)n_half;
         half[n_half] = disks[i];
         half[n_half].x = disks[i].x / 2;
-        half[n_half].y = disks[i].r + (disks[i].y - disks[i].r) / 2;
-        *half_at(l, at.along, at.row) = (uint32_t)++n_half;
+        half[n_half++].y = disks[i].r + (disks[i].y - disks[i].r) / 2;
     }
+    qsort(sites, n, sizeof *sites, by_site);
     return n_half;
 }
 
-static void find_parents(size_t n, const lattice *l, rp_pair *parents)
+static uint32_t half_at(size_t n, const lattice_site *sites, long row, long along)
 {
-    for (size_t i = 0; i < n; i++) {
-        const lattice_place at = l->places[i];
-        const long x = at.along % 2 != 0, y = at.row % 2 == 0 ? 0 : x ? -1 : 1;
-        parents[i].a = *half_at(l, at.along - x, at.row - y) - 1; /* 0, none, becomes the largest number */
-        parents[i].b = *half_at(l, at.along + x, at.row + y) - 1;
-    }
+    const lattice_site *found =
+        bsearch(&(lattice_site){.row = row, .along = along}, sites, n, sizeof *sites, by_site);
+    return found ? found->half : UINT32_MAX;
 }
 
 rp_status statics_bonds_halve(size_t n, const statics_disk *disks, const rp_pair *bonds, size_t n_bonds,
                               statics_disk **half, size_t *n_half, rp_pair *parents)
 {
-    lattice l = {0};
+    double along[2], up[2];
     *n_half = 0;
     *half = NULL;
-    if (!lattice_steps(disks, bonds, n_bonds, &l)) return RP_OK;
-    l.places = malloc(n * sizeof *l.places);
-    bool good = l.places != NULL;
-    if (good && lattice_places(n, disks, &l)) {
-        l.half = calloc((size_t)(l.size[0] * l.size[1]), sizeof *l.half);
-        *half = malloc(n * sizeof **half);
-        good = l.half && *half;
-        if (good) {
-            *n_half = take_half(n, disks, &l, *half);
-            find_parents(n, &l, parents);
-        }
+    if (!lattice_steps(disks, bonds, n_bonds, along, up)) return RP_OK;
+    lattice_site *sites = malloc(n * sizeof *sites);
+    *half = malloc(n * sizeof **half);
+    const bool good = sites && *half;
+    if (good) *n_half = take_half(n, disks, along, up, sites, *half);
+    for (size_t i = 0; *n_half > 0 && i < n; i++) {
+        const lattice_site at = sites[i];
+        const long x = at.along % 2 != 0, y = at.row % 2 == 0 ? 0 : x ? -1 : 1;
+        parents[at.disk] = (rp_pair){half_at(n, sites, at.row - y, at.along - x),
+                                     half_at(n, sites, at.row + y, at.along + x)};
     }
-    free(l.places);
-    free(l.half);
+    free(sites);
+    if (*n_half == 0) {
+        free(*half);
+        *half = NULL;
+    }
     return good ? RP_OK : rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
 }

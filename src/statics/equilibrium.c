@@ -98,23 +98,18 @@ statics_definition statics_definition_default(void)
     return (statics_definition){.eps = 1e-4, .k_x = 1, .mu = 1, .a = 1, .load_steps = 1};
 }
 
-const char *statics_fault_text(statics_fault fault)
-{
-    static const char *const texts[] = {
+const char *const statics_fault_texts[] = {
 #define X(name, text) text,
-        STATICS_LIST(X)
+    STATICS_LIST(X)
 #undef X
-    };
-    return texts[fault];
-}
+};
 
 /* "disks 1, 2, 3 and 5 more"; `disks` holds the first NAMED of n. */
-static void name_disks(char *text, size_t size, size_t n, const size_t disks[])
+static void name_disks(FILE *text, size_t n, const size_t disks[])
 {
-    size_t used = (size_t)snprintf(text, size, "disk%s", n == 1 ? "" : "s");
-    for (size_t i = 0; i < n && i < NAMED && used < size; i++)
-        used += (size_t)snprintf(text + used, size - used, "%s %zu", i ? "," : "", disks[i] + 1);
-    if (n > NAMED && used < size) snprintf(text + used, size - used, " and %zu more", n - NAMED);
+    fputs(n == 1 ? "disk" : "disks", text);
+    for (size_t i = 0; i < n && i < NAMED; i++) fprintf(text, "%s %zu", i ? "," : "", disks[i] + 1);
+    if (n > NAMED) fprintf(text, " and %zu more", n - NAMED);
 }
 
 static rp_status no_memory(size_t n)
@@ -204,6 +199,20 @@ static void make_wells(statics_pile *pile)
     for (size_t i = 0; i < pile->n_wells; i++) pile->wells[i].x_0 = 0; /* from here on a displacement */
 }
 
+static rp_status refuse_hanging(const statics_pile *pile, size_t n, const size_t hang[])
+{
+    char more[240] = "";
+    FILE *text = n > 1 ? fmemopen(more, sizeof more, "w") : NULL;
+    if (text) {
+        fputs("; nor ", text);
+        name_disks(text, n - 1, hang + 1);
+        fclose(text);
+    }
+    return rp_fail(RP_BAD_INPUT,
+                   "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it%s",
+                   hang[0] + 1, pile->disks[hang[0]].x, pile->disks[hang[0]].y, more);
+}
+
 static rp_status find_network(statics_pile *pile)
 {
     rp_status status = statics_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds);
@@ -211,15 +220,7 @@ static rp_status find_network(statics_pile *pile)
     size_t hang[NAMED + 1];
     const size_t hanging = statics_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH,
                                                      pile->trial, NAMED + 1, hang);
-    if (hanging) {
-        char more[240];
-        name_disks(more, sizeof more, hanging - 1, hang + 1);
-        return rp_fail(
-            RP_BAD_INPUT,
-            "disk %zu at (%g, %g) has no support: its neighbours and the ground can't carry it%s%s",
-            hang[0] + 1, pile->disks[hang[0]].x, pile->disks[hang[0]].y, hanging > 1 ? "; nor " : "",
-            hanging > 1 ? more : "");
-    }
+    if (hanging) return refuse_hanging(pile, hanging, hang);
     pile->bonds = calloc(pile->n_bonds + 1, sizeof *pile->bonds);
     pile->n_changes = (size_t)(UPDATE_MAX * sqrt((double)pile->n));
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
@@ -915,57 +916,53 @@ static size_t worst_disk(const statics_pile *pile)
     return worst / 2;
 }
 
-static void name_wells(const statics_pile *pile, char *text, size_t size)
+static void name_wells(const statics_pile *pile, FILE *text)
 {
     const statics_result *r = &pile->result;
     size_t lost[NAMED], n = 0;
-    char names[160];
-    *text = '\0';
     if (!r->broken) return;
     for (size_t i = 0; i < pile->n_wells && n < NAMED; i++)
         if (pile->wells[i].lost) lost[n++] = pile->wells[i].disk;
-    name_disks(names, sizeof names, r->broken, lost);
-    snprintf(text, size, "%zu of %zu wells %s, first that of disk %zu: %s; ", r->broken, r->wells,
-             pile->def.set_again ? "set anew" : "broken", r->first_broken + 1, names);
+    fprintf(text, "%zu of %zu wells %s, first that of disk %zu: ", r->broken, r->wells,
+            pile->def.set_again ? "set anew" : "broken", r->first_broken + 1);
+    name_disks(text, r->broken, lost);
+    fputs("; ", text);
 }
 
 /* Which disks moved apart, met, or are free. */
-static void name_cause(const statics_pile *pile, char *text, size_t size)
+static void name_cause(const statics_pile *pile, FILE *text)
 {
     const statics_fault fault = pile->result.fault;
-    size_t used = 0;
-    *text = '\0';
     if (fault == STATICS_SPREADS || fault == STATICS_COLLAPSES) {
         size_t widest = 0;
         const double moved = largest_stretch(pile, pile->w, &widest);
         const rp_pair apart = pile->pairs[widest];
-        used = (size_t)snprintf(text, size, "neighbours %u and %u moved by %.3g %s against one another; ",
-                                apart.a + 1, apart.b + 1, pile->eps > 0 ? pile->eps * moved : moved,
-                                pile->eps > 0 ? "sigma" : "eps sigma");
+        fprintf(text, "neighbours %u and %u moved by %.3g %s against one another; ", apart.a + 1, apart.b + 1,
+                pile->eps > 0 ? pile->eps * moved : moved, pile->eps > 0 ? "sigma" : "eps sigma");
     }
-    if (fault == STATICS_NOT_CONVERGED || fault == STATICS_CREEPS) snprintf(text, size, "%s", pile->why);
-    if (fault == STATICS_SINGULAR) snprintf(text, size, "no pivot for disk %zu; ", pile->pivots.disk + 1);
-    for (size_t i = 0; i < pile->n_met && i < NAMED && used < size; i++)
-        used +=
-            (size_t)snprintf(text + used, size - used, "%s%u on %u", i ? ", " : "no neighbours, but disk ",
-                             pile->met[i].a + 1, pile->met[i].b + 1);
-    if (pile->n_met > NAMED && used < size)
-        used += (size_t)snprintf(text + used, size - used, " and %zu more pairs", pile->n_met - NAMED);
-    if (pile->n_met && used < size) snprintf(text + used, size - used, "; ");
+    if (fault == STATICS_NOT_CONVERGED || fault == STATICS_CREEPS) fputs(pile->why, text);
+    if (fault == STATICS_SINGULAR) fprintf(text, "no pivot for disk %zu; ", pile->pivots.disk + 1);
+    for (size_t i = 0; i < pile->n_met && i < NAMED; i++)
+        fprintf(text, "%s%u on %u", i ? ", " : "no neighbours, but disk ", pile->met[i].a + 1,
+                pile->met[i].b + 1);
+    if (pile->n_met > NAMED) fprintf(text, " and %zu more pairs", pile->n_met - NAMED);
+    if (pile->n_met) fputs("; ", text);
 }
 
 /* The message of a solve without a result: what is known. */
 static rp_status explain(const statics_pile *pile)
 {
     const statics_result *r = &pile->result;
-    char wells[320], cause[320], residual[80] = "";
-    name_wells(pile, wells, sizeof wells);
-    name_cause(pile, cause, sizeof cause);
+    char known[900] = "";
+    FILE *text = fmemopen(known, sizeof known, "w");
+    if (!text) return no_memory(pile->n);
+    name_wells(pile, text);
+    name_cause(pile, text);
+    fprintf(text, "followed up to %g of the load", r->load);
     if (!(r->residual <= tolerance(pile)))
-        snprintf(residual, sizeof residual, ", then a residual of %.3g m g, on disk %zu", r->residual,
-                 worst_disk(pile) + 1);
-    return rp_fail(RP_NO_RESULT, "%s: %s%sfollowed up to %g of the load%s, after %zu steps",
-                   statics_fault_text(r->fault), wells, cause, r->load, residual, r->steps);
+        fprintf(text, ", then a residual of %.3g m g, on disk %zu", r->residual, worst_disk(pile) + 1);
+    fclose(text);
+    return rp_fail(RP_NO_RESULT, "%s: %s, after %zu steps", statics_fault_texts[r->fault], known, r->steps);
 }
 
 /* The state in which a solve ended without a result. */
@@ -1037,38 +1034,33 @@ void statics_wells(const statics_pile *pile, statics_well *wells)
     }
 }
 
-static void mark_extremes(const statics_pile *pile, statics_contact *contacts, size_t n, double *most,
-                          double *least)
+/* Uses two of the pile's vectors as work space. */
+static void mark_extremes(const statics_pile *pile, statics_contact *contacts, size_t n)
 {
     const double TIE = 1e-9;
+    double *most = pile->p, *least = pile->trial;
     for (size_t i = 0; i < pile->n; i++) {
         most[i] = 0;
         least[i] = INFINITY;
     }
-    for (size_t k = 0; k < n; k++)
-        for (int e = 0; e < 2; e++) {
-            const size_t i = e ? contacts[k].b : contacts[k].a;
-            most[i] = fmax(most[i], contacts[k].force);
-            least[i] = fmin(least[i], contacts[k].force);
-        }
-    for (size_t k = 0; k < n; k++)
-        for (int e = 0; e < 2; e++) {
-            const size_t i = e ? contacts[k].b : contacts[k].a;
-            contacts[k].strongest |= contacts[k].force >= most[i] * (1 - TIE);
-            contacts[k].weakest |= contacts[k].force <= least[i] * (1 + TIE);
-        }
+    for (size_t e = 0; e < 2 * n; e++) {
+        const size_t i = e % 2 ? contacts[e / 2].b : contacts[e / 2].a;
+        most[i] = fmax(most[i], contacts[e / 2].force);
+        least[i] = fmin(least[i], contacts[e / 2].force);
+    }
+    for (size_t e = 0; e < 2 * n; e++) {
+        statics_contact *c = &contacts[e / 2];
+        const size_t i = e % 2 ? c->b : c->a;
+        c->strongest |= c->force >= most[i] * (1 - TIE);
+        c->weakest |= c->force <= least[i] * (1 + TIE);
+    }
 }
 
 rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts, size_t *n)
 {
     const double eps = pile->result.eps, *w = pile->w;
     statics_contact *list = malloc((pile->n_bonds + 1) * sizeof *list);
-    double *extremes = malloc(2 * pile->n * sizeof *extremes);
-    if (!list || !extremes) {
-        free(list);
-        free(extremes);
-        return rp_fail(RP_NO_MEMORY, "contacts of %zu disks: out of memory", pile->n);
-    }
+    if (!list) return rp_fail(RP_NO_MEMORY, "contacts of %zu disks: out of memory", pile->n);
     *n = 0;
     for (size_t k = 0; k < pile->n_bonds; k++) {
         double dir[2], r;
@@ -1084,8 +1076,7 @@ rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts,
                                          .force = f,
                                          .horizontal = pile->bonds[k].horizontal};
     }
-    mark_extremes(pile, list, *n, extremes, extremes + pile->n);
-    free(extremes);
+    mark_extremes(pile, list, *n);
     *contacts = list;
     return RP_OK;
 }

@@ -74,7 +74,7 @@ typedef enum {
     STATICS_LIST(X)
 #undef X
 } statics_fault;
-const char *statics_fault_text(statics_fault fault);
+extern const char *const statics_fault_texts[];
 
 /* Negative modes where there is no equilibrium. */
 #define STATICS_UNCOUNTED ((size_t)-1)

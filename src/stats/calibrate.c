@@ -18,21 +18,15 @@ typedef struct {
     const stats_measured *m;
 } problem;
 
-static const char *const texts[][2] = {
-#define X(name, word, meaning) {word, meaning},
+const char *const stats_calibrated_words[] = {
+#define X(name, word, meaning) word,
+    STATS_CALIBRATED_LIST(X)};
+#undef X
+const char *const stats_calibrated_meanings[] = {
+#define X(name, word, meaning) meaning,
     STATS_CALIBRATED_LIST(X)
 #undef X
 };
-
-const char *stats_calibrated_word(stats_calibrated_status status)
-{
-    return texts[status][0];
-}
-
-const char *stats_calibrated_meaning(stats_calibrated_status status)
-{
-    return texts[status][1];
-}
 
 /* Covariance of measured less response at x: of the first angle, of both, of the second. Measured or
  * simulated, the two angles are of the same piles. A second angle that there is not has the variance 1. */

@@ -95,9 +95,9 @@ typedef struct {
     double boot_se, boot_lower, boot_upper;
 } stats_calibrated;
 
-const char *stats_calibrated_word(stats_calibrated_status status);
-const char *stats_calibrated_meaning(stats_calibrated_status status);
-const char *stats_shape_word(stats_shape shape);
+extern const char *const stats_calibrated_words[];
+extern const char *const stats_calibrated_meanings[];
+extern const char *const stats_shape_words[];
 
 /* Sort piles into points, in the order of their first piles: the arrays and the correlation of *c, no
  * response. Free with stats_calibration_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */

@@ -7,12 +7,8 @@
 
 static const double errors_that_decide = 2.0, level = 0.05;
 
-const char *stats_verdict_text(stats_verdict verdict)
-{
-    static const char *const texts[STATS_VERDICTS] = {"reproduced",      "not reproduced", "undecided",
-                                                      "can't be tested", "by eye",         "no data"};
-    return texts[verdict];
-}
+const char *const stats_verdict_texts[STATS_VERDICTS] = {"reproduced",      "not reproduced", "undecided",
+                                                         "can't be tested", "by eye",         "no data"};
 
 stats_number stats_of_few(stats_number mean, double n)
 {

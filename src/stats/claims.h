@@ -19,7 +19,7 @@ typedef enum {
 } stats_verdict;
 
 /* "reproduced", "not reproduced", "undecided", "can't be tested", "by eye", "no data". */
-const char *stats_verdict_text(stats_verdict verdict);
+extern const char *const stats_verdict_texts[];
 
 /* A number and its standard error: 0 for an exact number, NaN for an unknown error. */
 typedef struct {

@@ -131,14 +131,6 @@ rp_status stats_claims_judge(size_t n_combinations, size_t n, const stats_claim 
     return room ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
 }
 
-/* Column of the design matrix of a factor's level, level 0 being the reference. */
-static size_t column_of(size_t factor, size_t level, const size_t n_levels[])
-{
-    size_t column = 1;
-    for (size_t f = 0; f < factor; f++) column += n_levels[f] - 1;
-    return column + level - 1;
-}
-
 rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
                         const double y[], stats_effect effects[], double *residual_sd)
 {
@@ -150,9 +142,8 @@ rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const 
     if (!X) return rp_fail(RP_NO_MEMORY, "effects: out of memory");
     for (size_t i = 0; i < n; i++) {
         X[i * p] = 1.0;
-        for (size_t f = 0; f < n_factors; f++)
-            if (level[i * n_factors + f] > 0)
-                X[i * p + column_of(f, level[i * n_factors + f], n_levels)] = 1.0;
+        for (size_t f = 0, column = 0; f < n_factors; column += n_levels[f++] - 1) /* level 0: no column */
+            if (level[i * n_factors + f] > 0) X[i * p + column + level[i * n_factors + f]] = 1.0;
     }
     rp_status status = stats_multifit(n, p, X, NULL, y, 1e-10, c, covariance, &chi2, &rank);
     if (!status && rank < p)

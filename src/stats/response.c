@@ -13,11 +13,7 @@
 /* How much better, in AIC, a form must be that does not rise or fall throughout. */
 static const double monotone_credit = 6.0;
 
-const char *stats_shape_word(stats_shape shape)
-{
-    static const char *const words[] = {"powers", "exponential", "tanh"};
-    return words[shape];
-}
+const char *const stats_shape_words[] = {"powers", "exponential", "tanh"};
 
 /* ---- points ---- */
 
@@ -265,7 +261,7 @@ double stats_response_value(const stats_response_fit *r, const double x[], doubl
     *variance = r->discrepancy;
     for (size_t i = 0; i < r->n_terms; i++)
         for (size_t j = 0; j < r->n_terms; j++)
-            *variance += terms[i] * terms[j] * r->covariance[i * STATS_MAX_TERMS + j];
+            *variance += terms[i] * terms[j] * r->covariance[i * r->n_terms + j];
     return value;
 }
 
@@ -277,28 +273,28 @@ typedef struct {
     const double *y; /* at the points */
     size_t n;        /* terms */
     double *X, *weights;
-    double coefficients[STATS_MAX_TERMS], covariance[STATS_MAX_TERMS * STATS_MAX_TERMS], chi2;
 } problem;
 
-/* Coefficients at the present scale. */
-static rp_status solve_linear(problem *s)
+/* Coefficients at the present scale, their covariance (n rows of n) and chi2. */
+static rp_status solve_linear(problem *s, double coefficients[STATS_MAX_TERMS])
 {
+    stats_response_fit *r = s->r;
     double terms[STATS_MAX_TERMS], x[STATS_MAX_PARAMS];
     for (size_t g = 0; g < s->c->n_points; g++) {
         point_at(s->c, g, x);
-        terms_at(s->r, x, terms);
+        terms_at(r, x, terms);
         memcpy(s->X + g * s->n, terms, s->n * sizeof *terms);
     }
     size_t rank;
-    return stats_multifit(s->c->n_points, s->n, s->X, s->weights, s->y, GSL_DBL_EPSILON, s->coefficients,
-                          s->covariance, &s->chi2, &rank);
+    return stats_multifit(s->c->n_points, s->n, s->X, s->weights, s->y, GSL_DBL_EPSILON, coefficients,
+                          r->covariance, &r->chi2, &rank);
 }
 
 static double chi2_of_scale(const double log_scale[], void *data)
 {
     problem *s = data;
     s->r->scale = exp(*log_scale);
-    return solve_linear(s) ? HUGE_VAL : s->chi2;
+    return solve_linear(s, s->r->coefficients) ? HUGE_VAL : s->r->chi2;
 }
 
 /* The scale is sought from a twentieth of the range to three ranges: beyond these the form is a step or a
@@ -330,9 +326,7 @@ static void take_errors(problem *s)
     double sum = 0.0;
     for (size_t g = 0; g < r->n_points; g++) sum += s->weights[g];
     r->discrepancy = (r->inflation - 1.0) * n / sum;
-    for (size_t i = 0; i < s->n; i++)
-        for (size_t j = 0; j < s->n; j++)
-            r->covariance[i * STATS_MAX_TERMS + j] = r->inflation * s->covariance[i * s->n + j];
+    for (size_t i = 0; i < s->n * s->n; i++) r->covariance[i] *= r->inflation;
 }
 
 rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
@@ -349,15 +343,9 @@ rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c
         const double sd = stats_calibration_sd(c, angle, x);
         s.weights[g] = c->number[angle][g] / (sd * sd);
     }
-    rp_status status = saturating ? find_scale(&s) : solve_linear(&s);
-    if (!status) {
-        memcpy(r->coefficients, s.coefficients, s.n * sizeof *s.coefficients);
-        r->chi2 = s.chi2;
-    }
-    if (!status && saturating) { /* the same minimum, with the scale as one more term */
-        s.n++;
-        status = solve_linear(&s);
-    }
+    rp_status status = saturating ? find_scale(&s) : solve_linear(&s, r->coefficients);
+    s.n += saturating; /* the same minimum, with the scale as one more term */
+    if (!status && saturating) status = solve_linear(&s, (double[STATS_MAX_TERMS]){0.0});
     if (!status) take_errors(&s);
     free(s.weights);
     return status;

@@ -1,4 +1,5 @@
 /* Statistics of one series in time, whose values are correlated; see stats.h. */
+#include <gsl/gsl_math.h>
 #include <math.h>
 #include <string.h>
 
@@ -7,33 +8,25 @@
 /* Fewest blocks from which a variance is taken: its relative error is then 0.8. */
 static const size_t LEAST_BLOCKS = 4;
 
-/* Sum of squares about the mean. Sums are taken about the first value, so that equal values have none. */
-static double scatter(size_t n, const double v[], double *mean)
-{
-    double sum = 0.0, squares = 0.0;
-    for (size_t i = 0; i < n; i++) sum += v[i] - v[0];
-    *mean = v[0] + sum / (double)n;
-    for (size_t i = 0; i < n; i++) squares += (v[i] - *mean) * (v[i] - *mean);
-    return squares;
-}
-
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series)
 {
     *series = (stats_series){n, NAN, NAN, NAN, NAN, NAN, 0};
     rp_status status = stats_check_finite(n, v);
     if (status) return status;
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
-    const double squares = scatter(n, v, &series->mean), count = (double)n;
-    series->sd = sqrt(squares / (count - 1.0));
+    const double count = (double)n;
+    stats_summary all, means;
     memcpy(work, v, n * sizeof *work);
+    status = stats_mean(n, v, &all);
+    series->mean = all.mean;
+    series->sd = all.sd;
     double block = 1.0;
-    for (size_t blocks = n; blocks >= LEAST_BLOCKS; block *= 2.0) {
-        double mean, more = (double)(blocks - 1), variance = scatter(blocks, work, &mean);
-        variance /= (double)blocks * more;
-        double ratio = squares > 0.0 ? variance / (squares / count / (count - 1.0)) : 1.0;
+    for (size_t blocks = n; !status && blocks >= LEAST_BLOCKS; block *= 2.0) {
+        status = stats_mean(blocks, work, &means);
+        const double ratio = all.se > 0.0 ? gsl_pow_2(means.se / all.se) : 1.0;
         if (block * block * block > 2.0 * count * ratio * ratio) {
-            series->se = sqrt(variance);
-            series->se_error = series->se / sqrt(2.0 * more);
+            series->se = means.se;
+            series->se_error = series->se / sqrt(2.0 * (double)(blocks - 1));
             series->tau = 0.5 * ratio;
             series->block = (size_t)block;
             return RP_OK;
@@ -41,7 +34,8 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
         blocks /= 2; /* an odd one at the end is left out */
         for (size_t i = 0; i < blocks; i++) work[i] = 0.5 * (work[2 * i] + work[2 * i + 1]);
     }
-    return rp_fail(RP_NO_RESULT, "no plateau: %zu values are too few for their correlation", n);
+    return status ? status
+                  : rp_fail(RP_NO_RESULT, "no plateau: %zu values are too few for their correlation", n);
 }
 
 rp_status stats_level_off(size_t n, const double v[], size_t *from)

@@ -17,11 +17,12 @@ void stats_threshold_find(size_t n, const double x[], const bool holds[], stats_
     *threshold = t;
 }
 
-void stats_front(size_t n, const double a[], const double b[], bool front[])
+void stats_front(size_t n, stats_cost costs[])
 {
-    for (size_t i = 0; i < n; i++) {
-        front[i] = !isnan(a[i]) && !isnan(b[i]);
-        for (size_t j = 0; j < n && front[i]; j++) front[i] = !(a[j] < a[i] && b[j] < b[i]);
+    for (stats_cost *c = costs; c < costs + n; c++) {
+        c->front = !isnan(c->cost) && !isnan(c->bias);
+        for (size_t j = 0; j < n && c->front; j++)
+            c->front = !(costs[j].cost < c->cost && fabs(costs[j].bias) < fabs(c->bias));
     }
 }
 
@@ -64,25 +65,15 @@ static rp_status cost_of(size_t n, const stats_cost_run runs[], size_t setting, 
 rp_status stats_costs(size_t n, const stats_cost_run runs[], size_t n_settings, size_t reference,
                       stats_cost costs[])
 {
-    const size_t most = n > n_settings ? n : n_settings;
-    double *work = malloc((2 * most + 1) * sizeof *work);
-    bool *front = malloc((n_settings + 1) * sizeof *front);
-    rp_status status = work && front ? RP_OK : rp_fail(RP_NO_MEMORY, "cost: out of memory");
+    double *work = malloc((2 * n + 1) * sizeof *work);
+    rp_status status = work ? RP_OK : rp_fail(RP_NO_MEMORY, "cost: out of memory");
     for (size_t i = 0; i < n && !status; i++)
         if (!(runs[i].steps > 0.0 && isfinite(runs[i].seconds)))
             status = rp_fail(RP_BAD_INPUT, "run %zu: %g s, %g steps: out of range, allowed: finite, (0, inf)",
                              i + 1, runs[i].seconds, runs[i].steps);
     for (size_t s = 0; s < n_settings && !status; s++)
         status = cost_of(n, runs, s, reference, work, &costs[s]);
-    for (size_t s = 0; s < n_settings && !status; s++) {
-        work[s] = costs[s].cost;
-        work[most + s] = fabs(costs[s].bias);
-    }
-    if (!status) {
-        stats_front(n_settings, work, work + most, front);
-        for (size_t s = 0; s < n_settings; s++) costs[s].front = front[s];
-    }
+    if (!status) stats_front(n_settings, costs);
     free(work);
-    free(front);
     return status;
 }

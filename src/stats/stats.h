@@ -178,9 +178,6 @@ typedef struct {
 
 void stats_threshold_find(size_t n, const double x[], const bool holds[], stats_threshold *threshold);
 
-/* Pareto front: front[i] is true where no other point is smaller in both a and b. NaN is not on it. */
-void stats_front(size_t n, const double a[], const double b[], bool front[]);
-
 /* One run of a setting. Runs of equal `replica` start from the same state; a step takes the same time in all
  * runs of equal `size`. */
 typedef struct {
@@ -197,6 +194,9 @@ typedef struct {
     double cost;    /* sd^2 seconds: time that a standard error of 1 takes */
     bool front;     /* on the Pareto front of cost and |bias| */
 } stats_cost;
+
+/* Pareto front: `front` where no other setting is smaller in both cost and |bias|. NaN is not on it. */
+void stats_front(size_t n, stats_cost costs[]);
 
 /* Costs of settings 0 to n_settings - 1, compared with `reference`.
  * Errors: RP_BAD_INPUT (a value that is not finite, steps <= 0, a replica twice in the reference),

@@ -249,15 +249,14 @@ rp_status stats_trend_fit(size_t n, const double x[], const double y[], const do
     sample s = {.paired = pile != NULL, .n = n};
     s.points = calloc(n + 1, sizeof *s.points);
     s.cells = calloc(n + 1, sizeof *s.cells);
-    s.c = calloc(n + 1, sizeof *s.c);
-    s.work = calloc(n + 1, sizeof *s.work);
-    rp_status status = s.points && s.cells && s.c && s.work ? load_points(&s, x, y, pile)
-                                                            : rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    s.c = calloc(2 * n + 1, sizeof *s.c);
+    s.work = s.c + n;
+    rp_status status = s.points && s.cells && s.c ? load_points(&s, x, y, pile)
+                                                  : rp_fail(RP_NO_MEMORY, "trend: out of memory");
     if (!status) status = analyse(&s, power, margin, trend);
     free(s.points);
     free(s.cells);
     free(s.c);
-    free(s.work);
     return status;
 }
 

@@ -1,5 +1,5 @@
-/* Pressure on the base of piles; see dip.h. */
-#include "stress/dip.h"
+/* Pressure on the base of piles; see stress.h. */
+#include "stress/stress.h"
 
 #include <math.h>
 #include <stdbool.h>

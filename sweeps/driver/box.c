@@ -100,7 +100,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
 {
     sweep_result_clear(result);
     *run = (sweep_box_run){.box = box,
-                           .tables = tables,
+                           .tables = tables && tables->directory ? tables : NULL,
+                           .keep = tables ? tables->keep : NULL,
                            .result = result,
                            .d = 2.0 * box->radius_mean,
                            .cells = NAN,
@@ -109,10 +110,13 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     run->mg = dem_mass(box->physics.shape, box->physics.density, box->radius_mean) * box->g;
     run->states = malloc(most * sizeof *run->states);
     run->work = malloc(3 * most * sizeof *run->work);
-    run->x = malloc(2 * (most + 1) * sizeof *run->x);
+    run->x = calloc(2 * (most + 1), sizeof *run->x);
     if (!run->states || !run->work || !run->x) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     run->y = run->x + most + 1;
-    if (!tables) return RP_OK;
+    SWEEP_ENTER(run->keep, *result);
+    SWEEP_ENTER(run->keep, run->cells);
+    sweep_keep_enter_sim(run->keep, &run->sim);
+    if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
     if (!status) status = sweep_table_open(tables, "energy.tsv", &run->energy);
@@ -140,19 +144,24 @@ rp_status sweep_box_start(sweep_box_run *run)
 
 rp_status sweep_box_advance(sweep_box_run *run, long steps)
 {
-    const long every = run->tables ? run->tables->every : 0;
-    while (steps > 0) {
-        long part = steps;
+    const long every = run->tables ? run->tables->every : 0,
+               most = run->keep ? 1 + 1000000 / ((long)dem_count(run->sim) + 1) : steps;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(run->keep, steps);
+    while (steps > 0 && !status) {
+        long part = steps < most ? steps : most;
         long to_next = every > 0 ? every - dem_step(run->sim) % every : steps;
         if (to_next < part) part = to_next;
-        rp_status status = dem_run(run->sim, part);
+        status = dem_run(run->sim, part);
         if (status == RP_BROKEN)
-            return sweep_conclude(run->result, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
-        if (status) return status;
+            status = sweep_conclude(run->result, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
         steps -= part;
-        if (every > 0 && dem_step(run->sim) % every == 0) dem_write_energy(run->sim, run->energy.out);
+        if (!status && every > 0 && dem_step(run->sim) % every == 0)
+            dem_write_energy(run->sim, run->energy.out);
+        if (!status) status = sweep_keep_look(run->keep);
     }
-    return RP_OK;
+    sweep_keep_leave(run->keep, 1);
+    return status;
 }
 
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
@@ -168,29 +177,42 @@ static rp_status settle(sweep_box_run *run, const char *phase, bool pile)
 {
     const long every = 500;
     const int in_a_row = 10;
-    for (long steps = 0, passed = 0; passed < in_a_row; steps += every) {
-        if (steps >= run->max_steps)
-            return sweep_conclude(run->result, "not_at_rest", "%s: not at rest after %ld further steps",
-                                  phase, steps);
+    long steps = 0, passed = 0;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(run->keep, steps);
+    SWEEP_ENTER(run->keep, passed);
+    for (; passed < in_a_row && !status; steps += every) {
+        if (steps >= run->max_steps) {
+            status = sweep_conclude(run->result, "not_at_rest", "%s: not at rest after %ld further steps",
+                                    phase, steps);
+            break;
+        }
         dem_rest rest;
         bool quiet = false;
         ang_slope slopes[ANG_N_METHODS];
-        rp_status status = sweep_box_advance(run, every);
+        status = sweep_box_advance(run, every);
         if (!status) status = sweep_box_rest(run, &rest, &quiet);
         if (!status && pile) status = sweep_box_slopes(run, slopes);
-        if (status) return status;
         passed = quiet ? passed + 1 : 0;
     }
-    return RP_OK;
+    sweep_keep_leave(run->keep, 2);
+    return status;
 }
 
 rp_status sweep_box_open(sweep_box_run *run, long steps)
 {
     const long least = 5000;
-    dem_wall_open(run->sim, DEM_BOX_RIGHT, run->box->open);
-    run->scene.def.walls[DEM_BOX_RIGHT].open_at_step = dem_step(run->sim) + 1;
-    rp_status status = sweep_box_advance(run, steps < 1 ? least : steps);
-    return status || steps > 0 ? status : settle(run, "after the opening", true);
+    bool fallen = false;
+    rp_status status = RP_OK;
+    if (SWEEP_ENTER(run->keep, fallen)) {
+        dem_wall_open(run->sim, DEM_BOX_RIGHT, run->box->open);
+        run->scene.def.walls[DEM_BOX_RIGHT].open_at_step = dem_step(run->sim) + 1;
+    }
+    if (!fallen) status = sweep_box_advance(run, steps < 1 ? least : steps);
+    fallen = true;
+    if (!status && steps < 1) status = settle(run, "after the opening", true);
+    sweep_keep_leave(run->keep, 1);
+    return status;
 }
 
 rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
@@ -291,7 +313,10 @@ rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *b, unsigne
     const double patience =
         4e5 * (gamma_n < 0.0 ? 1.0 : fmax(1.0, 500.0 / fmax(gamma_n, 1.0))) * fmax(1.0, rows * rows);
     run->max_steps = b->max_steps > 0 ? b->max_steps : lround(fmin(patience, 2e9));
-    return status;
+    if (status) return status;
+    SWEEP_ENTER(run->keep, run->n_noted);
+    sweep_keep_enter(run->keep, run->x, 2 * (most + 1) * sizeof *run->x);
+    return RP_OK;
 }
 
 rp_status sweep_box_note(sweep_box_run *run)
@@ -340,25 +365,30 @@ rp_status sweep_box_tilt(sweep_box_run *run, bool box, double rate_deg, double *
 {
     const double sway_deg = 0.5, most_deg = 60.0;
     const long every = (long)fmin(10.0, fmax(1.0, 0.01 / rate_deg));
-    double sway = 0.0;
-    bool moves = false, is_fast = !energy_deg;
-    (box ? dem_box_turn : dem_gravity_turn)(run->sim, rate_deg * (M_PI / 180.0));
-    for (double turned = 0.0; !(moves && is_fast) && turned < most_deg;) {
-        bool onset;
+    struct {
+        double turned, sway;
+        bool moves, is_fast;
+    } now = {.is_fast = !energy_deg};
+    rp_status status = RP_OK;
+    if (SWEEP_ENTER(run->keep, now))
+        (box ? dem_box_turn : dem_gravity_turn)(run->sim, rate_deg * (M_PI / 180.0));
+    while (!(now.moves && now.is_fast) && now.turned < most_deg && !status) {
+        bool onset = false;
         dem_rest rest;
-        rp_status status = sweep_box_advance(run, every);
-        turned += (double)every * rate_deg;
+        status = sweep_box_advance(run, every);
+        now.turned += (double)every * rate_deg;
         if (!status) status = sweep_box_onset(run, &onset);
         if (!status) status = dem_rest_state(run->sim, 0.0, run->box->W, &rest);
-        if (status) return status;
-        if (turned <= sway_deg) sway = fmax(sway, rest.kinetic_energy);
-        if (!moves && onset) *displacement_deg = turned;
-        moves = moves || onset;
-        if (is_fast || turned <= sway_deg || !(rest.kinetic_energy > 10.0 * sway) ||
+        if (status) break;
+        if (now.turned <= sway_deg) now.sway = fmax(now.sway, rest.kinetic_energy);
+        if (!now.moves && onset) *displacement_deg = now.turned;
+        now.moves = now.moves || onset;
+        if (now.is_fast || now.turned <= sway_deg || !(rest.kinetic_energy > 10.0 * now.sway) ||
             !(rest.kinetic_energy > 1e-5 * run->mg * run->d))
             continue;
-        *energy_deg = turned;
-        is_fast = true;
+        *energy_deg = now.turned;
+        now.is_fast = true;
     }
-    return RP_OK;
+    sweep_keep_leave(run->keep, 1);
+    return status;
 }

@@ -8,6 +8,7 @@
 
 #include "angle/angle.h"
 #include "dem/scene.h"
+#include "sweeps/driver/keep.h"
 #include "sweeps/driver/protocol.h"
 
 enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
@@ -99,9 +100,10 @@ rp_status sweep_box_check(const sweep_box *box, double drop);
 typedef struct {
     const sweep_box *box;
     const sweep_tables *tables; /* NULL: none */
+    sweep_keep *keep;           /* NULL: none */
     sweep_result *result;
     dem_scene scene;   /* from sweep_box_scene; the protocol adds fill or grains, freed by sweep_box_end */
-    dem_sim *sim;      /* NULL until the protocol starts it */
+    dem_sim *sim;      /* NULL until the protocol starts it; of a resumed run, as it was */
     double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
     long max_steps;    /* most steps that sweep_box_settle waits */
     double cells;      /* occupied when the surface was looked at last; NaN before */

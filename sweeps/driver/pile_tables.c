@@ -10,7 +10,7 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     const statics_result *r = &s->r;
     rp_table_note(out, "n_disks", "%zu", s->h->n);
     rp_table_note(out, "B", "%.17g sigma", s->h->B);
-    rp_table_note(out, "status", "%s", statics_fault_text(r->fault));
+    rp_table_note(out, "status", "%s", statics_fault_texts[r->fault]);
     rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch before", r->load, r->jumps);
     if (r->fault)
         rp_table_note(out, "state", "no equilibrium: the last state of the solve, at eps = %g", r->eps);

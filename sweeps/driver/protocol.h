@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "core/params.h"
-#include "stress/dip.h"
+#include "stress/stress.h"
 
 enum { SWEEP_MAX_OUTPUTS = 64 };
 
@@ -40,12 +40,13 @@ typedef struct {
     double values[SWEEP_MAX_OUTPUTS];
 } sweep_result;
 
-/* Where a traced run leaves tables of its states. */
+/* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
 typedef struct {
-    const char *directory;
-    long every;             /* steps from one row of energies to the next; 0: none */
-    void (*header)(FILE *); /* writes the first lines of each table */
-    bool ledger;            /* the energies with the ledger */
+    const char *directory;   /* NULL: no tables */
+    long every;              /* steps from one row of energies to the next; 0: none */
+    void (*header)(FILE *);  /* writes the first lines of each table */
+    bool ledger;             /* the energies with the ledger */
+    struct sweep_keep *keep; /* without tables; NULL: none. Protocols without snapshots ignore it. */
 } sweep_tables;
 
 typedef struct {

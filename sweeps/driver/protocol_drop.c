@@ -24,7 +24,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "stress/dip.h"
+#include "stress/stress.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
@@ -99,6 +99,7 @@ typedef struct {
     gsl_rng *radii, *positions;
     long *moved; /* by each drop */
     bool relaxed;
+    sweep_keep *keep; /* NULL: none */
 } drop;
 
 /* Between two looks at the pile, in steps; time for which it must be at rest. */
@@ -195,18 +196,23 @@ static bool is_quiet(const drop *d)
 /* Until all are slow and nearly in balance for a while, or the drop has had its steps. */
 static rp_status settle(drop *d, bool *rest)
 {
-    const long start = dem_step(d->sim);
+    struct {
+        long start, quiet;
+    } now = {dem_step(d->sim), 0};
     rp_status status = RP_OK;
-    for (long quiet = 0; !status && dem_step(d->sim) - start < d->p->max_steps;) {
+    SWEEP_ENTER(d->keep, now);
+    *rest = false;
+    while (!status && !*rest && dem_step(d->sim) - now.start < d->p->max_steps) {
         status = dem_run(d->sim, EVERY);
         /* most often one is fast, and the rest need not be looked at */
         const bool slow = dem_largest_speed(d->sim, -d->p->x_limit, d->p->x_limit) <= d->p->rest_speed;
         if (!status && slow) status = dem_states(d->sim, d->states);
-        quiet = !status && slow && is_quiet(d) ? quiet + EVERY : 0;
-        *rest = (double)quiet * d->scene.dt >= REST_TIME;
-        if (*rest) return RP_OK;
+        now.quiet = !status && slow && is_quiet(d) ? now.quiet + EVERY : 0;
+        *rest = (double)now.quiet * d->scene.dt >= REST_TIME;
+        if (!status && !*rest) status = sweep_keep_look(d->keep);
     }
-    return status ? status : dem_states(d->sim, d->states);
+    sweep_keep_leave(d->keep, 1);
+    return status || *rest ? status : dem_states(d->sim, d->states);
 }
 
 static rp_status put_in(drop *d, const dem_grain *grain)
@@ -218,7 +224,7 @@ static rp_status put_in(drop *d, const dem_grain *grain)
     return dem_create(&def, &d->sim);
 }
 
-static rp_status drop_one(drop *d, bool *rest)
+static rp_status draw_and_put_in(drop *d)
 {
     const drop_params *p = d->p;
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
@@ -229,29 +235,38 @@ static rp_status drop_one(drop *d, bool *rest)
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
     mark_positions(d);
-    const size_t k = d->n;
-    rp_status status = put_in(d, &grain);
-    d->n = k + 1;
-    if (!status) status = settle(d, rest);
-    if (!status) d->moved[k] = (long)count_moved(d, k);
-    return status;
+    d->n++;
+    return put_in(d, &grain);
 }
 
 static rp_status drop_all(drop *d)
 {
-    double capped = 0.0, most = 0.0, large = 0.0, *v = d->result->values;
-    for (long k = 0; k < d->p->N; k++) {
+    struct {
+        long k;
+        double capped, most, large;
+        bool falls; /* disk k has been put in */
+    } now = {0};
+    double *v = d->result->values;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(d->keep, now);
+    for (; now.k < d->p->N && !status; now.k++) {
         bool rest = false;
-        rp_status status = drop_one(d, &rest);
-        if (status) return status;
-        capped += !rest;
-        most = fmax(most, (double)d->moved[k]);
-        large += d->moved[k] > 10;
+        if (!now.falls) status = draw_and_put_in(d);
+        now.falls = true;
+        if (!status) status = settle(d, &rest);
+        if (status) break;
+        const long moved = d->moved[now.k] = (long)count_moved(d, (size_t)now.k);
+        now.capped += !rest;
+        now.most = fmax(now.most, (double)moved);
+        now.large += moved > 10;
+        now.falls = false;
     }
-    v[OUT_capped] = capped;
+    sweep_keep_leave(d->keep, 1);
+    if (status) return status;
+    v[OUT_capped] = now.capped;
     v[OUT_steps] = (double)dem_step(d->sim);
-    v[OUT_moved_max] = most;
-    v[OUT_moved_share] = large / (double)d->p->N;
+    v[OUT_moved_max] = now.most;
+    v[OUT_moved_share] = now.large / (double)d->p->N;
     return RP_OK;
 }
 
@@ -286,26 +301,34 @@ static rp_status stop_all(drop *d)
 static rp_status relax(drop *d)
 {
     enum { MOST = 100000, ENOUGH = 10 };
-    double before = 0.0;
-    long steps = 0, quiet = 0;
+    struct {
+        double before;
+        long steps, quiet;
+    } now = {0.0, 0, 0};
     rp_status status = RP_OK;
-    mark_positions(d);
-    d->scene.dt *= 0.9; /* near its limit a pile hums, and that energy hides where the other has its maxima */
-    for (; steps < MOST && quiet < ENOUGH && !status; steps += EVERY) {
+    if (SWEEP_ENTER(d->keep, now)) {
+        mark_positions(d);
+        d->scene.dt *=
+            0.9; /* near its limit a pile hums, and that energy hides where the other has its maxima */
+    }
+    for (; now.steps < MOST && now.quiet < ENOUGH && !status; status = sweep_keep_look(d->keep)) {
         dem_rest rest;
         status = dem_run(d->sim, EVERY);
         if (!status) status = dem_states(d->sim, d->states);
         if (!status) status = dem_rest_state(d->sim, -d->p->x_limit, d->p->x_limit, &rest);
         if (status) break;
-        quiet = rest.kinetic_energy < 1e-12 && rest.net_force < 1e-4 ? quiet + 1 : 0;
-        const bool falls = rest.kinetic_energy < before;
+        now.quiet = rest.kinetic_energy < 1e-12 && rest.net_force < 1e-4 ? now.quiet + 1 : 0;
+        const bool falls = rest.kinetic_energy < now.before;
         if (falls) status = stop_all(d);
-        before = falls ? 0.0 : rest.kinetic_energy;
+        if (status) break;
+        now.before = falls ? 0.0 : rest.kinetic_energy;
+        now.steps += EVERY;
     }
+    sweep_keep_leave(d->keep, 1);
     if (status) return status;
-    d->result->values[OUT_relax_steps] = (double)steps;
+    d->result->values[OUT_relax_steps] = (double)now.steps;
     d->result->values[OUT_settled] = (double)count_moved(d, d->n);
-    d->relaxed = quiet >= ENOUGH;
+    d->relaxed = now.quiet >= ENOUGH;
     return RP_OK;
 }
 
@@ -434,22 +457,36 @@ static void conclude(const drop *d)
     sweep_conclude(d->result, word, "%s%s", layer, drops);
 }
 
-static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run,
+static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run, sweep_keep *keep,
                       sweep_result *result)
 {
     const size_t n = (size_t)p->N;
     sweep_result_clear(result);
-    *d = (drop){.p = p, .result = result, .scene = make_scene(p)};
+    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .keep = keep};
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     d->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    d->states = malloc(n * sizeof *d->states);
-    d->before = malloc(n * sizeof *d->before);
+    d->states = calloc(n, sizeof *d->states);
+    d->before = calloc(n, sizeof *d->before);
     d->moved = calloc(n, sizeof *d->moved);
     if (!d->radii || !d->positions || !d->states || !d->before || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    rp_status status = drop_all(d);
+    bool all = false; /* the drops are done */
+    SWEEP_ENTER(keep, *result);
+    sweep_keep_enter_sim(keep, &d->sim);
+    SWEEP_ENTER(keep, d->scene.dt);
+    SWEEP_ENTER(keep, d->n);
+    sweep_keep_enter(keep, d->states, n * sizeof *d->states);
+    sweep_keep_enter(keep, d->before, n * sizeof *d->before);
+    sweep_keep_enter(keep, d->moved, n * sizeof *d->moved);
+    sweep_keep_enter(keep, gsl_rng_state(d->radii), gsl_rng_size(d->radii));
+    sweep_keep_enter(keep, gsl_rng_state(d->positions), gsl_rng_size(d->positions));
+    SWEEP_ENTER(keep, all);
+    rp_status status = keep ? keep->source.status : RP_OK;
+    if (!status && !all) status = drop_all(d);
+    all = true;
     if (!status) status = relax(d);
     if (!status) leave_out_away(d);
+    sweep_keep_leave(keep, 10);
     return status;
 }
 
@@ -481,12 +518,12 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     drop d;
-    rp_status status = make(&d, params, seed, run, result);
+    rp_status status = make(&d, params, seed, run, tables ? tables->keep : NULL, result);
     if (!status) {
         measure_shape(&d);
         measure_order(&d);
     }
-    if (!status && tables) {
+    if (!status && tables && tables->directory) {
         status = rp_make_directory(tables->directory);
         if (!status) status = sweep_state_write(tables, d.sim, "pile");
         if (!status) status = write_drops(&d, tables);
@@ -512,7 +549,7 @@ static rp_status fingerprint(char digits[33])
     rp_params_defaults(schema, &p);
     p.N = 12;
     p.radius_width = 0.05;
-    rp_status status = make(&d, &p, 1, 0, &result);
+    rp_status status = make(&d, &p, 1, 0, NULL, &result);
     if (!status) sweep_states_digits(d.n, d.states, digits);
     rp_status freed = finish(&d, status);
     return status ? status : freed;

@@ -108,7 +108,7 @@ static dem_grain grain_at(const flux *f, double x, double y, double r)
 }
 
 /* Grains from left to right, each on the floor and touching the last, while they end before W. */
-static rp_status first_layer(flux *f)
+static rp_status make_layer(flux *f)
 {
     dem_definition *def = &f->box.scene.def;
     dem_grain *layer = f->box.scene.grains;
@@ -122,7 +122,7 @@ static rp_status first_layer(flux *f)
     def->grains = layer;
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
     rp_status status = dem_create(def, &f->box.sim);
-    return status ? status : sweep_box_settle(&f->box, "first layer");
+    return status;
 }
 
 static rp_status insert(flux *f, uint32_t *id)
@@ -141,18 +141,21 @@ static rp_status insert(flux *f, uint32_t *id)
 /* Advance until the pile is quiet, or the steps are used up. */
 static rp_status wait_until_quiet(flux *f, uint32_t id, bool *quiet)
 {
-    bool touched = false;
-    long below = 0;
-    while (below < QUIET_STEPS || !touched) {
-        *quiet = false;
-        if (dem_step(f->box.sim) >= f->p.steps_max) return RP_OK;
-        rp_status status = sweep_box_advance(&f->box, 1);
-        if (status) return status;
-        touched = touched || dem_contact_count(f->box.sim, id) > 0;
-        below = dem_largest_speed(f->box.sim, 0.0, f->p.box.W) < f->p.v_cut ? below + 1 : 0;
+    struct {
+        bool touched;
+        long below;
+    } now = {false, 0};
+    rp_status status = RP_OK;
+    SWEEP_ENTER(f->box.keep, now);
+    *quiet = false;
+    while (!(*quiet = now.below >= QUIET_STEPS && now.touched) && dem_step(f->box.sim) < f->p.steps_max) {
+        status = sweep_box_advance(&f->box, 1);
+        if (status) break;
+        now.touched = now.touched || dem_contact_count(f->box.sim, id) > 0;
+        now.below = dem_largest_speed(f->box.sim, 0.0, f->p.box.W) < f->p.v_cut ? now.below + 1 : 0;
     }
-    *quiet = true;
-    return RP_OK;
+    sweep_keep_leave(f->box.keep, 1);
+    return status;
 }
 
 static rp_status note_row(flux *f)
@@ -176,18 +179,32 @@ static rp_status note_row(flux *f)
     return RP_OK;
 }
 
+static rp_status first_layer(flux *f)
+{
+    rp_status status = f->box.sim ? RP_OK : make_layer(f);
+    if (!status) status = sweep_box_settle(&f->box, "first layer");
+    return status ? status : note_row(f);
+}
+
 static rp_status run_series(flux *f)
 {
+    struct {
+        uint32_t id; /* of the grain that was put in last */
+        bool waits;  /* for the pile to be quiet */
+    } now = {0, false};
     bool quiet = true;
-    rp_status status = first_layer(f);
-    if (!status) status = note_row(f);
+    rp_status status = RP_OK;
+    SWEEP_ENTER(f->box.keep, now);
+    if (f->n == 0) status = first_layer(f);
     while (!status && f->n < (size_t)f->p.insertions) {
-        uint32_t id;
-        status = insert(f, &id);
-        if (!status) status = wait_until_quiet(f, id, &quiet);
+        if (!now.waits) status = insert(f, &now.id);
+        now.waits = true;
+        if (!status) status = wait_until_quiet(f, now.id, &quiet);
         if (status || !quiet) break;
         status = note_row(f);
+        now.waits = false;
     }
+    sweep_keep_leave(f->box.keep, 1);
     return status;
 }
 
@@ -281,7 +298,7 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = malloc(6 * rows * sizeof *f->theta);
+    f->theta = calloc(6 * rows, sizeof *f->theta);
     f->box.scene.grains = malloc(most_layer * sizeof *f->box.scene.grains);
     if (!status && (!f->radii || !f->positions || !f->theta || !f->box.scene.grains))
         status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
@@ -289,7 +306,14 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->step = f->tower + rows;
     f->grains = f->step + rows;
     f->work = f->grains + rows;
-    return status ? status : run_series(f);
+    if (status) return status;
+    sweep_keep_enter(f->box.keep, gsl_rng_state(f->radii), gsl_rng_size(f->radii));
+    sweep_keep_enter(f->box.keep, gsl_rng_state(f->positions), gsl_rng_size(f->positions));
+    SWEEP_ENTER(f->box.keep, f->n);
+    sweep_keep_enter(f->box.keep, f->theta, 4 * rows * sizeof *f->theta); /* to the last of the series */
+    status = run_series(f);
+    sweep_keep_leave(f->box.keep, 4);
+    return status;
 }
 
 static rp_status finish(flux *f, rp_status status)

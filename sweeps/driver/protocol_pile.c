@@ -262,7 +262,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
-    sweep_conclude(results, statics_fault_text(s->r.fault), "%s", status ? rp_message() : "");
+    sweep_conclude(results, statics_fault_texts[s->r.fault], "%s", status ? rp_message() : "");
     double *v = results->values;
     v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
     v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
@@ -315,7 +315,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         rp_status status = is_stable(p, h, eps, &stable, &r);
         if (status == RP_NO_RESULT) {
             rp_prefix(status, "stable up to eps = %g; at eps = %g ", lo, eps);
-            return sweep_conclude(results, statics_fault_text(r.fault), "%s", rp_message());
+            return sweep_conclude(results, statics_fault_texts[r.fault], "%s", rp_message());
         }
         if (status) return status;
         *(stable ? &lo : &hi) = eps;
@@ -340,7 +340,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
         status = p->threshold ? sweep_pile_threshold(p, &h, results)
                               : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
     if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
-    if (!status && tables && s.pile) status = sweep_pile_write(&s, tables);
+    if (!status && tables && tables->directory && s.pile) status = sweep_pile_write(&s, tables);
     sweep_solved_free(&s);
     sweep_outline_free(&h);
     return status;

@@ -143,34 +143,58 @@ static bool fills_by_ramp(const repose_params *p)
     return p->fill == FILL_RAMP || (p->fill == FILL_AUTO && impact > spring);
 }
 
-static rp_status ramp_gravity(experiment *e, long steps)
+static long ramp_steps(const experiment *e)
 {
-    rp_status status = RP_OK;
-    for (long k = 1; !status && k <= steps; k++) {
-        dem_gravity_set(e->box.sim, (double[]){0.0, -e->p->box.g * (double)k / (double)steps});
-        status = sweep_box_advance(&e->box, 1);
-    }
-    return status;
+    return fills_by_ramp(e->p) ? e->p->box.fill_steps / 2 : 0;
 }
 
-static rp_status fill_box(experiment *e)
+/* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
+
+static rp_status note_filling(experiment *e, rp_status status)
 {
-    const long ramp = fills_by_ramp(e->p) ? e->p->box.fill_steps / 2 : 0;
-    rp_status status = place_grains(e);
-    if (!status) status = sweep_box_start(&e->box);
-    if (status) return status;
-    status = ramp_gravity(e, ramp);
-    if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps - ramp);
-    if (!status && e->p->stop == STOP_REST) status = sweep_box_settle(&e->box, "filling");
     e->values[OUT_fill_steps_used] = (double)dem_step(e->box.sim);
     return status;
 }
 
+static rp_status ramp_gravity(experiment *e)
+{
+    const long steps = ramp_steps(e);
+    long k = 1;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(e->box.keep, k);
+    for (; !status && k <= steps; k++) {
+        dem_gravity_set(e->box.sim, (double[]){0.0, -e->p->box.g * (double)k / (double)steps});
+        status = sweep_box_advance(&e->box, 1);
+    }
+    sweep_keep_leave(e->box.keep, 1);
+    return note_filling(e, status);
+}
+
+static rp_status start_box(experiment *e)
+{
+    rp_status status = place_grains(e);
+    return status ? status : sweep_box_start(&e->box);
+}
+
+static rp_status fall(experiment *e)
+{
+    return note_filling(e, sweep_box_advance(&e->box, e->p->box.fill_steps - ramp_steps(e)));
+}
+
+static rp_status fill_to_rest(experiment *e)
+{
+    rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling") : RP_OK;
+    note_filling(e, status);
+    return status ? status : sweep_state_write(e->box.tables, e->box.sim, "filled");
+}
+
 static rp_status open_box(experiment *e)
 {
-    const long opened_at = dem_step(e->box.sim);
+    long opened_at = dem_step(e->box.sim);
+    SWEEP_ENTER(e->box.keep, opened_at);
     rp_status status = sweep_box_open(&e->box, e->p->stop == STOP_REST ? 0 : e->p->relax_steps);
     e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - opened_at);
+    sweep_keep_leave(e->box.keep, 1);
     return status;
 }
 
@@ -261,7 +285,8 @@ static void turn(experiment *e, double deg_per_step)
 static rp_status tilt_at_rate(experiment *e)
 {
     double *v = e->values;
-    rp_status status = sweep_box_note(&e->box);
+    /* the tilt that resumes has its positions */
+    rp_status status = sweep_keep_resumes(e->box.keep) ? RP_OK : sweep_box_note(&e->box);
     if (!status)
         status = sweep_box_tilt(&e->box, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
                                 &v[OUT_theta_t_displacement_deg], &v[OUT_theta_t_energy_deg]);
@@ -279,36 +304,54 @@ static rp_status tilt_quasi_static(experiment *e)
     const double step_deg = 0.1, most_deg = 60.0;
     const long steps =
         lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
-    rp_status status = sweep_box_note(&e->box);
-    for (double turned = 0.0; !status && turned < most_deg; turned += step_deg) {
-        turn(e, step_deg / (double)steps);
-        status = sweep_box_advance(&e->box, steps);
-        turn(e, 0.0);
+    enum { TO_TURN, TURNS, WAITS };
+    struct {
+        double turned;
+        int part;
+    } now = {0.0, TO_TURN};
+    rp_status status = SWEEP_ENTER(e->box.keep, now) ? sweep_box_note(&e->box) : RP_OK;
+    for (; !status && now.turned < most_deg; now.turned += step_deg) {
+        if (now.part == TO_TURN) turn(e, step_deg / (double)steps);
+        if (now.part != WAITS) {
+            now.part = TURNS;
+            status = sweep_box_advance(&e->box, steps);
+            turn(e, 0.0);
+        }
+        now.part = WAITS;
         if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt");
         bool restless = status == RP_NO_RESULT && strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
         if (!status) status = sweep_box_moved(&e->box, 0.5 * e->box.d, 2, &moved);
-        if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = turned;
+        if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = now.turned;
         if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
+        now.part = TO_TURN;
     }
+    sweep_keep_leave(e->box.keep, 1);
     return status;
 }
 
+/* Both tilts start from the pile at rest. */
 static rp_status tilt_pile(experiment *e)
 {
+    const bool at_rate = e->p->measure & MEASURE_THETA_T, by_steps = e->p->measure & MEASURE_THETA_T_STATIC;
     dem_sim *rested = NULL;
+    bool second = !at_rate;
     rp_status status = RP_OK;
-    if (e->p->measure & MEASURE_THETA_T_STATIC) status = dem_clone(e->box.sim, &rested);
-    if (!status && e->p->measure & MEASURE_THETA_T) status = tilt_at_rate(e);
-    if (rested && !status) {
+    SWEEP_ENTER(e->box.keep, second);
+    if (sweep_keep_enter_sim(e->box.keep, &rested) && at_rate && by_steps)
+        status = dem_clone(e->box.sim, &rested);
+    if (!status && !second) status = tilt_at_rate(e);
+    if (!status && rested) {
         e->steps_before += dem_step(e->box.sim) - dem_step(rested);
-        dem_sim *tilted = e->box.sim;
+        dem_free(e->box.sim);
         e->box.sim = rested;
-        rested = tilted;
-        status = tilt_quasi_static(e);
+        rested = NULL;
+        second = true;
     }
+    if (!status && by_steps) status = tilt_quasi_static(e);
     dem_free(rested);
+    sweep_keep_leave(e->box.keep, 2);
     return status;
 }
 
@@ -323,16 +366,23 @@ static rp_status write_scene(experiment *e)
     return sweep_table_close(&f, RP_OK);
 }
 
+static rp_status note_pile(experiment *e)
+{
+    rp_status status = measure_pile(e);
+    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
+    return status ? status : write_scene(e);
+}
+
 /* The experiment from an empty box to its last measurement. */
 static rp_status run_phases(experiment *e)
 {
-    rp_status status = fill_box(e);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "filled");
-    if (!status) status = open_box(e);
-    if (!status) status = measure_pile(e);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = write_scene(e);
-    if (!status && e->p->measure & (MEASURE_THETA_T | MEASURE_THETA_T_STATIC)) status = tilt_pile(e);
+    static rp_status (*const phases[])(experiment *) = {start_box, ramp_gravity, fall,     fill_to_rest,
+                                                        open_box,  note_pile,    tilt_pile};
+    size_t phase = 0;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(e->box.keep, phase);
+    for (; phase < sizeof phases / sizeof *phases && !status; phase++) status = phases[phase](e);
+    sweep_keep_leave(e->box.keep, 1);
     if (!status)
         status = sweep_conclude(e->box.result, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", NULL);
     if (e->box.sim) e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
@@ -350,6 +400,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     const repose_params *p = params;
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
+    SWEEP_ENTER(e.box.keep, e.steps_before);
     if (!status) status = run_phases(&e);
     e.values[OUT_cells] = e.box.cells;
     return sweep_box_end(&e.box, status);

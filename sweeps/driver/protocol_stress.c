@@ -85,6 +85,8 @@ typedef struct {
     double weight; /* of all grains at rest */
     reading readings[N_TILTS];
     size_t n_readings;
+    dem_sim *rested;   /* the pile, for the tilt at a rate */
+    long steps_before; /* of the tilt from rest to rest; -1: that has not ended */
 } experiment;
 
 static rp_status check(const void *params)
@@ -93,26 +95,39 @@ static rp_status check(const void *params)
     return sweep_box_check_fill(&p->box);
 }
 
-static rp_status make_pile(experiment *e)
+/* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
+
+static rp_status start_box(experiment *e)
 {
-    ang_slope slopes[ANG_N_METHODS];
-    rp_status status = sweep_box_start(&e->box);
-    if (!status) status = sweep_box_advance(&e->box, e->p->box.fill_steps);
-    if (!status) status = sweep_box_settle(&e->box, "filling");
-    if (!status) status = sweep_box_open(&e->box, 0);
-    if (!status) status = sweep_box_pile_slopes(&e->box, slopes);
-    if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
-    return status;
+    return sweep_box_start(&e->box);
 }
 
-/* Of the pile at rest. */
-static rp_status note_grains(experiment *e)
+static rp_status fall(experiment *e)
 {
-    rp_status status = sweep_box_note(&e->box);
+    return sweep_box_advance(&e->box, e->p->box.fill_steps);
+}
+
+static rp_status fill_to_rest(experiment *e)
+{
+    return sweep_box_settle(&e->box, "filling");
+}
+
+static rp_status open_box(experiment *e)
+{
+    return sweep_box_open(&e->box, 0);
+}
+
+static rp_status note_pile(experiment *e)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status = sweep_box_pile_slopes(&e->box, slopes);
+    if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
+    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
+    if (!status) status = sweep_box_note(&e->box);
     if (status) return status;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
     e->values[OUT_grains] = (double)e->box.n_noted;
-    return RP_OK;
+    return dem_clone(e->box.sim, &e->rested);
 }
 
 static void contact_force(const dem_contact *c, stress_contact *force)
@@ -196,20 +211,41 @@ static rp_status read_forces(experiment *e, double tilt_deg)
 /* Tilt by tilt, until the pile moves. */
 static rp_status tilt_to_rest(experiment *e)
 {
-    rp_status status = read_forces(e, 0.0);
-    for (int k = 1; k < N_TILTS && !status; k++) {
-        const double step_deg = tilts_deg[k] - tilts_deg[k - 1];
+    struct {
+        int k;
+        bool waits;
+    } now = {1, false};
+    rp_status status = SWEEP_ENTER(e->box.keep, now) ? read_forces(e, 0.0) : RP_OK;
+    for (; now.k < N_TILTS && !status; now.k++) {
+        const double step_deg = tilts_deg[now.k] - tilts_deg[now.k - 1];
         const long steps = (long)fmax(1.0, round(step_deg / e->p->tilt_rate_deg));
         bool moved = false;
-        dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
-        status = sweep_box_advance(&e->box, steps);
-        dem_gravity_turn(e->box.sim, 0.0);
+        if (!now.waits) {
+            dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
+            status = sweep_box_advance(&e->box, steps);
+            dem_gravity_turn(e->box.sim, 0.0);
+        }
+        now.waits = true;
         if (!status) status = sweep_box_settle(&e->box, "tilt");
         if (!status) status = sweep_box_onset(&e->box, &moved);
         if (moved) break;
-        if (!status) status = read_forces(e, tilts_deg[k]);
+        if (!status) status = read_forces(e, tilts_deg[now.k]);
+        now.waits = false;
     }
+    sweep_keep_leave(e->box.keep, 1);
     return status;
+}
+
+static rp_status tilt_at_rate(experiment *e)
+{
+    if (e->rested) {
+        e->steps_before = dem_step(e->box.sim) - dem_step(e->rested);
+        dem_free(e->box.sim);
+        e->box.sim = e->rested;
+        e->rested = NULL;
+    }
+    return sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
+                          NULL);
 }
 
 /* Value at t = 0 and rise of a quantity of the readings, by least squares. */
@@ -259,24 +295,22 @@ static rp_status conclude(experiment *e)
 
 static rp_status run_phases(experiment *e)
 {
-    dem_sim *copy = NULL;
-    rp_status status = make_pile(e);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = note_grains(e);
-    if (!status) status = dem_clone(e->box.sim, &copy);
-    if (!status) status = tilt_to_rest(e);
-    long steps = e->box.sim ? dem_step(e->box.sim) : 0;
-    if (!status) {
-        dem_free(e->box.sim);
-        e->box.sim = copy;
-        copy = NULL;
-        steps -= dem_step(e->box.sim);
-        status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
-                                NULL);
-    }
-    if (!status) status = conclude(e);
-    if (e->box.sim) e->values[OUT_steps] = (double)(steps + dem_step(e->box.sim));
-    dem_free(copy);
+    static rp_status (*const phases[])(experiment *) = {start_box, fall,         fill_to_rest, open_box,
+                                                        note_pile, tilt_to_rest, tilt_at_rate, conclude};
+    sweep_keep *const keep = e->box.keep;
+    size_t phase = 0;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(keep, e->weight);
+    SWEEP_ENTER(keep, e->readings);
+    SWEEP_ENTER(keep, e->n_readings);
+    SWEEP_ENTER(keep, e->steps_before);
+    sweep_keep_enter_sim(keep, &e->rested);
+    SWEEP_ENTER(keep, phase);
+    for (; phase < sizeof phases / sizeof *phases && !status; phase++) status = phases[phase](e);
+    if (!e->box.sim) return status;
+    /* a run that ends before the tilt at a rate counts its steps twice, as in all stored results */
+    const long steps = dem_step(e->box.sim), before = e->steps_before < 0 ? steps : e->steps_before;
+    e->values[OUT_steps] = (double)(steps + before);
     return status;
 }
 
@@ -284,9 +318,10 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const stress_params *p = params;
-    experiment e = {.p = p, .values = result->values};
+    experiment e = {.p = p, .values = result->values, .steps_before = -1};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
+    dem_free(e.rested);
     return sweep_box_end(&e.box, status);
 }
 

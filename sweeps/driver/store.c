@@ -215,7 +215,7 @@ static sqlite3_stmt *query_insert(sweep_store *s, const sweep_plan *plan)
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++, n++)
         sqlite3_str_appendf(sql, ", \"%w\"", o->name);
     sqlite3_str_appendf(sql, ") VALUES (%lu, %d, 'repose %q, commit %q, %q'", plan->seed, RP_MODEL_VERSION,
-                        RP_VERSION, rp_build_commit(), rp_build_compiler());
+                        RP_VERSION, rp_build_commit, rp_build_compiler);
     while (n--) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
     return query_text(s, sql);

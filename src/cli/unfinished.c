@@ -1,0 +1,168 @@
+/* Folders of unfinished runs; see unfinished.h. */
+#include "cli/unfinished.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "core/table.h"
+
+static const char OWNER[] = "repose run";
+
+/* A file of the unfinished run, or of the finished one. */
+static const char *path_of(const cli_unfinished *u, bool finished, const char *name, char path[PATH_MAX])
+{
+    snprintf(path, PATH_MAX, "%s/%s%s", u->directory, finished ? "" : "unfinished/", name);
+    return path;
+}
+
+static rp_status failed(const char *path)
+{
+    return rp_fail(RP_IO, "%s: %s", path, strerror(errno));
+}
+
+static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
+                       const char *const names[CLI_GROWING])
+{
+    char path[PATH_MAX];
+    *u = (cli_unfinished){.directory = directory, .layout = layout, .lock = -1};
+    for (int k = 0; k < CLI_GROWING; k++) {
+        u->table[k].name = names[k];
+        if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
+        XXH3_128bits_reset(u->table[k].hash);
+    }
+    if (strlen(directory) > PATH_MAX - 64) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
+    u->lock = open(path_of(u, false, "", path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (u->lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
+    return flock(u->lock, LOCK_EX | LOCK_NB) == 0
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: another process runs in this folder", directory);
+}
+
+rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
+                               const char *const names[CLI_GROWING])
+{
+    char path[PATH_MAX];
+    *u = (cli_unfinished){.directory = directory, .lock = -1};
+    rp_status status = rp_make_directory(path_of(u, false, "", path));
+    if (!status) status = enter(u, directory, layout, names);
+    if (!status && access(path_of(u, false, "snapshot", path), F_OK) == 0)
+        status = rp_fail(RP_BAD_INPUT, "%s: an unfinished run; go on with --resume %s, or remove the folder",
+                         path, directory);
+    for (int k = 0; k < CLI_GROWING && !status; k++)
+        if (!(u->table[k].file = fopen(path_of(u, false, names[k], path), "w+e"))) status = failed(path);
+    return status;
+}
+
+/* Take the bytes up to `length` into the hash. */
+static rp_status hash_to(cli_growing *t, long length)
+{
+    char bytes[65536];
+    while (t->hashed < length) {
+        const size_t most = (size_t)(length - t->hashed);
+        const ssize_t n = pread(fileno(t->file), bytes, most < sizeof bytes ? most : sizeof bytes, t->hashed);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) return failed(t->name);
+        if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: shorter than at the snapshot", t->name);
+        XXH3_128bits_update(t->hash, bytes, (size_t)n);
+        t->hashed += n;
+    }
+    return RP_OK;
+}
+
+static void keep_table(rp_snapshot *s, cli_growing *t, long *length, XXH128_hash_t *hash)
+{
+    *length = t->hashed;
+    *hash = XXH3_128bits_digest(t->hash);
+    RP_KEEP(s, *length);
+    RP_KEEP(s, *hash);
+}
+
+/* Cut a table back to its length at the snapshot. A run that was killed while it finished has moved it. */
+static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_hash_t hash)
+{
+    char path[PATH_MAX], moved[PATH_MAX];
+    path_of(u, false, t->name, path);
+    if (access(path, F_OK) != 0) rename(path_of(u, true, t->name, moved), path);
+    if (!(t->file = fopen(path, "r+e")))
+        return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
+    rp_status status = hash_to(t, length);
+    if (status) return status;
+    if (!XXH128_isEqual(hash, XXH3_128bits_digest(t->hash)))
+        return rp_fail(RP_BAD_INPUT, "%s: not the table that the snapshot was written with", path);
+    return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
+}
+
+rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
+                                const char *const names[CLI_GROWING], cli_keep *keep, void *context)
+{
+    char path[PATH_MAX];
+    long length[CLI_GROWING];
+    XXH128_hash_t hash[CLI_GROWING];
+    rp_snapshot s = {0};
+    rp_status status = enter(u, directory, layout, names);
+    if (!status) status = rp_snapshot_read(&s, path_of(u, false, "snapshot", path), OWNER, layout);
+    if (!status) {
+        for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
+        keep(&s, context);
+        status = rp_snapshot_end(&s);
+    }
+    for (int k = 0; k < CLI_GROWING && !status; k++) status = reopen(u, &u->table[k], length[k], hash[k]);
+    rp_snapshot_free(&s);
+    return status;
+}
+
+rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
+{
+    char path[PATH_MAX];
+    rp_snapshot s = {0};
+    rp_status status = RP_OK;
+    for (int k = 0; k < CLI_GROWING && !status; k++) {
+        cli_growing *t = &u->table[k];
+        long length;
+        XXH128_hash_t hash;
+        status = rp_table_finish(t->file, path_of(u, false, t->name, path));
+        if (!status) status = hash_to(t, ftell(t->file));
+        if (!status && fsync(fileno(t->file)) != 0) status = failed(path);
+        keep_table(&s, t, &length, &hash);
+    }
+    if (!status) {
+        keep(&s, context);
+        status = rp_snapshot_write(&s, path_of(u, false, "snapshot", path), OWNER, u->layout);
+    }
+    rp_snapshot_free(&s);
+    return status;
+}
+
+rp_status cli_unfinished_finish(cli_unfinished *u)
+{
+    char from[PATH_MAX], to[PATH_MAX];
+    rp_status status = RP_OK;
+    for (int k = 0; k < CLI_GROWING && !status; k++) {
+        status = rp_table_finish(u->table[k].file, u->table[k].name);
+        if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
+    }
+    for (int k = 0; k < CLI_GROWING && !status; k++)
+        if (rename(path_of(u, false, u->table[k].name, from), path_of(u, true, u->table[k].name, to)) != 0)
+            status = failed(to);
+    if (!status) status = rp_sync_folder_of(to);
+    if (status) return status;
+    unlink(path_of(u, false, "snapshot", from));
+    unlink(path_of(u, false, "snapshot.new", from));
+    rmdir(path_of(u, false, "", from));
+    return RP_OK;
+}
+
+void cli_unfinished_close(cli_unfinished *u)
+{
+    for (int k = 0; k < CLI_GROWING; k++) {
+        if (u->table[k].file) fclose(u->table[k].file);
+        XXH3_freeState(u->table[k].hash);
+    }
+    if (u->lock >= 0) close(u->lock);
+}

@@ -1,0 +1,47 @@
+/* The folder DIR/unfinished of a run with snapshots: the growing tables, and the snapshot that a run goes on
+ * from. A finished result in DIR stays until the new one is whole. */
+#ifndef UNFINISHED_H
+#define UNFINISHED_H
+
+#include <stdio.h>
+
+#include "core/snapshot.h"
+
+enum { CLI_GROWING = 2 };
+
+/* A table, and the XXH3-128 of its first bytes. */
+typedef struct {
+    const char *name;
+    FILE *file;
+    struct XXH3_state_s *hash;
+    long hashed;
+} cli_growing;
+
+typedef struct {
+    const char *directory; /* borrowed */
+    uint64_t layout;       /* of what the caller keeps */
+    int lock;              /* one process at a time; goes with it */
+    cli_growing table[CLI_GROWING];
+} cli_unfinished;
+
+/* The caller's part of a snapshot. */
+typedef void cli_keep(rp_snapshot *s, void *context);
+
+/* Make the folder, with empty tables. cli_unfinished_close follows, also after an error. Errors: RP_BAD_INPUT
+ * (it holds a run that can go on), RP_IO (also: another process is at it), RP_NO_MEMORY. */
+rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
+                               const char *const names[CLI_GROWING]);
+
+/* The same with the tables as they were at the snapshot, after the caller's part has been read. Errors: also
+ * RP_BAD_INPUT for a snapshot or a table that does not fit. */
+rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
+                                const char *const names[CLI_GROWING], cli_keep *keep, void *context);
+
+/* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
+rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);
+
+/* Move the whole tables into DIR, and remove the folder. Errors: RP_IO. */
+rp_status cli_unfinished_finish(cli_unfinished *u);
+void cli_unfinished_close(cli_unfinished *u);
+
+#endif

@@ -1,0 +1,156 @@
+/* Snapshots of a simulation: what a clone has, in a file; see dem_keep in dem.h and core/snapshot.h.
+ *
+ * Arrays follow the lists of grains.h and pairs.h, so that a new array is kept without a line here; the rest
+ * is `dem_sim` itself, without its pointers. Neighbour lists are kept as they are: their order is that of the
+ * sums. Work space of an integrator belongs to a step, or follows from the lists, and is made anew. */
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "core/snapshot.h"
+#include "dem/definition.h"
+#include "dem/ledger.h"
+#include "dem/sim.h"
+
+uint64_t dem_keep_layout(void)
+{
+    static const size_t sizes[] = {sizeof(dem_sim), sizeof(dem_wall_slot), sizeof(dem_ledger),
+#define X(type, name, need, role) sizeof(type), role,
+                                   DEM_GRAIN_ARRAYS(X)
+#undef X
+#define X(type, name, need, share, role) sizeof(type), share,
+                                       DEM_PAIR_ARRAYS(X)
+#undef X
+    };
+    static const char names[] =
+#define X(type, name, ...) #type " " #name " "
+        DEM_GRAIN_ARRAYS(X) DEM_PAIR_ARRAYS(X);
+#undef X
+    return XXH3_64bits_withSeed(names, sizeof names, XXH3_64bits(sizes, sizeof sizes));
+}
+
+/* Counts, words and definition of a state that was read. What they hold of physics is checked as for a start.
+ */
+static void check_numbers(rp_snapshot *s, const dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    const unsigned words[][2] = {{def->integrator, DEM_INTEGRATORS},
+                                 {def->normal, DEM_NORMAL_N},
+                                 {def->tangential, DEM_TANGENTIAL_N},
+                                 {def->slip, DEM_TOTAL + 1},
+                                 {def->damping, DEM_DAMPING_INSIDE + 1},
+                                 {def->shape, DEM_DISK + 1},
+                                 {def->kernel, DEM_KERNELS},
+                                 {def->implicit.solver, DEM_SOLVER_SOR + 1},
+                                 {def->ground.set, DEM_WELL_AGAIN + 1}};
+    bool known = def->n_walls <= DEM_MAX_WALLS;
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];
+    const bool *const bools[] = {&def->tension, &def->rotation,          &def->hard.on,
+                                 &def->ledger,  &sim->list.even_margins, &sim->too_deep};
+    for (size_t k = 0; k < sizeof bools / sizeof *bools; k++) known &= rp_keep_bool(bools[k]);
+    rp_keep_check(s, known, "unknown words in its definition");
+    if (s->status) return;
+    s->status = dem_laws_check(def);
+    if (s->status) rp_prefix(s->status, "%s: ", s->path);
+    /* capacity doubles whenever it is used up */
+    const dem_grains *g = &sim->grains;
+    rp_keep_check(s,
+                  g->n <= g->capacity && g->capacity <= 2 * (size_t)g->last_id && g->n_fixed <= g->n &&
+                      g->n <= s->n / sizeof(dem_motion) && sim->pairs.n <= s->n / sizeof(uint64_t) &&
+                      sim->walls.n_slots <= s->n / sizeof(dem_wall_slot) && sim->pairs.chunk > 0 &&
+                      sim->pairs.chunk % 64 == 0,
+                  "impossible numbers of grains, pairs or wall contacts");
+}
+
+static void keep_grains(rp_snapshot *s, dem_sim *sim)
+{
+    dem_grains *const g = &sim->grains;
+    if (s->reading) s->status = dem_grains_alloc(g, &sim->def, g->capacity, false);
+#define X(type, name, need, role)                                                                            \
+    if (!s->status && g->name && role != DEM_OF_STEP) rp_keep(s, g->name, g->n * sizeof(type));
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    bool exist = !s->status;
+    for (size_t i = 0; i < g->n && exist; i++) exist = g->id[i] >= 1 && g->id[i] <= g->last_id;
+    for (size_t k = 0; k < g->n_fixed && exist; k++) exist = g->fixed[k] < g->n;
+    rp_keep_check(s, exist, "grains that do not exist");
+}
+
+static void keep_pairs(rp_snapshot *s, dem_sim *sim)
+{
+    dem_pairs *const p = &sim->pairs;
+    const size_t n = p->n;
+    bool in_order = p->n_chunks > 0, exist = true;
+    RP_KEEP(s, in_order);
+    if (s->reading && !s->status) {
+        *p = (dem_pairs){
+            .rotation = sim->def.rotation, .rolling = dem_has_rolling(&sim->def), .chunk = p->chunk};
+        s->status = dem_pairs_reserve(p, n + 1);
+        p->n = n;
+    }
+#define X(type, name, need, share, role)                                                                     \
+    if (!s->status && p->name) rp_keep(s, p->name, (n + share - 1) / share * sizeof(type));
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    for (size_t k = 0; k < n && exist && !s->status; k++)
+        exist = p->i[k] < sim->grains.n && p->j[k] < sim->grains.n;
+    rp_keep_check(s, exist, "pairs of grains that do not exist");
+    if (s->status || !s->reading) return;
+    dem_pairs_pad(p);
+    if (in_order) s->status = dem_pairs_plan_chunks(p, sim->grains.n);
+}
+
+static void keep_walls(rp_snapshot *s, dem_sim *sim)
+{
+    dem_walls *const w = &sim->walls;
+    bool exist = true;
+    if (s->reading && !s->status) s->status = dem_walls_alloc(w);
+    if (!s->status) rp_keep(s, w->slot, w->n_slots * sizeof *w->slot);
+    if (s->status || !s->reading) return;
+    for (size_t k = 0; k < w->n_slots && exist; k++)
+        exist = w->slot[k].wall < sim->def.n_walls && w->slot[k].grain < sim->grains.n &&
+                w->slot[k].well <= DEM_WELL_BROKEN;
+    for (size_t k = 0; k < sim->def.n_walls && exist; k++) exist = w->start[k] <= w->start[k + 1];
+    rp_keep_check(s, exist && w->start[sim->def.n_walls] <= w->n_slots, "impossible contacts with walls");
+}
+
+/* Without pointers, and what a step leaves for itself. */
+static void strip(dem_sim *state)
+{
+    dem_forget_parts(state);
+    state->scheme = NULL;
+    state->kernels = (dem_kernels){""};
+    state->times = NULL;
+    state->ahead = false;
+    state->collided = false;
+}
+
+void dem_keep(rp_snapshot *s, dem_sim **sim)
+{
+    dem_sim state = {0}, *c = *sim;
+    if (!s->reading) {
+        state = *c;
+        strip(&state);
+    }
+    RP_KEEP(s, state);
+    if (s->reading) {
+        *sim = NULL;
+        strip(&state);
+        check_numbers(s, &state);
+        if (!s->status && !(c = malloc(sizeof *c)))
+            s->status = rp_fail(RP_NO_MEMORY, "simulation: out of memory");
+        if (s->status) return;
+        *sim = c;
+        *c = state;
+        c->scheme = dem_schemes[c->def.integrator];
+        dem_kernels_choose(c);
+    }
+    keep_grains(s, c);
+    keep_pairs(s, c);
+    keep_walls(s, c);
+    if (!s->status) dem_neighbours_keep(s, c);
+    dem_ledger_keep(s, c);
+    if (!s->reading || !s->status) return;
+    dem_free(c);
+    *sim = NULL;
+}

@@ -1,0 +1,85 @@
+/* Snapshots of one run of a sweep; see keep.h. */
+#include "sweeps/driver/keep.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+static double processor_time(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, char *why,
+                      size_t size)
+{
+    *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = processor_time() + interval};
+    if (size > 0) *why = '\0';
+    if (access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, dem_keep_layout()) == RP_OK)
+        return;
+    snprintf(why, size, "%s", rp_message());
+    rp_snapshot_free(&k->source);
+}
+
+void sweep_keep_end(sweep_keep *k, bool done)
+{
+    rp_snapshot_free(&k->source);
+    if (done) unlink(k->path);
+}
+
+bool sweep_keep_resumes(const sweep_keep *k)
+{
+    return k && k->source.at < k->source.n;
+}
+
+static void keep_one(rp_snapshot *s, void *data, size_t size)
+{
+    if (size > 0) {
+        rp_keep(s, data, size);
+        return;
+    }
+    dem_sim **sim = data;
+    bool there = *sim != NULL;
+    RP_KEEP(s, there);
+    if (there && !s->status) dem_keep(s, sim);
+}
+
+bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
+{
+    if (!k) return true;
+    const bool restore = sweep_keep_resumes(k);
+    if (restore) keep_one(&k->source, data, size);
+    if (k->n < SWEEP_KEEP_MOST)
+        k->entered[k->n].data = data, k->entered[k->n].size = size;
+    else
+        k->source.status = rp_fail(RP_BROKEN, "more than %d kept variables", SWEEP_KEEP_MOST);
+    k->n++;
+    return !restore;
+}
+
+bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim)
+{
+    return sweep_keep_enter(k, sim, 0);
+}
+
+void sweep_keep_leave(sweep_keep *k, size_t n)
+{
+    if (k) k->n -= n;
+}
+
+rp_status sweep_keep_look(sweep_keep *k)
+{
+    if (!k) return RP_OK;
+    if (k->source.status) return k->source.status;
+    if (sweep_keep_resumes(k))
+        return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
+    if (processor_time() < k->next) return RP_OK;
+    rp_snapshot s = {0};
+    for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
+    rp_status status = rp_snapshot_write(&s, k->path, k->key, dem_keep_layout());
+    rp_snapshot_free(&s);
+    k->next = processor_time() + k->interval;
+    return status;
+}

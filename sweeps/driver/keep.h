@@ -1,0 +1,46 @@
+/* Snapshots of one run of a sweep, from which a later process goes on with the same bits.
+ *
+ * A run enters the variables that its course depends on as it comes to them, outermost first, and leaves them
+ * in the reverse order. A snapshot holds all that are entered. A process that resumes enters them in the same
+ * order and gets their values, so that it comes to the place of the snapshot: loops start where they were,
+ * and what a restored value says is done is not done again. Without a handle (NULL) nothing is kept. */
+#ifndef SWEEP_KEEP_H
+#define SWEEP_KEEP_H
+
+#include "core/snapshot.h"
+#include "dem/dem.h"
+
+enum { SWEEP_KEEP_MOST = 32 };
+
+typedef struct sweep_keep {
+    const char *path, *key; /* file; of the run */
+    double interval, next;  /* processor time, s: from one snapshot to the next; of the next */
+    rp_snapshot source; /* that is resumed from; its data have been used up once its run is at its place */
+    size_t n;
+    struct {
+        void *data;
+        size_t size; /* 0: a dem_sim * */
+    } entered[SWEEP_KEEP_MOST];
+} sweep_keep;
+
+/* Prepare for a run: read its snapshot if there is a good one, else the run starts anew. `why` gets the
+ * reason why one was refused, or "". sweep_keep_end follows; it removes the file if the run is done. */
+void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, char *why,
+                      size_t size);
+void sweep_keep_end(sweep_keep *k, bool done);
+
+/* Whether there are variables yet to be entered before the run is at the place of its snapshot. */
+bool sweep_keep_resumes(const sweep_keep *k);
+
+/* Enter a variable, or a simulation, which may be NULL. True if its value is the caller's, false if it is now
+ * that of the snapshot. Leave the last n. */
+bool sweep_keep_enter(sweep_keep *k, void *data, size_t size);
+bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim);
+void sweep_keep_leave(sweep_keep *k, size_t n);
+#define SWEEP_ENTER(k, variable) sweep_keep_enter(k, &(variable), sizeof(variable))
+
+/* Between two pieces of work: write a snapshot if one is due. Errors: those of rp_snapshot_write, and of the
+ * values that were to be restored. */
+rp_status sweep_keep_look(sweep_keep *k);
+
+#endif

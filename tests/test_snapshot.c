@@ -1,0 +1,747 @@
+/* Snapshots: a run that goes on from one has the bits of the run that was never stopped, in memory, from a
+ * file and as output files of the program; what is no such state is refused with the reason. */
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "core/snapshot.h"
+#include "core/version.h"
+#include "dem/dem.h"
+#include "sweeps/driver/keep.h"
+#include "sweeps/driver/protocol.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+/* ---- Simulations ---- */
+
+enum { GRAINS = 24, HALF = 120 };
+
+/* What a scene may have, one bit each. */
+enum {
+    ROTATION = 1,
+    ROLLING = 2,
+    WELLS = 4,
+    HARD = 8,
+    LIFTED_GATE = 16,
+    GRAVITY_TURNS = 32,
+    BOX_TURNS = 64,
+    OUTFLOW = 128,
+    LEDGER = 256,
+    FIXED = 512,
+    PUT_IN = 1024,
+    FEATURES = 2048
+};
+
+static dem_definition scene_of(int features, dem_grain **grains)
+{
+    dem_definition def = grains_box(GRAINS, 1.2, 3, grains);
+    for (size_t i = 0; i < GRAINS; i++) {
+        (*grains)[i].vx = 60.0 * ((double)(i % 7) / 3.0 - 1.0);
+        (*grains)[i].vy = -50.0 * (double)(i % 3);
+        if (features & ROTATION) (*grains)[i].omega = (double)i - 20.0;
+    }
+    def.rotation = features & ROTATION;
+    if (features & ROLLING) def.material.mu_roll = 0.1;
+    if (features & WELLS) def.ground = (dem_ground){1, 0.5, 0.01, DEM_WELL_AGAIN};
+    if (features & HARD) {
+        def.hard = (dem_hard){true, 0.7, 0.3};
+        def.tension = false;
+    }
+    if (features & LIFTED_GATE) {
+        def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
+        def.walls[DEM_BOX_RIGHT].open_speed = 100.0;
+        def.walls[DEM_BOX_RIGHT].open_at_step = HALF / 2;
+    }
+    if (features & GRAVITY_TURNS) def.turn_per_step = 1e-3, def.turn_from_step = HALF / 3;
+    if (features & BOX_TURNS) def.box_turn_per_step = 1e-4;
+    if (features & OUTFLOW) {
+        def.x_max = 1.1;
+        def.walls[DEM_BOX_RIGHT].open_at_step = 0;
+        for (size_t i = 0; i < GRAINS; i++)
+            if ((*grains)[i].x > 1.0) (*grains)[i].x -= 0.1, (*grains)[i].y += 4.0;
+    }
+    if (features & FIXED)
+        (*grains)[0].fixed = true, (*grains)[0].vx = (*grains)[0].vy = (*grains)[0].omega = 0.0;
+    def.ledger = features & LEDGER;
+    return def;
+}
+
+static void run(dem_sim *sim, long steps)
+{
+    CHECK_OK(dem_run(sim, steps));
+}
+
+static void put_in(dem_sim *sim, int features)
+{
+    if (!(features & PUT_IN)) return;
+    const double y = 9.0 + 0.005 * (double)dem_step(sim);
+    for (int k = 0; k < 3; k++)
+        CHECK_OK(
+            dem_add(sim, &(dem_grain){.x = 0.2 + 0.3 * k, .y = y, .r = 0.1, .m = 0.004, .vy = -9.0}, NULL));
+}
+
+/* Everything that can be read of two simulations. */
+static bool same(const dem_sim *a, const dem_sim *b)
+{
+    double forces[2][2 * DEM_MAX_WALLS] = {{0}};
+    dem_energy energy[2];
+    dem_ledger ledger[2] = {{0}};
+    dem_counts counts[2];
+    double g[2][2];
+    dem_contact *contacts[2];
+    size_t n[2];
+    for (int k = 0; k < 2; k++) {
+        const dem_sim *sim = k ? b : a;
+        dem_wall_forces(sim, forces[k]);
+        dem_energies(sim, &energy[k]);
+        dem_ledger_read(sim, &ledger[k]);
+        dem_count_work(sim, &counts[k]);
+        dem_gravity(sim, g[k]);
+        CHECK_OK(dem_contacts(sim, &contacts[k], &n[k]));
+    }
+    bool equal = grains_same_bits(a, b) && dem_step(a) == dem_step(b) && n[0] == n[1] &&
+                 memcmp(forces[0], forces[1], sizeof forces[0]) == 0 &&
+                 memcmp(&energy[0], &energy[1], sizeof energy[0]) == 0 &&
+                 memcmp(&ledger[0], &ledger[1], sizeof ledger[0]) == 0 &&
+                 memcmp(&counts[0], &counts[1], sizeof counts[0]) == 0 &&
+                 memcmp(g[0], g[1], sizeof g[0]) == 0;
+    for (size_t k = 0; k < n[0] && equal; k++)
+        equal = contacts[0][k].shear_spring == contacts[1][k].shear_spring &&
+                contacts[0][k].rolling_spring == contacts[1][k].rolling_spring &&
+                contacts[0][k].well == contacts[1][k].well;
+    free(contacts[0]);
+    free(contacts[1]);
+    return equal;
+}
+
+/* The simulation that the bytes of another's snapshot make. */
+static dem_sim *again(dem_sim *sim)
+{
+    rp_snapshot s = {0};
+    dem_sim *copy = sim;
+    dem_keep(&s, &copy);
+    CHECK_OK(s.status);
+    s.reading = true, s.path = "memory";
+    dem_keep(&s, &copy);
+    CHECK_OK(rp_snapshot_end(&s));
+    rp_snapshot_free(&s);
+    return copy;
+}
+
+/* Whether there is such a scene; if so, twice HALF steps, of which the second half is also made from a
+ * snapshot; adds the contacts that it has there. */
+static bool continues(dem_definition *def, int features, size_t *contacts)
+{
+    dem_sim *sim;
+    const double limit = dem_time_step_limit(def, NULL);
+    if (!(def->dt <= 0.5 * limit)) def->dt = 0.5 * limit;
+    const rp_status status = dem_create(def, &sim);
+    CU_ASSERT(!status || status == RP_BAD_INPUT);
+    if (status) return false;
+    run(sim, HALF - 40);
+    put_in(sim, features);
+    run(sim, 40);
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    *contacts += counts.contacts;
+    dem_sim *copy = again(sim);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(copy);
+    CU_ASSERT(same(sim, copy));
+    for (int k = 0; k < 2; k++) {
+        put_in(sim, features), put_in(copy, features);
+        run(sim, HALF / 2);
+        run(copy, HALF / 3);
+        run(copy, HALF / 2 - HALF / 3);
+        CU_ASSERT(same(sim, copy));
+    }
+    dem_free(sim);
+    dem_free(copy);
+    return true;
+}
+
+/* Each feature alone, and all that go together. */
+static const int sets[] = {0,
+                           ROTATION,
+                           ROTATION | ROLLING,
+                           WELLS,
+                           HARD,
+                           LIFTED_GATE,
+                           GRAVITY_TURNS,
+                           BOX_TURNS,
+                           OUTFLOW,
+                           LEDGER,
+                           FIXED,
+                           PUT_IN,
+                           ROTATION | ROLLING | WELLS | HARD | GRAVITY_TURNS | OUTFLOW | LEDGER | PUT_IN,
+                           ROTATION | ROLLING | LIFTED_GATE | GRAVITY_TURNS | FIXED | LEDGER | PUT_IN,
+                           WELLS | GRAVITY_TURNS | LEDGER | FIXED};
+enum { SETS = sizeof sets / sizeof *sets };
+
+static void every_law_integrator_and_feature(void)
+{
+    size_t of_integrator[DEM_INTEGRATORS] = {0}, of_set[SETS] = {0}, contacts = 0;
+    for (int normal = 0; normal < DEM_NORMAL_N; normal++)
+        for (int tangential = 0; tangential < DEM_TANGENTIAL_N; tangential++)
+            for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++)
+                for (size_t k = 0; k < SETS; k++) {
+                    dem_grain *grains;
+                    dem_definition def = scene_of(sets[k], &grains);
+                    grains_law(&def, (dem_normal_law)normal, 1e5, 200.0);
+                    def.tangential = (dem_tangential_law)tangential;
+                    def.integrator = (dem_integrator)integrator;
+                    if (tangential == DEM_NONE) def.material.mu = def.material.mu_roll = 0.0;
+                    for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
+                    const bool done = continues(&def, sets[k], &contacts);
+                    of_integrator[integrator] += done, of_set[k] += done;
+                    free(grains);
+                }
+    for (int k = 0; k < DEM_INTEGRATORS; k++) CU_ASSERT(of_integrator[k] >= 20);
+    for (size_t k = 0; k < SETS; k++) CU_ASSERT(of_set[k] >= 3);
+    CU_ASSERT(contacts > 500);
+}
+
+/* So many grains that a step takes them in chunks, and runs ahead. */
+static void large_pile(void)
+{
+    enum { SIDE = 130, N = SIDE * SIDE };
+    dem_grain *grains = calloc(N, sizeof *grains);
+    for (int i = 0; i < N; i++)
+        grains[i] = (dem_grain){.x = 0.1 + 0.198 * (i % SIDE) + 0.099 * (i / SIDE % 2),
+                                .y = 0.1 + 0.172 * (i / SIDE),
+                                .r = 0.1,
+                                .m = 0.004,
+                                .vx = 3.0 * ((i * 7919) % 101 - 50)};
+    dem_definition def = dem_definition_default();
+    grains_on_floor(&def, N, grains);
+    dem_sim *sim = grains_start(&def);
+    run(sim, 30);
+    dem_sim *copy = again(sim);
+    run(sim, 30);
+    run(copy, 30);
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
+    CU_ASSERT(same(sim, copy));
+    dem_free(sim);
+    dem_free(copy);
+    free(grains);
+}
+
+/* ---- Files ---- */
+
+static char folder[64];
+
+static void enter(void)
+{
+    strcpy(folder, "/tmp/repose_snapshot_XXXXXX");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+}
+
+/* Exit status of a line of shell in the folder, -1 after a signal; $REPOSE is the program. Its messages are
+ * in the file err. */
+static int shell(const char *line)
+{
+    char text[4 * PATH_MAX], program[PATH_MAX];
+    const char *name = getenv("REPOSE");
+    if (!realpath(name ? name : "build/repose", program))
+        CU_FAIL_FATAL("no program; REPOSE=path of the program");
+    snprintf(text, sizeof text, "cd %s && export REPOSE='%s' && %s", folder, program, line);
+    const int status = system(text);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void leave(void)
+{
+    char line[128];
+    snprintf(line, sizeof line, "rm -rf %s", folder);
+    CU_ASSERT(system(line) == 0);
+}
+
+static const char *in_folder(const char *name)
+{
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static unsigned char *read_bytes(const char *name, size_t *n)
+{
+    FILE *in = fopen(in_folder(name), "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    fseek(in, 0, SEEK_END);
+    *n = (size_t)ftell(in);
+    rewind(in);
+    unsigned char *bytes = malloc(*n + 1);
+    CU_ASSERT(fread(bytes, 1, *n, in) == *n);
+    fclose(in);
+    return bytes;
+}
+
+static void write_bytes(const char *name, const void *bytes, size_t n)
+{
+    FILE *out = fopen(in_folder(name), "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    CU_ASSERT(fwrite(bytes, 1, n, out) == n);
+    fclose(out);
+}
+
+/* Write the state of a small scene to the file s; its simulation. */
+static dem_sim *write_small(long steps)
+{
+    dem_grain *grains;
+    dem_definition def = scene_of(LEDGER, &grains);
+    def.n_grains = 10;
+    dem_sim *sim = grains_start(&def);
+    run(sim, steps);
+    rp_snapshot s = {0};
+    dem_keep(&s, &sim);
+    CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
+    rp_snapshot_free(&s);
+    free(grains);
+    return sim;
+}
+
+/* Read the file s. */
+static rp_status read_small(const char *owner, uint64_t layout, dem_sim **sim)
+{
+    rp_snapshot s;
+    rp_status status = rp_snapshot_read(&s, in_folder("s"), owner, layout);
+    *sim = NULL;
+    if (!status) {
+        dem_keep(&s, sim);
+        status = rp_snapshot_end(&s);
+    }
+    rp_snapshot_free(&s);
+    return status;
+}
+
+static void refused(const char *text)
+{
+    dem_sim *sim;
+    CHECK_FAILS(read_small("test", dem_keep_layout(), &sim), RP_BAD_INPUT, text);
+    CU_ASSERT_PTR_NULL(sim);
+    CU_ASSERT(strstr(rp_message(), folder) != NULL); /* which file */
+}
+
+/* Where numbers of the head are; its size. */
+enum { AT_FORMAT = 16, AT_MODEL = 20, HEAD = 80 };
+
+/* Put the checksum that belongs to the bytes. */
+static void sign(unsigned char *bytes, size_t n)
+{
+    const XXH128_hash_t head = XXH3_128bits(bytes, HEAD),
+                        all = XXH3_128bits_withSeed(bytes + HEAD, n - HEAD - sizeof all,
+                                                    head.low64 ^ head.high64);
+    memcpy(bytes + n - sizeof all, &all, sizeof all);
+}
+
+static void damaged_files(void)
+{
+    enter();
+    dem_sim *sim = write_small(50), *copy;
+    size_t n;
+    unsigned char *bytes = read_bytes("s", &n);
+    CHECK_OK(read_small("test", dem_keep_layout(), &copy));
+    CU_ASSERT(same(sim, copy));
+    dem_free(copy);
+    for (size_t k = 0; k < n; k += k < HEAD + 20 || k > n - 20 ? 1 : 50) {
+        bytes[k] ^= 0x10;
+        write_bytes("s", bytes, n);
+        refused(k < AT_FORMAT       ? "not a snapshot of repose"
+                : k < AT_MODEL      ? "format version"
+                : k >= 32 && k < 40 ? " expected"
+                                    : "damaged: its checksum is wrong");
+        bytes[k] ^= 0x10;
+    }
+    const size_t cut[] = {1, 15, 16, HEAD - 1, HEAD, HEAD + 15, HEAD + 16, n / 2, n - 16, n - 1};
+    for (size_t k = 0; k < sizeof cut / sizeof *cut; k++) {
+        write_bytes("s", bytes, cut[k]);
+        refused("truncated: ");
+    }
+    write_bytes("s", bytes, 0);
+    refused("truncated: 0 bytes");
+    write_bytes("s", bytes, n + 1);
+    refused("damaged: ");
+    write_bytes("s", "gravity = ( 0.0, -981.0 );", 26);
+    refused("not a snapshot of repose");
+    unlink(in_folder("s"));
+    refused("No such file");
+    CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
+    refused("not a regular file");
+    free(bytes);
+    dem_free(sim);
+    leave();
+}
+
+static void foreign_files(void)
+{
+    enter();
+    dem_sim *sim = write_small(20), *copy;
+    size_t n;
+    CHECK_FAILS(read_small("other", dem_keep_layout(), &copy), RP_BAD_INPUT,
+                "the state of another run: \"test\", not \"other\"");
+    CHECK_FAILS(read_small("test", 1, &copy), RP_BAD_INPUT, "another layout of the state");
+    unsigned char *bytes = read_bytes("s", &n), first = bytes[AT_FORMAT];
+    bytes[AT_FORMAT] = RP_SNAPSHOT_FORMAT + 1;
+    sign(bytes, n);
+    write_bytes("s", bytes, n);
+    refused("format version 2; this program reads 1");
+    bytes[AT_FORMAT] = first;
+    bytes[AT_MODEL]--;
+    sign(bytes, n);
+    write_bytes("s", bytes, n);
+    refused("made by model version ");
+    free(bytes);
+    dem_free(sim);
+    leave();
+}
+
+/* A state with a true checksum that no simulation has: refused, or run to some end; never a crash. */
+static void impossible_states(void)
+{
+    dem_grain *grains;
+    dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED, &grains);
+    dem_sim *sim = grains_start(&def), *copy = sim;
+    run(sim, HALF);
+    rp_snapshot s = {0};
+    dem_keep(&s, &copy);
+    size_t refusals = 0;
+    s.reading = true, s.path = "memory";
+    for (size_t k = 3; k < s.n; k += k < 4000 ? 7 : 97) {
+        const unsigned char before = s.bytes[k];
+        s.bytes[k] = k % 2 ? 0xff : (unsigned char)~before;
+        s.at = 0, s.status = RP_OK;
+        dem_keep(&s, &copy);
+        rp_status status = rp_snapshot_end(&s);
+        CU_ASSERT(!status || status == RP_BAD_INPUT || status == RP_NO_MEMORY);
+        CU_ASSERT((copy == NULL) == (status != RP_OK));
+        refusals += status != RP_OK;
+        if (copy) dem_run(copy, 3); /* to any end */
+        dem_free(copy);
+        s.bytes[k] = before;
+    }
+    CU_ASSERT(refusals > 5);
+    s.n -= 5, s.at = 0, s.status = RP_OK;
+    dem_keep(&s, &copy);
+    CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
+    CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
+    rp_snapshot_free(&s);
+    dem_free(sim);
+    free(grains);
+}
+
+/* Without room for the new one, the older snapshot stays, and no other file. */
+static void full_disk(void)
+{
+    enter();
+    dem_sim *sim = write_small(20), *copy;
+    const struct rlimit little = {2000, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
+    rp_snapshot s = {0};
+    run(sim, 20);
+    dem_keep(&s, &sim);
+    signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &little);
+    CHECK_FAILS(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()), RP_IO,
+                "cannot write: File too large");
+    setrlimit(RLIMIT_FSIZE, &all);
+    CHECK_FAILS(rp_snapshot_write(&s, in_folder("none/s"), "test", dem_keep_layout()), RP_IO, "No such file");
+    rp_snapshot_free(&s);
+    CHECK_OK(read_small("test", dem_keep_layout(), &copy));
+    CU_ASSERT(dem_step(copy) == 20);
+    CU_ASSERT(shell("test \"$(ls)\" = s") == 0);
+    dem_free(sim);
+    dem_free(copy);
+    leave();
+}
+
+/* ---- The program ---- */
+
+/* A pile of rolling grains whose wall is lifted while gravity turns, and which grains leave. */
+static void write_scene(void)
+{
+    static const char scene[] = "rotation = true; dt = 5.0e-5; steps = 1500; ledger = true; x_max = 2.5;\n"
+                                "gravity_turn_deg_per_step = 0.01; turn_from_step = 700;\n"
+                                "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 500.0; };\n"
+                                "tangential = { law = \"spring\"; k_s = 1.0e4; gamma_s = 5.0; mu = 0.2; };\n"
+                                "rolling = { mu = 0.05; };\n"
+                                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [0.0, "
+                                "0.0]; direction = [1.0, 0.0]; },\n"
+                                "  { point = [2.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 9.0]; "
+                                "open_at_step = 900; open_speed = 50.0; } );\n"
+                                "fill = { N = 40; W = 2.0; H = 2.0; seed = 3; };\n";
+    write_bytes("s.cfg", scene, sizeof scene - 1);
+}
+
+#define START "\"$REPOSE\" run s.cfg --every 70 -o d --snapshot "
+
+/* Run undisturbed; its tables are then in the folder `whole`. */
+static void run_whole(const char *interval)
+{
+    char line[256];
+    snprintf(line, sizeof line, START "%s && mv d whole", interval);
+    CU_ASSERT(shell(line) == 0);
+}
+
+/* All tables equal those of the undisturbed run, and nothing else is left. */
+static bool equal_files(void)
+{
+    return shell("diff -r d whole >diff") == 0;
+}
+
+/* Message of the last command with 2>err. */
+static bool says(const char *text)
+{
+    size_t n;
+    char *bytes = (char *)read_bytes("err", &n);
+    bytes[n] = '\0';
+    const bool there = strstr(bytes, text) != NULL && strchr(bytes, '\n') == bytes + n - 1;
+    if (!there) fprintf(stderr, "message \"%s\", expected \"%s\"\n", bytes, text);
+    free(bytes);
+    return there;
+}
+
+static void killed_runs(void)
+{
+    enter();
+    write_scene();
+    run_whole("100");
+    for (int k = 0; k < 4; k++) {
+        /* each attempt may take longer, so that some attempt ends */
+        char line[256];
+        snprintf(line, sizeof line, "rm -rf d; timeout -s %s 0.0%d " START "100 2>err",
+                 k % 2 ? "KILL" : "TERM", 2 + k);
+        int status = shell(line), attempts = 0;
+        for (int ms = 10 + 7 * k; status != 0 && attempts < 60; ms = ms * 5 / 4, attempts++) {
+            snprintf(line, sizeof line, "timeout -s %s 0.%03d \"$REPOSE\" run --resume d 2>err",
+                     k % 2 ? "KILL" : "TERM", ms % 1000);
+            status = shell(line);
+            if (status == 65)
+                status = shell("rm -rf d; " START "100 2>err"); /* killed before the first snapshot */
+        }
+        CU_ASSERT(status == 0);
+        CU_ASSERT(equal_files());
+    }
+    leave();
+}
+
+/* A finished result is there until the new one is whole; killed between two renames, the run goes on too. */
+static void stopped_runs(void)
+{
+    enter();
+    write_scene();
+    run_whole("100");
+    CU_ASSERT(shell("cp -r whole d; cp s.cfg t.cfg; ulimit -f 40; " START "300 --set steps=1400 2>err") ==
+              74);
+    CU_ASSERT(says("cannot write: File too large"));
+    CU_ASSERT(
+        shell("cp -r d/unfinished u && rm -r d/unfinished && diff -r d whole && cp -r u d/unfinished") == 0);
+    CU_ASSERT(shell(START "100 2>err") == 65);
+    CU_ASSERT(says("d/unfinished/snapshot: an unfinished run; go on with --resume d"));
+    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume d 2>err") == 65);
+    CU_ASSERT(says("s.cfg: not the scene that the snapshot in d is of"));
+    CU_ASSERT(shell("mv d/unfinished/states.tsv d/states.tsv && "
+                    "\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
+                    "d/unfinished") == 0);
+    CU_ASSERT(shell("mv d resumed && " START "300 --set steps=1400 && diff -r d resumed") == 0);
+    leave();
+}
+
+static void refused_resumes(void)
+{
+    enter();
+    write_scene();
+    CU_ASSERT(shell("ulimit -f 40; " START "300 2>err") == 74);
+    CU_ASSERT(shell("cp -r d good") == 0);
+    static const struct {
+        const char *change, *text;
+    } list[] = {
+        {"rm -r d/unfinished", "d: no unfinished run"},
+        {"rm d/unfinished/snapshot", "d/unfinished/snapshot: cannot read: No such file"},
+        {"printf x | dd of=d/unfinished/snapshot bs=1 seek=3000 conv=notrunc 2>dd",
+         "damaged: its checksum is wrong"},
+        {"truncate -s 3000 d/unfinished/snapshot", "truncated: "},
+        {"rm d/unfinished/energy.tsv", "d/unfinished/energy.tsv: cannot open: No such file"},
+        {"truncate -s 300 d/unfinished/energy.tsv", "energy.tsv: shorter than at the snapshot"},
+        {"sed -i s/model/nodel/ d/unfinished/states.tsv",
+         "d/unfinished/states.tsv: not the table that the snapshot was written with"},
+    };
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        char line[512];
+        snprintf(line, sizeof line, "rm -rf d && cp -r good d && %s && \"$REPOSE\" run --resume d 2>err",
+                 list[k].change);
+        CU_ASSERT(shell(line) == 65);
+        CU_ASSERT(says(list[k].text));
+    }
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d --every 5 2>err") == 64 &&
+              says("--resume goes on with the options"));
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
+              says("--set and --ledger go with"));
+    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
+    CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("usage: repose run "));
+    CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
+    const int other = open(in_folder("d/unfinished"), O_RDONLY | O_DIRECTORY);
+    CU_ASSERT(flock(other, LOCK_EX) == 0);
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d 2>err") == 74 && says("another process runs in this folder"));
+    close(other);
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d && mv d again && " START "300 && diff -r d again") == 0);
+    leave();
+}
+
+/* ---- Protocols ---- */
+
+typedef struct {
+    const char *name, *value;
+} setting;
+
+/* Run the protocol in processes that are killed after so much processor time, each from the snapshot of the
+ * last one; how many it took. */
+static int run_killed(const sweep_protocol *protocol, const void *params, double seconds,
+                      sweep_result *result)
+{
+    enum { MOST = 400 };
+    char path[256];
+    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    sweep_result *shared =
+        mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    int status = -1, runs = 0;
+    while (status != 0 && runs++ < MOST) {
+        /* each process has a little more time, so that it comes farther */
+        const long micro = (long)(1e6 * seconds * (1.0 + 0.05 * runs));
+        const pid_t child = fork();
+        if (child == 0) {
+            char why[256];
+            sweep_keep keep;
+            setitimer(ITIMER_PROF, &(struct itimerval){.it_value = {micro / 1000000, micro % 1000000}}, NULL);
+            sweep_keep_begin(&keep, path, "test", 0.1 * seconds, why, sizeof why);
+            rp_status ended =
+                *why ? RP_BROKEN : protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, shared);
+            sweep_keep_end(&keep, ended == RP_OK);
+            if (ended) fprintf(stderr, "%s: %s%s\n", protocol->name, why, rp_message());
+            _exit(ended == RP_OK ? 0 : 1);
+        }
+        int end;
+        CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
+        status = WIFEXITED(end) ? WEXITSTATUS(end) : -1;
+        CU_ASSERT(status == 0 || (WIFSIGNALED(end) && WTERMSIG(end) == SIGPROF));
+        if (status > 0) break;
+    }
+    CU_ASSERT(status == 0);
+    CU_ASSERT(access(path, F_OK) != 0); /* of a run that is done */
+    *result = *shared;
+    munmap(shared, sizeof *shared);
+    return runs;
+}
+
+/* A run that is killed again and again ends with the row of the undisturbed one. */
+static void goes_on(const sweep_protocol *protocol, const setting *settings, double seconds, const char *word)
+{
+    enter();
+    void *params = calloc(1, protocol->params_size);
+    rp_params_defaults(protocol->schema, params);
+    for (const setting *s = settings; s->name; s++)
+        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, s->name), params, s->value));
+    sweep_result whole, parts;
+    CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
+    const int runs = run_killed(protocol, params, check_fast() ? 10.0 * seconds : seconds, &parts);
+    CU_ASSERT(runs > 2);
+    CU_ASSERT_STRING_EQUAL(whole.status, word);
+    CU_ASSERT_STRING_EQUAL(whole.status, parts.status);
+    CU_ASSERT_STRING_EQUAL(whole.message, parts.message);
+    for (size_t k = 0; protocol->outputs[k].name; k++) {
+        const bool equal = memcmp(&whole.values[k], &parts.values[k], sizeof(double)) == 0 ||
+                           (isnan(whole.values[k]) && isnan(parts.values[k]));
+        if (!equal)
+            fprintf(stderr, "%s: %s = %.17g, undisturbed %.17g\n", protocol->name, protocol->outputs[k].name,
+                    parts.values[k], whole.values[k]);
+        CU_ASSERT(equal);
+    }
+    free(params);
+    leave();
+}
+
+static void protocol_repose(void)
+{
+    goes_on(&sweep_protocol_repose,
+            (setting[]){{"W", "1.4"},
+                        {"H", "1.2"},
+                        {"fill_steps", "6000"},
+                        {"rotation", "true"},
+                        {"mu_roll", "0.1"},
+                        {"tilt_rate_deg", "0.01"},
+                        {"measure", "theta_r,theta_t,theta_t_static"},
+                        {0}},
+            0.02, "ok");
+    goes_on(&sweep_protocol_repose,
+            (setting[]){{"W", "1.2"},
+                        {"H", "1.2"},
+                        {"stop", "steps"},
+                        {"fill", "ramp"},
+                        {"fill_steps", "6000"},
+                        {"relax_steps", "4000"},
+                        {"tilt", "box"},
+                        {"open", "100"},
+                        {"integrator", "gear5"},
+                        {"dt", "2e-5"},
+                        {"tilt_rate_deg", "0.01"},
+                        {"measure", "theta_r,theta_t"},
+                        {0}},
+            0.01, "ok_fixed_time");
+}
+
+static void protocol_stress(void)
+{
+    goes_on(&sweep_protocol_stress,
+            (setting[]){{"W", "1.4"}, {"H", "1.4"}, {"fill_steps", "6000"}, {"tilt_rate_deg", "0.01"}, {0}},
+            0.02, "ok");
+}
+
+static void protocol_flux(void)
+{
+    goes_on(&sweep_protocol_flux,
+            (setting[]){{"W", "1.4"},
+                        {"insertions", "60"},
+                        {"draws", "3"},
+                        {"avalanche", "2"},
+                        {"drop_height", "1"},
+                        {"entry_width", "1"},
+                        {0}},
+            0.01, "ok");
+}
+
+static void protocol_drop(void)
+{
+    goes_on(
+        &sweep_protocol_drop,
+        (setting[]){{"N", "90"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}, {0}},
+        0.01, "ok");
+}
+
+void suite_snapshot(void)
+{
+    static const check_case cases[] = {
+        {"every law, integrator and feature", every_law_integrator_and_feature},
+        {"large pile", large_pile},
+        {"damaged files", damaged_files},
+        {"foreign files", foreign_files},
+        {"impossible states", impossible_states},
+        {"full disk", full_disk},
+        {"killed runs", killed_runs},
+        {"stopped runs", stopped_runs},
+        {"refused resumes", refused_resumes},
+        {"protocol repose", protocol_repose},
+        {"protocol stress", protocol_stress},
+        {"protocol flux", protocol_flux},
+        {"protocol drop", protocol_drop},
+        {0}};
+    check_register("snapshot", cases);
+}
