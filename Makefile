@@ -34,7 +34,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate asan fuzz lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -105,11 +105,13 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-mutate: | $(SETUP_FIRST) ## changes the models line by line: do the tests see it? A table in build/tables
+mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? A table in build/tables
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
 
-# ---- Sweeps and models -> tables -> figures and report
+check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
+	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
 
+# ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.
 SWEEPS  := $(basename $(notdir $(wildcard sweeps/lh/*.cfg sweeps/li/*.cfg)))
 STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)))

@@ -37,10 +37,10 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",   "--study ",      "--where ",    "--bare ",      "--set ",     "--reduce ",  "--base ",
-    "--pair ",   "--successive ", "-o ",         "--runs ",      "--missing ", "--outline ", "--disks ",
-    "--linear ", "--set-again ",  "--summary ",  "--threshold ", "--map ",     "--ledger ",  "--profile ",
-    "--resume ", "--start ",      "--variants ", "--published ", NULL};
+    "--help ",   "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
+    "--pair ",   "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
+    "--linear ", "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--profile ",
+    "--resume ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -252,7 +252,9 @@ static void test_bench(void)
     write_text("short.tsv", "# x\ty\n0.1\t0.1\n");
     /* the upper grain presses the other two against the walls */
     CHECK_NEAR(cell(&t, 0, "contacts"), 2.0 / 3.0, 1e-15);
-    CU_ASSERT(cell(&t, 0, "bound") > cell(&t, 0, "median"));
+    const double inner = cell(&t, 0, "share_contacts") + cell(&t, 0, "share_integration");
+    CHECK_NEAR(cell(&t, 0, "bound") * inner, cell(&t, 0, "median"), 1e-14 * cell(&t, 0, "median"));
+    CU_ASSERT(cell(&t, 0, "best") >= cell(&t, 0, "median") && cell(&t, 0, "median") > 0.0);
     rp_table_free(&t);
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");

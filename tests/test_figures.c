@@ -336,7 +336,7 @@ static bool check_line(const char *words)
 /* Draw a figure of gnuplot into a table. */
 static bool draw(const char *figure)
 {
-    char command[2048], tables[1024] = "";
+    char command[4096], tables[1024] = "";
     for (size_t i = 0; i < n_fixtures; i++) {
         write_fixture(&fixtures[i]);
         snprintf(tables + strlen(tables), sizeof tables - strlen(tables), "%s%s", i ? " " : "",
@@ -344,15 +344,25 @@ static bool draw(const char *figure)
     }
     char path[256];
     path_of("", path);
-    /* bars of lines are not in a table, and formats of axes would be */
+    /* a table holds neither bars of lines nor radii, and numbers as the axes' formats have them */
     snprintf(command, sizeof command,
-             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' figures/%s.gp >%sgp; "
+             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' "
+             "-e 's/with circles .*, \\\\$/with yerrorbars notitle, \\\\/' "
+             "-e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' figures/%s.gp >%sgp; "
              "gnuplot -e \"T='%s'; tables='%s'; terminal='svg'; file='%snone'\" figures/style.gp "
-             "-e \"set table '%sdrawn'\" %sgp 2>%serr",
-             figure, path, path, tables, path, path, path, path);
+             "-e \"set table '%sdrawn'\" %sgp -e \"save set '%sset'\" 2>%serr",
+             figure, path, path, tables, path, path, path, path, path);
     const int status = shell(command);
     if (status != 0 || *err) fprintf(stderr, "%s: gnuplot: %s\n", figure, err);
     return status == 0 && !*err;
+}
+
+/* Labels and titles. */
+static bool file_holds(const char *name, const char *text)
+{
+    static char file[1 << 20];
+    slurp(name, file, sizeof file);
+    return strstr(file, text) != NULL;
 }
 
 static void test_drawn(void)
@@ -399,6 +409,12 @@ static void test_drawn(void)
             is_drawn = true;
         }
         if (!good_figure) continue;
+        if (strcmp(line, "text") == 0) {
+            const bool shown = file_holds("set", rest) || file_holds("drawn", rest);
+            if (!shown) fprintf(stderr, "tests/figures.txt:%d: %s: no text \"%s\"\n", number, figure, rest);
+            CU_ASSERT(shown);
+            continue;
+        }
         bool right = next_curve();
         if (!right) fprintf(stderr, "%s: no such curve\n", figure);
         if (right && strcmp(line, "curve") == 0) right = check_curve(rest);

@@ -166,6 +166,11 @@ static void test_same_bits(void)
     }
     CHECK_OK(dem_run(same, 1));
     CU_ASSERT(!grains_same_bits(a, same));
+    one.vx = one.vy = 0.0;
+    one.fixed = true;
+    dem_sim *fixed = grains_start(&def);
+    CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
+    dem_free(fixed);
     dem_free(a);
     dem_free(same);
 }

@@ -250,6 +250,7 @@ static void check_line(size_t i)
     CU_ASSERT_PTR_NOT_NULL_FATAL(base);
     snprintf(changes, sizeof changes, "%s", lines[i].changes);
     while ((change = strsep(&rest, "|"))) {
+        if (check_fast() && rest && strlen(rest) % 4) continue; /* a few, with sanitizers */
         char *now = rows_of(lines[i].command, lines[i].base, change);
         const bool differs = now && strcmp(now, base) != 0;
         if (!differs)

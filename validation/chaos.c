@@ -201,7 +201,7 @@ static void workers_agree(void)
         sweep_counts counts;
         size_t n;
         snprintf(dir, sizeof dir, "%s/%d", base, k);
-        CHECK_OK(sweep_prepare(file, dir, 0, protocols, &counts));
+        CHECK_OK(sweep_prepare(file, dir, 0, protocols, NULL, &counts));
         CHECK_OK(sweep_run(dir, protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
         digests[k][0] = '\0';
         CHECK_OK(sweep_digest(dir, protocols, digests[k], &n));

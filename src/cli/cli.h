@@ -81,13 +81,20 @@ typedef struct cli_command {
  * value, required option or argument), RP_BAD_INPUT (a value), and the action's own. */
 rp_status cli_run(const cli_command *command, int argc, char **argv);
 
-/* Of the command line that was parsed last: argument number i, NULL beyond their end; whether option `name`
- * was given. */
+/* Of the command line that was parsed last: argument number i, NULL beyond their end; all of them; whether
+ * option `name` was given. */
 const char *cli_argument(int i);
+char *const *cli_arguments(void);
 bool cli_given(const char *name);
 
 /* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts);
+rp_status cli_sweep_run(const char *dir, long workers, int shard, int shards, sweep_counts *counts);
+
+/* How many runs are planned, stored and missing, and how many have which status. */
+void cli_print_counts(const sweep_counts *counts);
+
+/* For long preparations: progress on a terminal. */
+const sweep_watch *cli_watch(void);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);
@@ -206,7 +213,8 @@ CLI_COMMANDS(X)
 #undef X
 
 /* Subcommands with a file of their own. */
-extern const cli_command cmd_angle_slope, cmd_angle_compare, cmd_angle_phi, cmd_stress_dip,
-    cmd_stress_critical, cmd_stats_fit, cmd_stats_trend, cmd_stats_size, cmd_stats_threshold, cmd_stats_cost;
+extern const cli_command cmd_sweep_merge, cmd_sweep_slurm, cmd_sweep_salvage, cmd_angle_slope,
+    cmd_angle_compare, cmd_angle_phi, cmd_stress_dip, cmd_stress_critical, cmd_stats_fit, cmd_stats_trend,
+    cmd_stats_size, cmd_stats_threshold, cmd_stats_cost;
 
 #endif

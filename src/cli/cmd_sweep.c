@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -9,7 +10,7 @@
 
 #include "cli/cli.h"
 
-static void print_counts(const sweep_counts *counts)
+void cli_print_counts(const sweep_counts *counts)
 {
     rp_table_note(stdout, "planned", "%zu", counts->planned);
     rp_table_note(stdout, "stored", "%zu", counts->stored);
@@ -30,7 +31,7 @@ static rp_status act_plan(void *values)
     const plan_options *o = values;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                                     sweep_protocols, &counts);
+                                     sweep_protocols, cli_watch(), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -53,24 +54,41 @@ static const cli_command plan = {
     plan_params,
     .act = act_plan};
 
-CLI_OPTIONS(run, CLI_WORKERS)
+#define RUN_OPTIONS(X)                                                                                       \
+    CLI_WORKERS(X)                                                                                           \
+    X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")
+
+CLI_OPTIONS(run, RUN_OPTIONS)
+
+/* "3/8" */
+static rp_status read_shard(const char *text, int *shard, int *shards)
+{
+    int used = 0;
+    *shard = *shards = 0;
+    if (!*text || (sscanf(text, "%6d/%6d%n", shard, shards, &used) == 2 && !text[used] && *shards > 0))
+        return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--shard %s: I/N expected, as in 3/8", text);
+}
 
 static rp_status act_run(void *values)
 {
     const run_options *o = values;
     sweep_counts counts;
-    rp_status status = cli_sweep_run(cli_argument(0), o->j, &counts);
-    if (!status) print_counts(&counts);
+    int shard, shards;
+    rp_status status = read_shard(o->shard, &shard, &shards);
+    if (!status) status = cli_sweep_run(cli_argument(0), o->j, shard, shards, &counts);
+    if (!status) cli_print_counts(&counts);
     return status;
 }
 
 static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
-    "DIR [-j N]",
+    "DIR [-j N] [--shard I/N]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
     "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-    "if every run is stored, whatever its status; 75 if stopped.",
+    "if every run is stored, whatever its status; 75 if stopped. With --shard, machines that share the\n"
+    "folder, or have copies of it, each make a part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
     .act = act_run};
@@ -80,15 +98,22 @@ static rp_status act_status_of(void *values)
     (void)values;
     sweep_counts counts;
     rp_status status = sweep_status(cli_argument(0), sweep_protocols, &counts);
-    if (!status) print_counts(&counts);
-    return status;
+    if (status) return status;
+    const double left = counts.seconds * (double)(counts.planned - counts.stored);
+    rp_table_note(stdout, "running", "%zu", counts.running);
+    if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
+    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
+    cli_print_counts(&counts);
+    return RP_OK;
 }
 
 static const cli_command status_of = {
     "sweep status",
     "numbers of stored runs and of each status",
     "DIR",
-    "Numbers of planned, stored and missing runs, and of runs with each status.",
+    "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the\n"
+    "folder; processes that write to it, the time left, and the shards with missing runs as a list for\n"
+    "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
     .act = act_status_of};
@@ -201,8 +226,8 @@ static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, &counts);
-    if (!status) status = cli_sweep_run(o->o, o->j, &counts);
+    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    if (!status) status = cli_sweep_run(o->o, o->j, 0, 0, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);
     if (!status) status = export_to(o, recipe->name, "", true);
     return status;
@@ -235,5 +260,6 @@ static const cli_command make = {
     make_params,
     .act = act_make};
 
-static const cli_command *const commands[] = {&plan, &run, &status_of, &export, &make, &digest, NULL};
+static const cli_command *const commands[] = {&plan,   &run,  &status_of,       &cmd_sweep_merge,   &export,
+                                              &digest, &make, &cmd_sweep_slurm, &cmd_sweep_salvage, NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

@@ -143,6 +143,11 @@ const char *cli_argument(int i)
     return i < line.n_arguments ? line.arguments[i] : NULL;
 }
 
+char *const *cli_arguments(void)
+{
+    return line.arguments;
+}
+
 bool cli_given(const char *name)
 {
     return line.given[index_of(name)];

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "core/clock.h"
 
 /* "1:02:03" or "2:03"; "-" for NaN. */
 static const char *clock_text(double seconds, char *buffer, size_t size)
@@ -31,10 +32,27 @@ static void draw(const sweep_progress *p, void *context)
     fflush(stderr);
 }
 
-rp_status cli_sweep_run(const char *dir, long workers, sweep_counts *counts)
+static void draw_part(const char *what, size_t done, size_t of, void *context)
+{
+    (void)context;
+    static double next;
+    if (of < 100000 || (done < of && rp_clock() < next)) return;
+    next = rp_clock() + 0.5;
+    fprintf(stderr, "\r%zu of %zu %s%s", done, of, what, done == of ? "\n" : "");
+}
+
+const sweep_watch *cli_watch(void)
+{
+    static const sweep_watch watch = {draw_part, NULL};
+    return isatty(STDERR_FILENO) ? &watch : NULL;
+}
+
+rp_status cli_sweep_run(const char *dir, long workers, int shard, int shards, sweep_counts *counts)
 {
     bool drawn = false;
     sweep_options options = {.workers = (int)(workers < 1 ? sysconf(_SC_NPROCESSORS_ONLN) : workers),
+                             .shard = shard,
+                             .shards = shards,
                              .watch = isatty(STDERR_FILENO) ? draw : NULL,
                              .context = &drawn};
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);

@@ -275,22 +275,19 @@ static bool is_default(const rp_param *param, const char *text)
            strcmp(rp_params_text(&alone, &value, shown, sizeof shown), text) == 0;
 }
 
-void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
-                    const char *model, char key[33])
+XXH128_hash_t rp_params_hash_one(const rp_param *param, const void *values)
 {
-    XXH3_state_t *state = XXH3_createState();
-    XXH3_128bits_reset(state);
     char text[256], line[384];
-    for (; schema->name; schema++) {
-        rp_params_text(schema, values, text, sizeof text);
-        if (schema->inherited && is_default(schema, text)) continue;
-        int n = snprintf(line, sizeof line, "%s=%s\n", schema->name, text);
-        XXH3_128bits_update(state, line, (size_t)n);
-    }
-    int n = snprintf(line, sizeof line, "seed=%lu run=%lu model=%s\n", seed, run, model);
-    XXH3_128bits_update(state, line, (size_t)n);
-    rp_hash_digits(XXH3_128bits_digest(state), key);
-    XXH3_freeState(state);
+    rp_params_text(param, values, text, sizeof text);
+    if (param->inherited && is_default(param, text)) return (XXH128_hash_t){0, 0};
+    const int n = snprintf(line, sizeof line, "%s=%s", param->name, text);
+    return XXH3_128bits(line, (size_t)n);
+}
+
+XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b)
+{
+    const XXH64_hash_t low = a.low64 + b.low64;
+    return (XXH128_hash_t){low, a.high64 + b.high64 + (low < a.low64)};
 }
 
 void rp_hash_digits(XXH128_hash_t hash, char digits[33])

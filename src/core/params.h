@@ -67,10 +67,11 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
-/* XXH3-128 of "name=value" of all parameters, as 32 hexadecimal digits and NUL. Seed, run and `model`, the
- * fingerprint of the physics, enter as well: another stream or other physics gives another key. */
-void rp_params_hash(const rp_param *schema, const void *values, unsigned long seed, unsigned long run,
-                    const char *model, char key[33]);
+/* XXH3-128 of "name=value" of one parameter; 0 for an inherited one that has its default. */
+XXH128_hash_t rp_params_hash_one(const rp_param *param, const void *values);
+
+/* Sum of two hashes: that of a set of parameters is the sum over them, in any order. */
+XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b);
 
 /* 32 hexadecimal digits and NUL. */
 void rp_hash_digits(XXH128_hash_t hash, char digits[33]);

@@ -33,44 +33,57 @@ static double area(const an_profile *p)
 }
 
 /* Disks of a stepped outline, and their exact forces. */
-static rp_status fill_outline(sweep_outline *h, const long up[], double theta)
+static rp_status fill_outline(sweep_outline *h, double theta)
 {
-    h->n = 0;
-    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
-    if (h->n > STATICS_MAX) /* before there is memory for them */
-        return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
-                       STATICS_MAX);
     h->disks = malloc(h->n * sizeof *h->disks);
     h->exact = malloc(h->k * sizeof *h->exact);
     if (!h->disks || !h->exact) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     size_t n = 0;
     for (size_t s = 0; s < h->k; s++)
-        for (long j = 0; j < up[s]; j++)
+        for (long j = 0; j < h->up[s]; j++)
             h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
                                            0.5 + (double)j * cos(theta), 0.5, 1};
-    return an_lattice_counts((long)h->k, up, theta, h->exact);
+    return an_lattice_counts((long)h->k, h->up, theta, h->exact);
+}
+
+/* Disks in each row of an outline, and B. */
+static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_t n, const an_point v[],
+                             long up[])
+{
+    an_profile profile;
+    rp_status status = n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up);
+    if (!status && n > 0) status = cut_profile(&profile, (long)h->k, theta, up);
+    for (size_t s = 0; !status && s < h->k; s++) h->n += (size_t)up[s];
+    if (h->n > STATICS_MAX) /* before there is memory for them */
+        return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
+                       STATICS_MAX);
+    if (!status)
+        h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
+                     : an_lattice_base((double)h->n, theta, alpha);
+    return status;
+}
+
+rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha, size_t n,
+                              const an_point v[])
+{
+    const double theta = asin((1 + gap) / 2); /* of the diagonals to the vertical */
+    long *up = malloc((size_t)k * sizeof *up);
+    if (!up) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    *h = (sweep_outline){.k = (size_t)k};
+    rp_status status = cut_outline(h, theta, alpha > 0 ? alpha : M_PI / 2 - theta, n, v, up);
+    h->up = up;
+    return status;
 }
 
 rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha, size_t n, const an_point v[])
 {
-    const double theta = asin((1 + gap) / 2); /* of the diagonals to the vertical */
-    an_profile profile;
-    long *up = malloc((size_t)k * sizeof *up);
-    if (!up) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
-    if (!(alpha > 0)) alpha = M_PI / 2 - theta;
-    h->k = (size_t)k;
-    rp_status status = n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut(k, theta, alpha, up);
-    if (!status && n > 0) status = cut_profile(&profile, k, theta, up);
-    if (!status) status = fill_outline(h, up, theta);
-    if (!status)
-        h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
-                     : an_lattice_base((double)h->n, theta, alpha);
-    free(up);
-    return status;
+    rp_status status = sweep_outline_count(h, k, gap, alpha, n, v);
+    return status ? status : fill_outline(h, asin((1 + gap) / 2));
 }
 
 void sweep_outline_free(sweep_outline *h)
 {
+    free(h->up);
     free(h->disks);
     free(h->exact);
 }

@@ -11,6 +11,7 @@
 
 typedef struct {
     size_t n, k; /* disks; in the base */
+    long *up;    /* [k] disks of the diagonal that rises to the right from a disk of the base */
     statics_disk *disks;
     an_force *exact; /* [k] by diagonals alone, of equal disks; NULL if not known */
     double B;        /* base of the same outline and the same weight; NAN if not known */
@@ -22,6 +23,10 @@ typedef struct {
  * RP_NO_MEMORY. Free the outline, which is zero at first, also after an error. */
 rp_status sweep_outline_make(sweep_outline *outline, long k, double gap, double alpha, size_t n,
                              const an_point v[]);
+
+/* The same without its disks: n, k and B. */
+rp_status sweep_outline_count(sweep_outline *outline, long k, double gap, double alpha, size_t n,
+                              const an_point v[]);
 void sweep_outline_free(sweep_outline *outline);
 
 /* Unequal disks at the same positions: radii (1 + S z)/2 with z normal, cut at +-3, from the stream (seed,

@@ -90,17 +90,11 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     return RP_OK;
 }
 
-/* One list of the grid. Lists of one bundle go together; the bundles make the product. */
-typedef struct {
-    const config_setting_t *list;
-    size_t bundle;
-} axis_list;
-
 enum { MAX_AXES = 64 };
 
 /* The lists of the grid: a group of lists, each its own bundle or with zip = true one for all, or a list of
  * groups, a bundle each. */
-static rp_status find_lists(const head *h, const config_setting_t *grid, axis_list lists[MAX_AXES], size_t *n)
+static rp_status find_lists(const head *h, const config_setting_t *grid, sweep_axis axes[], size_t *n)
 {
     const bool bundles = grid && config_setting_is_list(grid);
     *n = 0;
@@ -114,95 +108,111 @@ static rp_status find_lists(const head *h, const config_setting_t *grid, axis_li
         for (int i = 0; i < length(group); i++) {
             if (*n == MAX_AXES) return rp_config_fail(group, "grid: more than %d lists", MAX_AXES);
             size_t bundle = bundles ? (size_t)g : h->zip ? 0 : *n;
-            lists[(*n)++] = (axis_list){element(group, (size_t)i), bundle};
+            axes[(*n)++] = (sweep_axis){.list = element(group, (size_t)i), .bundle = bundle};
         }
     }
     return RP_OK;
+}
+
+/* The values of axis a, checked. It may not repeat another's parameter nor one under fixed. */
+static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *fixed)
+{
+    sweep_axis *axis = &plan->axes[a];
+    const char *name = config_setting_name(axis->list);
+    rp_status status = find_param(plan->protocol, axis->list, &axis->param);
+    if (status) return status;
+    for (size_t other = 0; other < a; other++)
+        if (plan->axes[other].param == axis->param)
+            return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
+    const rp_type type = axis->param->type;
+    if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
+        return rp_config_fail(axis->list, "%s: cannot vary over a grid; set it under fixed", name);
+    if (fixed && config_setting_get_member(fixed, name))
+        return rp_config_fail(axis->list, "%s: appears under fixed and under grid; keep one", name);
+    if ((!config_setting_is_array(axis->list) && !config_setting_is_list(axis->list)) ||
+        length(axis->list) == 0)
+        return rp_config_fail(axis->list, "%s: a list [ ... ] of one value or more expected", name);
+    axis->n = (size_t)length(axis->list);
+    axis->first = a == 0 || axis[-1].bundle != axis->bundle;
+    if (!axis->first && axis->n != axis[-1].n)
+        return rp_config_fail(axis->list,
+                              "%s: %zu values; lists that go together have the same number, %zu as in %s",
+                              name, axis->n, axis[-1].n, axis[-1].param->name);
+    for (size_t i = 0; !status && i < axis->n; i++)
+        status = rp_config_value(element(axis->list, i), axis->param, plan->at->values);
+    return status;
 }
 
 /* Find the axes of the grid and how many points they span. */
-static rp_status read_axes(sweep_plan *plan, const axis_list lists[], size_t n_lists,
-                           const config_setting_t *fixed)
+static rp_status read_axes(sweep_plan *plan, const config_setting_t *fixed)
 {
-    plan->n_axes = n_lists;
     plan->n_points = 1;
-    plan->axes = calloc(plan->n_axes + 1, sizeof *plan->axes);
-    if (!plan->axes) return rp_fail(RP_NO_MEMORY, "grid: out of memory");
     for (size_t a = 0; a < plan->n_axes; a++) {
-        const config_setting_t *list = lists[a].list;
-        const char *name = config_setting_name(list);
-        rp_status status = find_param(plan->protocol, list, &plan->axes[a]);
+        rp_status status = read_axis(plan, a, fixed);
         if (status) return status;
-        for (size_t other = 0; other < a; other++)
-            if (plan->axes[other] == plan->axes[a])
-                return rp_config_fail(list, "%s: appears twice in the grid; keep one", name);
-        rp_type type = plan->axes[a]->type;
-        if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
-            return rp_config_fail(list, "%s: cannot vary over a grid; set it under fixed", name);
-        if (fixed && config_setting_get_member(fixed, name))
-            return rp_config_fail(list, "%s: appears under fixed and under grid; keep one", name);
-        if ((!config_setting_is_array(list) && !config_setting_is_list(list)) || length(list) == 0)
-            return rp_config_fail(list, "%s: a list [ ... ] of one value or more expected", name);
-        size_t n = (size_t)length(list);
-        bool first = a == 0 || lists[a - 1].bundle != lists[a].bundle;
-        if (!first && n != (size_t)length(lists[a - 1].list))
-            return rp_config_fail(list,
-                                  "%s: %zu values; lists that go together have the same number, %d as in %s",
-                                  name, n, length(lists[a - 1].list), plan->axes[a - 1]->name);
-        if (first) plan->n_points *= n;
+        if (plan->axes[a].first) plan->n_points *= plan->axes[a].n;
         if (plan->n_points > MAX_RUNS / plan->replicas)
-            return rp_config_fail(list, "%s: the grid has too many runs, allowed: %d", name, MAX_RUNS);
+            return rp_config_fail(plan->axes[a].list, "%s: the grid has too many runs, allowed: %d",
+                                  plan->axes[a].param->name, MAX_RUNS);
     }
     return RP_OK;
 }
 
-/* Fill in the parameters of every point, the first one holding those that are fixed. */
-static rp_status expand(const char *file, sweep_plan *plan, const axis_list lists[])
+/* Set the values of point i in the plan's one structure, and the sum of their hashes. */
+static void move_to(const sweep_plan *plan, size_t i)
 {
-    size_t size = plan->protocol->params_size;
-    for (size_t i = plan->n_points; i-- > 0;) {
-        char *values = plan->points + i * size;
-        if (i > 0) memcpy(values, plan->points, size);
-        for (size_t a = plan->n_axes, rest = i; a-- > 0;) {
-            size_t n = (size_t)length(lists[a].list);
-            rp_status status = rp_config_value(element(lists[a].list, rest % n), plan->axes[a], values);
-            if (status) return status;
-            if (a == 0 || lists[a - 1].bundle != lists[a].bundle) rest /= n;
-        }
+    sweep_position *at = plan->at;
+    if (at->point == i) return;
+    at->point = i;
+    at->hash = plan->fixed_hash;
+    for (size_t a = plan->n_axes, rest = i; a-- > 0;) {
+        const sweep_axis *axis = &plan->axes[a];
+        rp_config_value(element(axis->list, rest % axis->n), axis->param, at->values); /* checked before */
+        at->hash = rp_hash_add(at->hash, rp_params_hash_one(axis->param, at->values));
+        if (axis->first) rest /= axis->n;
     }
-    for (size_t i = 0; i < plan->n_points; i++) {
-        char where[256];
-        rp_status status = plan->protocol->check(sweep_plan_point(plan, i));
-        if (status)
-            return rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
-                             sweep_plan_describe(plan, i, where, sizeof where));
-    }
-    return RP_OK;
 }
 
-static int compare_keys(const void *a, const void *b)
+rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    char where[256];
+    rp_status status = plan->protocol->check(sweep_plan_point(plan, point));
+    return status ? rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
+                              sweep_plan_describe(plan, point, where, sizeof where))
+                  : RP_OK;
 }
 
-/* On shared piles, two grid points of the same parameters would be the same runs. */
-static rp_status refuse_twins(const char *file, const sweep_plan *plan)
+typedef struct {
+    XXH128_hash_t hash;
+    size_t i;
+} entry;
+
+static int compare_entries(const void *a, const void *b)
 {
-    const char **first = malloc(plan->n_points * sizeof *first);
-    if (!first) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
-    for (size_t i = 0; i < plan->n_points; i++) first[i] = plan->keys[i * plan->replicas];
-    qsort(first, plan->n_points, sizeof *first, compare_keys);
+    return XXH128_cmp(a, b); /* the hash comes first */
+}
+
+/* Two grid points of the same parameters would be the same runs: no bundle of lists repeats its values. */
+static rp_status refuse_twins(const sweep_plan *plan, size_t first)
+{
+    const sweep_axis *axis = &plan->axes[first];
+    entry *entries = calloc(axis->n, sizeof *entries);
+    if (!entries) return rp_fail(RP_NO_MEMORY, "grid: out of memory");
+    size_t stride = 1; /* from one value of the bundle to the next, in points */
+    for (size_t a = first; a < plan->n_axes; a++)
+        if (plan->axes[a].first && a > first) stride *= plan->axes[a].n;
+    for (size_t i = 0; i < axis->n; i++) {
+        move_to(plan, i * stride);
+        entries[i] = (entry){plan->at->hash, i};
+    }
+    qsort(entries, axis->n, sizeof *entries, compare_entries);
     rp_status status = RP_OK;
     char where[256];
-    for (size_t i = 1; !status && i < plan->n_points; i++)
-        if (strcmp(first[i - 1], first[i]) == 0)
-            status =
-                rp_fail(RP_BAD_INPUT,
-                        "%s: grid point %s: appears twice in the grid, which needs piles = \"own\"", file,
-                        sweep_plan_describe(
-                            plan, (size_t)(first[i] - plan->keys[0]) / (plan->replicas * sizeof *plan->keys),
-                            where, sizeof where));
-    free(first);
+    for (size_t i = 1; !status && i < axis->n; i++)
+        if (XXH128_isEqual(entries[i - 1].hash, entries[i].hash))
+            status = rp_config_fail(axis->list, "grid point %s: appears twice in the grid",
+                                    sweep_plan_describe(plan, entries[i].i * stride, where, sizeof where));
+    free(entries);
     return status;
 }
 
@@ -215,20 +225,67 @@ static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
     return hash;
 }
 
-static rp_status make_keys(sweep_plan *plan)
+/* What every key holds besides the parameters, so that results of other physics are never reused. */
+static rp_status find_model(sweep_plan *plan)
 {
-    char model[96], fingerprint[33] = "";
-    plan->n_runs = plan->n_points * plan->replicas;
-    free(plan->keys);
-    plan->keys = calloc(plan->n_runs, sizeof *plan->keys);
-    if (!plan->keys) return rp_fail(RP_NO_MEMORY, "%zu runs: out of memory", plan->n_runs);
+    char fingerprint[33] = "";
     rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
-    snprintf(model, sizeof model, "%d %s %016llx", RP_MODEL_VERSION, fingerprint,
-             (unsigned long long)hash_outputs(plan->protocol));
-    for (size_t r = 0; !status && r < plan->n_runs; r++)
-        rp_params_hash(plan->protocol->schema, sweep_plan_point(plan, r / plan->replicas), plan->seed,
-                       sweep_plan_pile(plan, r), model, plan->keys[r]);
+    snprintf(plan->model, sizeof plan->model, "%s %d %s %016llx", plan->protocol->name, RP_MODEL_VERSION,
+             fingerprint, (unsigned long long)hash_outputs(plan->protocol));
     return status;
+}
+
+static bool is_axis(const sweep_plan *plan, const rp_param *param)
+{
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].param == param) return true;
+    return false;
+}
+
+/* Append "name":value to a JSON text. */
+static void append_json(const rp_param *param, const void *values, char *buffer, size_t size)
+{
+    char text[256];
+    size_t used = strlen(buffer);
+    rp_params_text(param, values, text, sizeof text);
+    const bool number =
+        (param->type == RP_REAL || param->type == RP_INT) && strspn(text, "+-.0123456789e") == strlen(text);
+    for (char *c = text; *c; c++)
+        if (*c == '"' || *c == '\\' || *c < ' ') *c = '_'; /* in file names only */
+    used += (size_t)snprintf(buffer + used, size - used, number ? "%s\"%s\":%s" : "%s\"%s\":\"%s\"",
+                             used > 1 ? "," : "", param->name, text);
+}
+
+static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
+{
+    strcpy(plan->fixed_json, "{");
+    for (const rp_param *p = plan->protocol->schema; p->name; p++) {
+        if (is_axis(plan, p)) continue;
+        plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
+        if (fixed && config_setting_get_member(fixed, p->name))
+            append_json(p, plan->at->values, plan->fixed_json, sizeof plan->fixed_json);
+    }
+}
+
+/* Everything that the runs of a plan and their order depend on. */
+static void hash_plan(const sweep_plan *plan, char digits[33])
+{
+    XXH3_state_t *state = XXH3_createState();
+    char text[512];
+    XXH3_128bits_reset(state);
+    int n = snprintf(text, sizeof text, "%s seed=%lu shared=%d replicas=%zu points=%zu", plan->model,
+                     plan->seed, plan->shared_piles, plan->replicas, plan->n_points);
+    XXH3_128bits_update(state, text, (size_t)n);
+    XXH3_128bits_update(state, &plan->fixed_hash, sizeof plan->fixed_hash);
+    for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
+        for (size_t i = 0; i < axis->n; i++) {
+            rp_config_value(element(axis->list, i), axis->param, plan->at->values);
+            const XXH128_hash_t hash = rp_params_hash_one(axis->param, plan->at->values);
+            XXH3_128bits_update(state, &hash, sizeof hash);
+        }
+    plan->at->point = SIZE_MAX;
+    rp_hash_digits(XXH3_128bits_digest(state), digits);
+    XXH3_freeState(state);
 }
 
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan)
@@ -245,20 +302,22 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     status = read_head(file, root, protocols, &h);
     if (status) return status;
     plan->protocol = protocols[h.protocol];
-    plan->replicas = plan->block = (size_t)h.replicas;
+    plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;
-    axis_list lists[MAX_AXES];
-    size_t n_lists;
-    status = find_lists(&h, grid, lists, &n_lists);
-    if (!status) status = read_axes(plan, lists, n_lists, fixed);
+    plan->axes = calloc(MAX_AXES, sizeof *plan->axes);
+    plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
+    if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    plan->at->point = SIZE_MAX;
+    status = find_lists(&h, grid, plan->axes, &plan->n_axes);
+    if (!status) status = read_axes(plan, fixed);
+    if (!status) status = read_fixed(plan, fixed, plan->at->values);
+    if (!status) status = find_model(plan);
     if (status) return status;
-    plan->points = calloc(plan->n_points, plan->protocol->params_size);
-    if (!plan->points) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
-    status = read_fixed(plan, fixed, plan->points);
-    if (!status) status = expand(file, plan, lists);
-    if (!status) status = make_keys(plan);
-    return status || !plan->shared_piles ? status : refuse_twins(file, plan);
+    sum_fixed(plan, fixed);
+    for (size_t a = 0; !status && a < plan->n_axes; a++)
+        if (plan->axes[a].first) status = refuse_twins(plan, a);
+    return status ? status : sweep_plan_replicate(plan, plan->replicas);
 }
 
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
@@ -267,39 +326,71 @@ rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
         return rp_fail(RP_BAD_INPUT, "replicas = %zu: out of range for %zu grid points, allowed: [1, %zu]",
                        replicas, plan->n_points, MAX_RUNS / plan->n_points);
     plan->replicas = replicas;
-    return make_keys(plan);
+    plan->n_runs = plan->n_points * replicas;
+    hash_plan(plan, plan->hash);
+    return RP_OK;
 }
 
 void sweep_plan_free(sweep_plan *plan)
 {
     free(plan->axes);
-    free(plan->points);
-    free(plan->keys);
+    free(plan->at);
     free(plan->text);
     config_destroy(&plan->config);
 }
 
 const void *sweep_plan_point(const sweep_plan *plan, size_t point)
 {
-    return plan->points + point * plan->protocol->params_size;
+    move_to(plan, point);
+    return plan->at->values;
 }
 
-unsigned long sweep_plan_pile(const sweep_plan *plan, size_t run)
+/* Hash of a point's parameters with `text`. */
+static XXH128_hash_t hash_point(const sweep_plan *plan, size_t point, const char *text)
 {
-    const size_t point = run / plan->replicas, replica = run % plan->replicas;
-    if (plan->shared_piles) return replica;
-    /* blocks of the file's number of replicas, so that asking for more keeps the piles that there are */
-    return (replica / plan->block * plan->n_points + point) * plan->block + replica % plan->block;
+    char bytes[sizeof(XXH128_canonical_t) + 256];
+    move_to(plan, point);
+    XXH128_canonicalFromHash((XXH128_canonical_t *)bytes, plan->at->hash);
+    const int n = snprintf(bytes + sizeof(XXH128_canonical_t), 256, "%s", text);
+    return XXH3_128bits(bytes, sizeof(XXH128_canonical_t) + (size_t)n);
+}
+
+sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
+{
+    const size_t replica = run % plan->replicas;
+    if (plan->shared_piles) return (sweep_stream){plan->seed, replica, replica};
+    char text[64];
+    snprintf(text, sizeof text, "streams %lu", plan->seed);
+    /* numbers of 31 bits, as scene files have them */
+    const unsigned long most = 0x7fffffff, hash = hash_point(plan, run / plan->replicas, text).low64;
+    return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
+}
+
+void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])
+{
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    char text[256];
+    snprintf(text, sizeof text, "%s seed=%lu run=%lu", plan->model, stream.seed, stream.run);
+    rp_hash_digits(hash_point(plan, run / plan->replicas, text), key);
+}
+
+const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size)
+{
+    const void *values = sweep_plan_point(plan, point);
+    snprintf(buffer, size, "%s", plan->fixed_json);
+    for (size_t a = 0; a < plan->n_axes; a++) append_json(plan->axes[a].param, values, buffer, size - 1);
+    return strcat(buffer, "}");
 }
 
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size)
 {
     char text[64];
     size_t used = 0;
+    const void *values = sweep_plan_point(plan, point);
     buffer[0] = '\0';
     for (size_t a = 0; a < plan->n_axes && used < size; a++)
-        used +=
-            (size_t)snprintf(buffer + used, size - used, "%s%s = %s", a ? ", " : "", plan->axes[a]->name,
-                             rp_params_text(plan->axes[a], sweep_plan_point(plan, point), text, sizeof text));
+        used += (size_t)snprintf(buffer + used, size - used, "%s%s = %s", a ? ", " : "",
+                                 plan->axes[a].param->name,
+                                 rp_params_text(plan->axes[a].param, values, text, sizeof text));
     return buffer;
 }

@@ -43,8 +43,9 @@ static void work(const sweep_plan *plan, int socket)
         sweep_row row = {.run = run};
         sweep_result_clear(&row.result);
         double start = rp_clock();
-        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), plan->seed,
-                                         sweep_plan_pile(plan, run), NULL, &row.result);
+        const sweep_stream stream = sweep_plan_stream(plan, run);
+        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
+                                         stream.run, NULL, &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
@@ -146,8 +147,10 @@ static rp_status serve(pool *p, struct pollfd *polled)
     for (size_t i = 0; i < p->n_workers; i++)
         polled[i] = (struct pollfd){.fd = p->workers[i].busy ? p->workers[i].socket : -1, .events = POLLIN};
     polled[p->n_workers] = (struct pollfd){.fd = p->signals, .events = POLLIN};
-    if (poll(polled, p->n_workers + 1, p->options->watch ? 1000 : -1) < 0 && errno != EINTR)
+    if (poll(polled, p->n_workers + 1, p->store->pending ? 250 : 1000) < 0 && errno != EINTR)
         return rp_fail(RP_IO, "cannot wait for the workers: %s", strerror(errno));
+    rp_status written = sweep_store_tick(p->store);
+    if (written) return written;
     if (polled[p->n_workers].revents)
         return rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
                        p->progress.planned);

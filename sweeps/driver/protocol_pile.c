@@ -82,14 +82,21 @@ static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
     return RP_OK;
 }
 
-rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned long run, sweep_outline *h)
+/* The disks that the parameters describe, or only their number. */
+static rp_status make_outline(const sweep_pile *p, bool counted_only, sweep_outline *h)
 {
     an_point v[5];
     size_t n;
     rp_status status = outline(p, v, &n);
-    if (!status)
-        status = sweep_outline_make(h, p->base, p->gap, p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0,
-                                    p->inner_deg > 0 ? n : 0, v);
+    return status ? status
+                  : (counted_only ? sweep_outline_count : sweep_outline_make)(
+                        h, p->base, p->gap, p->alpha_deg < 60 ? p->alpha_deg * M_PI / 180 : 0,
+                        p->inner_deg > 0 ? n : 0, v);
+}
+
+rp_status sweep_pile_outline(const sweep_pile *p, unsigned long seed, unsigned long run, sweep_outline *h)
+{
+    rp_status status = make_outline(p, false, h);
     return status || !(p->disorder > 0) ? status : sweep_outline_disorder(h, p->disorder, seed, run);
 }
 
@@ -122,13 +129,19 @@ static rp_status check(const void *params)
         return rp_fail(RP_BAD_INPUT, "leave = %ld: needs branch = \"minimum\" and eps > 0", p->leave);
     if (p->set_again && !(p->well > 0))
         return rp_fail(RP_BAD_INPUT, "set_again = true: needs wells of a half-width, which can break");
-    sweep_outline h = {0};
+    /* counting needs no memory for the disks; the rest shows in a small pile */
+    enum { SMALL = 40 };
+    sweep_outline all = {0}, h = {0};
     statics_pile *pile = NULL;
-    rp_status status = sweep_pile_outline(p, 0, 0, &h);
+    sweep_pile small = *p;
+    if (small.base > SMALL) small.base = SMALL + p->base % 2;
+    rp_status status = make_outline(p, true, &all);
+    if (!status) status = sweep_pile_outline(&small, 0, 0, &h);
     const statics_definition def = define(p, &h);
     if (!status) status = statics_create(&def, &pile);
     statics_free(pile);
     sweep_outline_free(&h);
+    sweep_outline_free(&all);
     return status;
 }
 

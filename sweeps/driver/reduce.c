@@ -32,7 +32,7 @@ static size_t count_outputs(const sweep_protocol *protocol)
 static bool is_axis(const sweep_plan *plan, const rp_param *param)
 {
     for (size_t a = 0; a < plan->n_axes; a++)
-        if (plan->axes[a] == param) return true;
+        if (plan->axes[a].param == param) return true;
     return false;
 }
 
@@ -56,7 +56,9 @@ static rp_status digest_row(const sweep_row *row, void *context)
     double values[SWEEP_MAX_OUTPUTS];
     for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
         values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
-    XXH3_128bits_update(d->state, d->plan->keys[row->run], sizeof d->plan->keys[row->run]);
+    char key[33];
+    sweep_plan_key(d->plan, row->run, key);
+    XXH3_128bits_update(d->state, key, sizeof key);
     XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
     XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
     if (isfinite(row->seconds)) d->seconds += row->seconds;
@@ -76,27 +78,27 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
 
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command, FILE *out)
 {
-    char text[256], hash[33];
+    char text[256];
     digester digest;
     sweep_counts counts;
-    rp_status status = sweep_store_note(store, "file", text, sizeof text);
+    rp_status status = sweep_store_note(store, "main", "file", text, sizeof text);
     if (!status) status = sweep_store_count(store, plan, &counts);
     if (!status) status = find_digest(plan, store, &digest);
     if (status) return status;
-    rp_hash_digits(XXH3_128bits(plan->keys, plan->n_runs * sizeof *plan->keys), hash);
     rp_table_provenance(out, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
     status = sweep_store_makers(store, note_maker, out);
-    rp_table_note(out, "plan", "%s", hash);
+    rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
         if (!is_axis(plan, p))
-            rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, plan->points, text, sizeof text),
+            rp_table_note(out, p->name, "%s%s%s",
+                          rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
                           *p->unit ? " " : "", p->unit);
     return status;
 }
@@ -116,7 +118,7 @@ static rp_status write_columns(const table *t, bool reduce)
     if (!list) return rp_fail(RP_NO_MEMORY, "table: out of memory");
     if (!reduce) fputs("run, status, ", list);
     for (size_t a = 0; a < t->plan->n_axes; a++)
-        add_column(list, t->plan->axes[a]->name, "", t->plan->axes[a]->unit);
+        add_column(list, t->plan->axes[a].param->name, "", t->plan->axes[a].param->unit);
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
@@ -134,7 +136,7 @@ static void write_axes(const table *t, size_t point)
     char text[64];
     for (size_t a = 0; a < t->plan->n_axes; a++)
         fprintf(t->out, "%s\t",
-                rp_params_text(t->plan->axes[a], sweep_plan_point(t->plan, point), text, sizeof text));
+                rp_params_text(t->plan->axes[a].param, sweep_plan_point(t->plan, point), text, sizeof text));
 }
 
 static rp_status write_run(const sweep_row *row, void *context)
@@ -143,7 +145,7 @@ static rp_status write_run(const sweep_row *row, void *context)
     double values[SWEEP_MAX_OUTPUTS + 1];
     fprintf(t->out, "%zu\t%s\t", row->run, row->result.status);
     write_axes(t, row->run / t->plan->replicas);
-    fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_pile(t->plan, row->run));
+    fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_stream(t->plan, row->run).pile);
     memcpy(values, row->result.values, t->n_outputs * sizeof *values);
     values[t->n_outputs] = row->seconds;
     rp_table_row(t->out, t->n_outputs + 1, values);
@@ -202,7 +204,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
                        const char *command, FILE *out)
 {
     sweep_folder f;
-    rp_status status = sweep_folder_open(dir, protocols, false, &f);
+    rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) {
         table t = {.plan = &f.plan, .out = out, .n_outputs = count_outputs(f.plan.protocol)};
         status = write_head(&f.plan, f.store, command, out);
@@ -220,7 +222,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
 {
     sweep_folder f;
     digester d = {0};
-    rp_status status = sweep_folder_open(dir, protocols, false, &f);
+    rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) status = find_digest(&f.plan, f.store, &d);
     memcpy(digest, d.text, sizeof d.text);
     *n_rows = d.n_rows;

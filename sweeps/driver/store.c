@@ -1,35 +1,33 @@
-/* The store of a sweep: one SQLite file, one writer. Tables:
- *   sweep  name, value: protocol, sweep file, seed, replicas, model
- *   plan   one row a planned run: run, key, point, replica
- *   runs   one row a finished run: run, status, message, seconds, seed, model, key, program,
- *          pile (number of its random streams), then a column for each
- *          parameter and output of the protocol; an output without a value is NULL
- * Planning again replaces `plan` only. An open store is the parent's alone: no worker touches it. */
+/* The store of a sweep: SQLite files, each with one writer. Tables:
+ *   sweep  name, value, sum: protocol, sweep file, replicas, model, hash of the plan; sum is a checksum
+ *   runs   one row a finished run: key, run (its number in the plan; NULL: of another plan), status,
+ *          message, seconds, seed, model, program, pile, parameters (JSON: those that the file
+ *          gives), a column for each output (NULL: no value), sum (checksum of all but `run`)
+ *   results  a view for users: run, status, every parameter, every output
+ * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
+ * each synced to the disk. An open store is the parent's alone: no worker touches it. */
 #include "sweeps/driver/private.h"
 
 #include <math.h>
-#include <sqlite3.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/vfs.h>
+#include <time.h>
+#include <unistd.h>
 
+#include "core/clock.h"
 #include "core/version.h"
 
-/* How long a writer waits for those who read, and the reverse. */
-enum { BUSY_MS = 60000 };
+static const double GROUP_SECONDS = 0.25, BEAT_SECONDS = 10.0;
 
-struct sweep_store {
-    sqlite3 *db;
-    sqlite3_stmt *insert;
-    char path[4096];
-};
-
-static rp_status fail(const sweep_store *s, const char *what)
+rp_status sweep_sql_fail(const sweep_store *s, const char *what)
 {
     return rp_fail(RP_IO, "%s: cannot %s: %s", s->path, what, sqlite3_errmsg(s->db));
 }
 
-static rp_status execute(sweep_store *s, const char *what, const char *format, ...)
+rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -37,231 +35,437 @@ static rp_status execute(sweep_store *s, const char *what, const char *format, .
     va_end(args);
     int rc = sql ? sqlite3_exec(s->db, sql, NULL, NULL, NULL) : SQLITE_NOMEM;
     sqlite3_free(sql);
-    return rc == SQLITE_OK ? RP_OK : fail(s, what);
+    return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
 }
 
-/* NULL for a statement that cannot be prepared: its first step fails, and `finish` says why. */
-static sqlite3_stmt *query(sweep_store *s, const char *sql)
+sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
 {
     sqlite3_stmt *statement = NULL;
     sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
     return statement;
 }
 
-/* The same of a text, which is freed. */
-static sqlite3_stmt *query_text(sweep_store *s, sqlite3_str *text)
+sqlite3_stmt *sweep_sql_query_text(sweep_store *s, sqlite3_str *text)
 {
     char *sql = sqlite3_str_finish(text);
-    sqlite3_stmt *statement = query(s, sql);
+    sqlite3_stmt *statement = sweep_sql_query(s, sql);
     sqlite3_free(sql);
     return statement;
 }
 
-/* End a query. Errors: RP_IO if one of its steps failed. */
-static rp_status finish(sweep_store *s, const char *what, sqlite3_stmt *q)
+rp_status sweep_sql_finish(sweep_store *s, const char *what, sqlite3_stmt *q)
 {
     const bool prepared = q != NULL;
-    return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : fail(s, what);
+    return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : sweep_sql_fail(s, what);
 }
 
-rp_status sweep_store_open(const char *dir, sweep_store_mode mode, sweep_store **store)
+rp_status sweep_sql_number(sweep_store *s, const char *sql, long long *number)
+{
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    *number = sqlite3_step(q) == SQLITE_ROW ? sqlite3_column_int64(q, 0) : 0;
+    return sweep_sql_finish(s, "read the store", q);
+}
+
+/* ---- opening ---- */
+
+/* Whoever reads or writes is waited for, unless this process is told to stop. */
+static int wait_for_others(void *context, int tries)
+{
+    (void)context, (void)tries;
+    sigset_t pending;
+    sigpending(&pending);
+    if (sigismember(&pending, SIGINT) || sigismember(&pending, SIGTERM) || sigismember(&pending, SIGHUP))
+        return 0;
+    usleep(20000);
+    return 1;
+}
+
+/* File systems of several machines, where SQLite's shared memory for WAL does not work: statfs(2). */
+static bool is_shared(const char *dir)
+{
+    static const unsigned magic[] = {0x6969 /* NFS */,      0xff534d42 /* CIFS */,
+                                     0xfe534d42 /* SMB2 */, 0x0bd00bd0 /* Lustre */,
+                                     0x47504653 /* GPFS */, 0x65735546 /* FUSE */,
+                                     0x00c36400 /* Ceph */, 0x5346414f /* AFS */,
+                                     0x01021997 /* 9P */,   0x19830326 /* BeeGFS */};
+    struct statfs info;
+    if (statfs(dir, &info) != 0) return false;
+    for (size_t i = 0; i < sizeof magic / sizeof *magic; i++)
+        if ((unsigned)info.f_type == magic[i]) return true;
+    return false;
+}
+
+/* Is it a store, and of this format? An empty file becomes one. */
+static rp_status check_format(sweep_store *s)
+{
+    long long tables, format;
+    rp_status status = sweep_sql_number(s, "SELECT count(*) FROM sqlite_schema", &tables);
+    if (!status) status = sweep_sql_number(s, "PRAGMA user_version", &format);
+    if (!status && tables > 0 && format != SWEEP_FORMAT)
+        status = rp_fail(RP_BAD_INPUT,
+                         "%s: a store of format %lld; this version reads and writes format %d: plan in "
+                         "another folder",
+                         s->path, format, SWEEP_FORMAT);
+    return status;
+}
+
+rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);
-    if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    snprintf(s->path, sizeof s->path, "%s/store.sqlite", dir);
-    int flags = SQLITE_OPEN_READWRITE | (mode == SWEEP_STORE_CREATE ? SQLITE_OPEN_CREATE : 0);
-    if (sqlite3_open_v2(s->path, &s->db, flags, NULL) != SQLITE_OK) return fail(s, "open the store");
-    sqlite3_busy_timeout(s->db, BUSY_MS);
-    /* the first look says whether it is a database at all; within a transaction, all see what it sees */
-    return execute(s, "read the store", "%s SELECT count(*) FROM sqlite_schema",
-                   mode == SWEEP_STORE_READ ? "BEGIN;" : "");
+    if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    snprintf(s->path, sizeof s->path, "%s", path);
+    s->writes = access != SWEEP_READ;
+    const int flags = SQLITE_OPEN_READWRITE | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
+    if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
+    sqlite3_busy_handler(s->db, wait_for_others, NULL);
+    rp_status status = check_format(s);
+    if (!status && s->writes)
+        status = sweep_sql(s, "write the store", "PRAGMA journal_mode = %s; PRAGMA synchronous = FULL",
+                           is_shared(path) ? "DELETE" : "WAL");
+    return status;
 }
 
-void sweep_store_close(sweep_store *store)
+void sweep_store_close(sweep_store *s)
 {
-    if (!store) return;
-    sqlite3_finalize(store->insert);
-    sqlite3_close(store->db);
-    free(store);
+    if (!s) return;
+    if (s->db && s->writes) {
+        sweep_store_commit(s);
+        sqlite3_exec(s->db, "DELETE FROM sweep WHERE name = 'beat'", NULL, NULL, NULL);
+    }
+    sqlite3_finalize(s->insert);
+    sqlite3_close(s->db);
+    free(s);
 }
 
-/* A text; empty for what a damaged store lacks. */
-static const char *column_text(sqlite3_stmt *q, int column)
+/* ---- notes ---- */
+
+static sqlite3_int64 note_sum(const char *name, const char *value)
 {
-    const char *text = (const char *)sqlite3_column_text(q, column);
-    return text ? text : "";
+    return (sqlite3_int64)XXH3_64bits_withSeed(value, strlen(value), XXH3_64bits(name, strlen(name)));
 }
 
-rp_status sweep_store_note(sweep_store *s, const char *name, char *buffer, size_t size)
+static rp_status set_note(sweep_store *s, const char *name, const char *value)
 {
-    sqlite3_stmt *q = query(s, "SELECT value FROM sweep WHERE name = ?");
+    return sweep_sql(s, "write the store", "REPLACE INTO sweep VALUES (%Q, %Q, %lld)", name, value,
+                     (long long)note_sum(name, value));
+}
+
+rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name, char *buffer, size_t size)
+{
+    char sql[128];
     buffer[0] = '\0';
+    snprintf(sql, sizeof sql, "SELECT value, sum FROM %s.sweep WHERE name = ?", schema);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
     sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
-    if (sqlite3_step(q) == SQLITE_ROW) snprintf(buffer, size, "%s", column_text(q, 0));
-    return finish(s, "read the store", q);
+    bool damaged = false;
+    if (sqlite3_step(q) == SQLITE_ROW) {
+        const char *value = (const char *)sqlite3_column_text(q, 0);
+        damaged = !value || note_sum(name, value) != sqlite3_column_int64(q, 1);
+        snprintf(buffer, size, "%s", value ? value : "");
+    }
+    rp_status status = sweep_sql_finish(s, "read the store", q);
+    return damaged ? rp_fail(RP_IO, "%s: the note \"%s\" is damaged (checksum)", s->path, name) : status;
 }
 
-/* A column of `runs`, unless it is there already. */
-static rp_status add_column(sweep_store *s, const char *name, const char *type)
+/* ---- the plan ---- */
+
+rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_protocol *protocol)
 {
-    if (sqlite3_table_column_metadata(s->db, NULL, "runs", name, NULL, NULL, NULL, NULL, NULL) == SQLITE_OK)
-        return RP_OK;
-    return execute(s, "write the store", "ALTER TABLE runs ADD COLUMN \"%w\" %s", name, type);
+    rp_status status = sweep_sql(
+        s, "write the store",
+        "CREATE TABLE IF NOT EXISTS %s.runs (key TEXT PRIMARY KEY, run INTEGER, status TEXT NOT NULL,"
+        " message TEXT, seconds REAL, seed INTEGER, model INTEGER, program TEXT, pile INTEGER,"
+        " parameters TEXT, sum INTEGER);"
+        "CREATE UNIQUE INDEX IF NOT EXISTS %s.by_run ON runs (run) WHERE run IS NOT NULL;"
+        "CREATE INDEX IF NOT EXISTS %s.by_status ON runs (status) WHERE run IS NOT NULL",
+        schema, schema, schema);
+    for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
+        if (sqlite3_table_column_metadata(s->db, schema, "runs", o->name, NULL, NULL, NULL, NULL, NULL))
+            status = sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
+                               o->name);
+    return status;
+}
+
+/* What users read: with the parameters as columns. */
+static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(
+        sql,
+        "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
+    for (const rp_param *p = protocol->schema; p->name; p++)
+        sqlite3_str_appendf(sql, ", coalesce(parameters ->> %Q, %Q) AS \"%w\"", p->name,
+                            p->fallback ? p->fallback : "", p->name);
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
+    char *text = sqlite3_str_finish(sql);
+    rp_status status = text ? sweep_sql(s, "write the store", "%s", text)
+                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    sqlite3_free(text);
+    return status;
 }
 
 static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
 {
-    rp_status status =
-        execute(s, "write the store",
-                "CREATE TABLE IF NOT EXISTS sweep (name TEXT PRIMARY KEY, value TEXT NOT NULL);"
-                "CREATE TABLE IF NOT EXISTS plan (run INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE,"
-                " point INTEGER, replica INTEGER);"
-                "CREATE TABLE IF NOT EXISTS runs (run INTEGER, status TEXT NOT NULL, message TEXT,"
-                " seconds REAL, seed INTEGER, model INTEGER, key TEXT NOT NULL PRIMARY KEY)");
-    if (!status) status = add_column(s, "program", "TEXT");
-    if (!status) status = add_column(s, "pile", "INTEGER");
-    for (const rp_param *p = protocol->schema; !status && p->name; p++)
-        status = add_column(s, p->name, p->type == RP_REAL ? "REAL" : p->type == RP_INT ? "INTEGER" : "TEXT");
-    for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
-        status = add_column(s, o->name, "REAL");
+    rp_status status = sweep_sql(s, "write the store",
+                                 "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                                 " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                                 SWEEP_FORMAT);
+    if (!status) status = sweep_store_make_runs(s, "main", protocol);
+    return status ? status : make_view(s, protocol);
+}
+
+rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep_watch *watch)
+{
+    long long rows;
+    rp_status status = sweep_sql(s, "write the store", "UPDATE runs SET run = NULL WHERE run IS NOT NULL");
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM runs", &rows);
+    if (status || rows == 0) return status;
+    sqlite3_stmt *q = sweep_sql_query(s, "UPDATE runs SET run = ? WHERE key = ?");
+    char key[33];
+    for (size_t r = 0; r < plan->n_runs; r++) {
+        sweep_plan_key(plan, r, key);
+        sqlite3_bind_int64(q, 1, (sqlite3_int64)r);
+        sqlite3_bind_text(q, 2, key, -1, SQLITE_STATIC);
+        if (sqlite3_step(q) != SQLITE_DONE) break;
+        sqlite3_reset(q);
+        if (watch && watch->call) watch->call("rows looked up", r + 1, plan->n_runs, watch->context);
+    }
+    return sweep_sql_finish(s, "write the store", q);
+}
+
+static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
+{
+    char replicas[32], seed[32];
+    snprintf(replicas, sizeof replicas, "%zu", plan->replicas);
+    snprintf(seed, sizeof seed, "%lu", plan->seed);
+    const char *const notes[][2] = {{"protocol", plan->protocol->name},
+                                    {"file", file},
+                                    {"seed", seed},
+                                    {"replicas", replicas},
+                                    {"model", plan->model},
+                                    {"plan", plan->hash}};
+    rp_status status = RP_OK;
+    for (size_t i = 0; !status && i < sizeof notes / sizeof *notes; i++)
+        status = set_note(s, notes[i][0], notes[i][1]);
     return status;
 }
 
-static rp_status write_runs(sweep_store *s, const sweep_plan *plan)
+rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file,
+                                 const sweep_watch *watch)
 {
-    rp_status status = execute(s, "write the store", "DELETE FROM plan");
-    for (size_t r = 0; !status && r < plan->n_runs; r++)
-        status = execute(s, "write the store",
-                         "INSERT INTO plan (run, key, point, replica) VALUES (%llu, %Q, %llu, %llu)",
-                         (unsigned long long)r, plan->keys[r], (unsigned long long)(r / plan->replicas),
-                         (unsigned long long)(r % plan->replicas));
-    return status;
-}
-
-rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file)
-{
-    char owner[64] = "";
-    rp_status status = execute(s, "write the store", "BEGIN IMMEDIATE");
+    char owner[64] = "", before[33] = "";
+    rp_status status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
     status = make_tables(s, plan->protocol);
-    if (!status) status = sweep_store_note(s, "protocol", owner, sizeof owner);
+    if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
+    if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
         status =
             rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
                     s->path, owner, plan->protocol->name);
-    if (!status) status = write_runs(s, plan);
-    if (!status)
-        status = execute(s, "write the store",
-                         "REPLACE INTO sweep VALUES ('protocol', %Q), ('file', %Q), ('seed', '%lu'),"
-                         " ('replicas', '%llu'), ('model', '%d');"
-                         "COMMIT",
-                         plan->protocol->name, file, plan->seed, (unsigned long long)plan->replicas,
-                         RP_MODEL_VERSION);
+    if (!status && strcmp(before, plan->hash) != 0) status = sweep_store_number(s, plan, watch);
+    if (!status) status = write_notes(s, plan, file);
+    if (!status) status = sweep_sql(s, "write the store", "COMMIT");
     if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
     return status;
 }
 
 rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
 {
-    sqlite3_stmt *q = query(s, "SELECT run, key FROM plan ORDER BY run");
+    char hash[33];
+    rp_status status = sweep_store_note(s, "main", "plan", hash, sizeof hash);
+    if (!status && strcmp(hash, plan->hash) != 0)
+        status = rp_fail(RP_BAD_INPUT,
+                         "%s: the plan is not that of sweep.cfg and this version of the program; "
+                         "plan again with `repose sweep plan` (stored rows are kept)",
+                         s->path);
+    return status;
+}
+
+/* ---- writing rows ---- */
+
+/* All of a row but its number, as it is stored. */
+typedef struct {
+    const char *key, *status, *message, *program, *parameters;
+    double seconds;
+    sqlite3_int64 seed, model, pile;
+    const double *values;
+} record;
+
+static sqlite3_int64 record_sum(const record *r, size_t n_values)
+{
+    const char *const texts[] = {r->key, r->status, r->message, r->program, r->parameters};
+    const sqlite3_int64 whole[] = {r->seed, r->model, r->pile};
+    XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        sum = XXH3_64bits_withSeed(texts[i] ? texts[i] : "", texts[i] ? strlen(texts[i]) : 0, sum + i);
+    for (size_t i = 0; i < n_values + 1; i++) { /* the store keeps no NaN's payload, and no minus of a zero */
+        double v = i < n_values ? r->values[i] : r->seconds;
+        v = isnan(v) ? NAN : v + 0.0;
+        sum = XXH3_64bits_withSeed(&v, sizeof v, sum);
+    }
+    return (sqlite3_int64)sum;
+}
+
+static size_t count_outputs(const sweep_protocol *protocol)
+{
     size_t n = 0;
-    bool same = true;
-    for (; same && sqlite3_step(q) == SQLITE_ROW; n++)
-        same = n < plan->n_runs && sqlite3_column_int64(q, 0) == (sqlite3_int64)n &&
-               strcmp(column_text(q, 1), plan->keys[n]) == 0;
-    rp_status status = finish(s, "read the plan", q);
+    while (protocol->outputs[n].name) n++;
+    return n;
+}
+
+void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
+{
+    sqlite3_str_appendall(sql,
+                          "key, run, status, message, seconds, seed, model, program, pile, parameters, sum");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+}
+
+enum { N_COLUMNS = 11 };
+
+sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *protocol)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
+    sweep_store_columns(sql, protocol);
+    sqlite3_str_appendall(sql, ") VALUES (?");
+    for (size_t n = N_COLUMNS + count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
+    sqlite3_str_appendall(sql, ")");
+    return sweep_sql_query_text(s, sql);
+}
+
+static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_values)
+{
+    int column = 0;
+    sqlite3_bind_text(q, ++column, r->key, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, (sqlite3_int64)run);
+    sqlite3_bind_text(q, ++column, r->status, -1, SQLITE_STATIC);
+    sqlite3_bind_text(q, ++column, r->message, -1, SQLITE_STATIC);
+    sqlite3_bind_double(q, ++column, r->seconds);
+    sqlite3_bind_int64(q, ++column, r->seed);
+    sqlite3_bind_int64(q, ++column, r->model);
+    sqlite3_bind_text(q, ++column, r->program, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, r->pile);
+    sqlite3_bind_text(q, ++column, r->parameters, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, record_sum(r, n_values));
+    for (size_t i = 0; i < n_values; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
+}
+
+rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
+{
+    if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
+        return sweep_sql_fail(s, "write the store");
+    rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
-    if (!same || n != plan->n_runs)
-        return rp_fail(RP_BAD_INPUT,
-                       "%s: the plan is not that of sweep.cfg and this version of the program; "
-                       "plan again with `repose sweep plan` (stored rows are kept)",
-                       s->path);
-    return RP_OK;
+    char key[33], program[256], parameters[8192];
+    const sweep_stream stream = sweep_plan_stream(plan, row->run);
+    sweep_plan_key(plan, row->run, key);
+    snprintf(program, sizeof program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
+             rp_build_compiler);
+    const record r = {
+        .key = key,
+        .status = row->result.status,
+        .message = row->result.message,
+        .program = program,
+        .parameters = sweep_plan_parameters(plan, row->run / plan->replicas, parameters, sizeof parameters),
+        .seconds = row->seconds,
+        .seed = (sqlite3_int64)stream.seed,
+        .model = RP_MODEL_VERSION,
+        .pile = (sqlite3_int64)stream.pile,
+        .values = row->result.values};
+    s->pending = true;
+    bind_record(s->insert, &r, row->run, count_outputs(plan->protocol));
+    if (sqlite3_step(s->insert) != SQLITE_DONE)
+        status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
+                         row->run, sqlite3_errmsg(s->db));
+    sqlite3_reset(s->insert);
+    return status ? status : sweep_store_tick(s);
+}
+
+rp_status sweep_store_commit(sweep_store *s)
+{
+    if (!s->pending) return RP_OK;
+    s->pending = false;
+    s->committed = rp_clock();
+    return sweep_sql(s, "store the latest rows; those stored before are kept", "COMMIT");
+}
+
+rp_status sweep_store_tick(sweep_store *s)
+{
+    const double now = rp_clock();
+    rp_status status = s->pending && now - s->committed >= GROUP_SECONDS ? sweep_store_commit(s) : RP_OK;
+    if (status || (s->beaten > 0.0 && now - s->beaten < BEAT_SECONDS)) return status;
+    char text[64];
+    s->beaten = now;
+    snprintf(text, sizeof text, "%lld", (long long)time(NULL));
+    return set_note(s, "beat", text);
+}
+
+/* ---- reading rows ---- */
+
+rp_status sweep_store_freeze(sweep_store *s)
+{
+    return sweep_sql(s, "read the store", "BEGIN");
+}
+
+rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *path)
+{
+    char sql[64], text[256];
+    snprintf(sql, sizeof sql, "PRAGMA %s.integrity_check(1)", schema);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    const int rc = sqlite3_step(q);
+    snprintf(text, sizeof text, "%s",
+             rc == SQLITE_ROW ? (const char *)sqlite3_column_text(q, 0) : sqlite3_errmsg(s->db));
+    sqlite3_finalize(q);
+    return strcmp(text, "ok") == 0
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: damaged (%s); `repose sweep salvage` keeps the whole rows", path, text);
 }
 
 rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, size_t runs, void *context),
                              void *context)
 {
-    sqlite3_stmt *q = query(
-        s, "SELECT program, count(*) FROM plan JOIN runs USING (key) GROUP BY program ORDER BY program");
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
     while (sqlite3_step(q) == SQLITE_ROW)
         visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
-    return finish(s, "read the rows", q);
+    return sweep_sql_finish(s, "read the rows", q);
 }
 
-rp_status sweep_store_missing(sweep_store *s, const sweep_plan *plan, size_t **missing, size_t *n)
+rp_status sweep_store_drop_crashed(sweep_store *s)
 {
-    *n = 0;
-    *missing = malloc(plan->n_runs * sizeof **missing);
-    if (!*missing) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
-    rp_status status = execute(s, "write the store",
-                               "DELETE FROM runs WHERE status = 'crashed' AND key IN (SELECT key FROM plan)");
-    if (status) return status;
-    sqlite3_stmt *q = query(s, "SELECT run FROM plan WHERE key NOT IN (SELECT key FROM runs) ORDER BY run");
-    while (sqlite3_step(q) == SQLITE_ROW && *n < plan->n_runs)
-        (*missing)[(*n)++] = (size_t)sqlite3_column_int64(q, 0);
-    return finish(s, "read the store", q);
+    return sweep_sql(s, "write the store",
+                     "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
 }
 
-/* The part of every row that the plan and the program say is in the statement. */
-static sqlite3_stmt *query_insert(sweep_store *s, const sweep_plan *plan)
+rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 {
-    sqlite3_str *sql = sqlite3_str_new(s->db);
-    size_t n = 6;
-    sqlite3_str_appendall(sql,
-                          "INSERT INTO runs (seed, model, program, run, status, message, seconds, pile, key");
-    for (const rp_param *p = plan->protocol->schema; p->name; p++, n++)
-        sqlite3_str_appendf(sql, ", \"%w\"", p->name);
-    for (const sweep_output *o = plan->protocol->outputs; o->name; o++, n++)
-        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
-    sqlite3_str_appendf(sql, ") VALUES (%lu, %d, 'repose %q, commit %q, %q'", plan->seed, RP_MODEL_VERSION,
-                        RP_VERSION, rp_build_commit, rp_build_compiler);
-    while (n--) sqlite3_str_appendall(sql, ", ?");
-    sqlite3_str_appendall(sql, ")");
-    return query_text(s, sql);
-}
-
-rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
-{
-    if (!s->insert) s->insert = query_insert(s, plan);
-    int column = 0;
-    char text[256];
-    sqlite3_stmt *q = s->insert;
-    sqlite3_bind_int64(q, ++column, (sqlite3_int64)row->run);
-    sqlite3_bind_text(q, ++column, row->result.status, -1, SQLITE_STATIC);
-    sqlite3_bind_text(q, ++column, row->result.message, -1, SQLITE_STATIC);
-    sqlite3_bind_double(q, ++column, row->seconds);
-    sqlite3_bind_int64(q, ++column, (sqlite3_int64)sweep_plan_pile(plan, row->run));
-    sqlite3_bind_text(q, ++column, plan->keys[row->run], -1, SQLITE_STATIC);
-    /* as texts: the column's type makes numbers of those that are numbers */
-    for (const rp_param *p = plan->protocol->schema; p->name; p++)
-        sqlite3_bind_text(
-            q, ++column,
-            rp_params_text(p, sweep_plan_point(plan, row->run / plan->replicas), text, sizeof text), -1,
-            SQLITE_TRANSIENT);
-    for (size_t i = 0; plan->protocol->outputs[i].name; i++)
-        sqlite3_bind_double(q, ++column, row->result.values[i]); /* NaN becomes NULL */
-    rp_status status = RP_OK;
-    if (sqlite3_step(q) != SQLITE_DONE)
-        status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
-                         row->run, sqlite3_errmsg(s->db));
-    sqlite3_reset(q);
-    return status;
+    sqlite3_stmt *q =
+        sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const size_t run = (size_t)sqlite3_column_int64(q, 0);
+        if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);
+    }
+    return sweep_sql_finish(s, "read the store", q);
 }
 
 rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
 {
     *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
-    sqlite3_stmt *q =
-        query(s, "SELECT status, count(*) FROM plan JOIN runs USING (key) GROUP BY status ORDER BY status");
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
     while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
         size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
-        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s", column_text(q, 0));
+        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
+                 (const char *)sqlite3_column_text(q, 0));
         counts->words[i].runs = runs;
         counts->stored += runs;
         if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
     }
-    return finish(s, "count the rows", q);
+    return sweep_sql_finish(s, "count the rows", q);
 }
 
 static double column_number(sqlite3_stmt *q, int column)
@@ -269,22 +473,79 @@ static double column_number(sqlite3_stmt *q, int column)
     return sqlite3_column_type(q, column) == SQLITE_NULL ? NAN : sqlite3_column_double(q, column);
 }
 
+rp_status sweep_store_pace(sweep_store *s, double *seconds)
+{
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT avg(seconds) FROM (SELECT seconds FROM runs ORDER BY rowid DESC LIMIT 1000)");
+    *seconds = sqlite3_step(q) == SQLITE_ROW ? column_number(q, 0) : NAN;
+    return sweep_sql_finish(s, "read the store", q);
+}
+
+static const char *column_text(sqlite3_stmt *q, int column)
+{
+    const char *text = (const char *)sqlite3_column_text(q, column);
+    return text ? text : "";
+}
+
+/* Take the row that is read apart; false if its sum is wrong. */
+static bool read_record(sqlite3_stmt *q, size_t n_values, record *r, double values[])
+{
+    for (size_t i = 0; i < n_values; i++) values[i] = column_number(q, N_COLUMNS + (int)i);
+    *r = (record){.key = column_text(q, 0),
+                  .status = column_text(q, 2),
+                  .message = column_text(q, 3),
+                  .program = column_text(q, 7),
+                  .parameters = column_text(q, 9),
+                  .seconds = column_number(q, 4),
+                  .seed = sqlite3_column_int64(q, 5),
+                  .model = sqlite3_column_int64(q, 6),
+                  .pile = sqlite3_column_int64(q, 8),
+                  .values = values};
+    return record_sum(r, n_values) == sqlite3_column_int64(q, 10);
+}
+
+bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
+{
+    record r;
+    double values[SWEEP_MAX_OUTPUTS];
+    return read_record(row, count_outputs(protocol), &r, values);
+}
+
+/* The row that is read, checked against its sum and against the plan's key of its number. */
+static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *q, size_t n_values,
+                          sweep_row *row)
+{
+    char key[33] = "";
+    record r;
+    const bool whole = read_record(q, n_values, &r, row->result.values);
+    row->run = (size_t)sqlite3_column_int64(q, 1);
+    row->seconds = r.seconds;
+    snprintf(row->result.status, sizeof row->result.status, "%s", r.status);
+    snprintf(row->result.message, sizeof row->result.message, "%s", r.message);
+    if (row->run < plan->n_runs) sweep_plan_key(plan, row->run, key);
+    return whole && strcmp(key, r.key) == 0
+               ? RP_OK
+               : rp_fail(RP_IO,
+                         "%s: the row of run %zu is damaged (checksum); `repose sweep salvage` keeps the "
+                         "whole rows",
+                         s->path, row->run);
+}
+
 rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "SELECT plan.run, runs.status, runs.seconds");
-    for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
-        sqlite3_str_appendf(sql, ", runs.\"%w\"", o->name);
-    sqlite3_str_appendall(sql, " FROM plan JOIN runs USING (key) ORDER BY plan.run");
-    sqlite3_stmt *q = query_text(s, sql);
+    const size_t n_values = count_outputs(plan->protocol);
+    sqlite3_str_appendall(sql, "SELECT ");
+    sweep_store_columns(sql, plan->protocol);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
     rp_status status = RP_OK;
     while (!status && sqlite3_step(q) == SQLITE_ROW) {
-        sweep_row row = {.run = (size_t)sqlite3_column_int64(q, 0), .seconds = column_number(q, 2)};
-        snprintf(row.result.status, sizeof row.result.status, "%s", column_text(q, 1));
-        for (int i = 0; plan->protocol->outputs[i].name; i++) row.result.values[i] = column_number(q, 3 + i);
-        status = visit(&row, context);
+        sweep_row row = {0};
+        status = read_row(s, plan, q, n_values, &row);
+        if (!status) status = visit(&row, context);
     }
-    rp_status read = finish(s, "read the rows", q);
+    rp_status read = sweep_sql_finish(s, "read the rows", q);
     return status ? status : read;
 }

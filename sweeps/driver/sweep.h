@@ -35,11 +35,20 @@ enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
+    size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
+    double seconds;   /* of the latest runs, on average; NaN without any */
+    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
     struct {
         char status[24];
         size_t runs;
     } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
 } sweep_counts;
+
+/* Told how far something long is; `call` may be NULL. */
+typedef struct {
+    void (*call)(const char *what, size_t done, size_t of, void *context);
+    void *context;
+} sweep_watch;
 
 /* What a watcher is shown: after each row, and once a second in between. */
 typedef struct {
@@ -49,6 +58,7 @@ typedef struct {
 
 typedef struct {
     int workers;                                                  /* processes, at least 1 */
+    int shard, shards;                                            /* part 1 to n of n; 0, 0: whole */
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
 } sweep_options;
@@ -77,7 +87,8 @@ void sweep_recipe_free(sweep_recipe *recipe);
  * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
  * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, sweep_counts *counts);
+                        const sweep_protocol *const *protocols, const sweep_watch *watch,
+                        sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and
@@ -86,7 +97,22 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts);
 
-/* Count what is stored. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+/* What a merge did. */
+typedef struct {
+    size_t stores, taken, duplicates, foreign; /* foreign: rows of no run of the plan, left out */
+} sweep_merged;
+
+/* Take into the folder's store the rows of its shards or, if any are named, of other stores and folders.
+ * Nothing is taken if two stores differ in a result, or if one has other physics.
+ * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
+                      sweep_merged *merged, sweep_counts *counts);
+
+/* Put a new store in place of a damaged one, with the rows that are whole; the old one is kept as
+ * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
+rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
+
+/* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */

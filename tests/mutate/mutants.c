@@ -7,9 +7,11 @@
  * random, by their text alone. Status 2: a line of EXCEPTIONS is no mutant, or a file cannot be read.
  *
  * A comparison is turned round; with a whole number its limit is let in or out too, which among measured
- * numbers changes nothing. Left alone: comments, strings, messages of errors, the preprocessor, enumerations,
- * named constants, sizes of memory and what follows where it is short. Binary operators are known by the
- * blanks that the format puts around them. */
+ * numbers changes nothing. Of what writes and reads results two neighbours of a list change places, the words
+ * of a choice, the sense of a query; of a figure a column becomes another, within `using`. Left alone:
+ * comments, strings, messages of errors, the preprocessor, enumerations, named constants, sizes of memory and
+ * what follows where it is short. Binary operators are known by the blanks that the format puts around them.
+ */
 #include <ctype.h>
 #include <regex.h>
 #include <stdbool.h>
@@ -41,6 +43,7 @@ static struct {
     char *file, text[4096], code[4096];
     size_t number, twin;
     bool in_comment, in_message, in_definition, in_directive, is_loop;
+    bool is_figure, is_result; /* of the file: gnuplot's; code that writes or reads results */
     char quote;
 } at_line;
 
@@ -87,6 +90,7 @@ static void offer(const char *kind, size_t from, size_t len, const char *with)
 {
     char text[sizeof at_line.text + 64];
     snprintf(text, sizeof text, "%.*s%s%s", (int)from, at_line.text, with, at_line.text + from + len);
+    if (strcmp(text, at_line.text) == 0) return;
     if (list.n == list.capacity)
         list.all = checked(realloc(list.all, (list.capacity = 2 * list.capacity + 64) * sizeof *list.all));
     list.all[list.n++] =
@@ -167,6 +171,74 @@ static void change_index(size_t from, size_t len)
     offer("index", from + 1, len - 2, text);
 }
 
+/* The two items "A, B" change places. */
+static void change_order(size_t from, size_t len)
+{
+    const char *a = at_line.text + from + 1, *end = at_line.text + from + len - 1;
+    const char *comma = strstr(a, ", ");
+    static const char *const symmetric[] = {"strcmp", "fmax", "fmin", "hypot"};
+    char text[512];
+    if (!comma || comma >= end) return;
+    for (size_t i = 0; i < sizeof symmetric / sizeof *symmetric; i++) {
+        const size_t n = strlen(symmetric[i]);
+        if (from >= n && strncmp(at_line.text + from - n, symmetric[i], n) == 0) return;
+    }
+    const int n_a = (int)(comma - a), n_b = (int)(end - comma) - 2;
+    if (n_a == n_b && strncmp(a, comma + 2, (size_t)n_a) == 0) return;
+    snprintf(text, sizeof text, "%.*s, %.*s", n_b, comma + 2, n_a, a);
+    offer("order", from + 1, len - 2, text);
+}
+
+/* The words "A" : "B" of a choice change places. */
+static void change_words(size_t from, size_t len)
+{
+    const char *a = at_line.text + from, *colon = strstr(a, " : ");
+    char text[512];
+    const int n_a = (int)(colon - a), n_b = (int)len - n_a - 3;
+    snprintf(text, sizeof text, "%.*s : %.*s", n_b, colon + 3, n_a, a);
+    offer("word", from, len, text);
+}
+
+static void change_query(size_t from, size_t len)
+{
+    static const char *const pairs[][2] = {{"NOT IN", "IN"},
+                                           {"INSERT INTO", "INSERT OR REPLACE INTO"},
+                                           {"ORDER BY", "GROUP BY"},
+                                           {"USING (key)", "USING (run)"}};
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
+        if (strlen(pairs[i][0]) == len && strncmp(at_line.text + from, pairs[i][0], len) == 0)
+            offer("query", from, len, pairs[i][1]);
+}
+
+/* A column of a figure becomes one that is near to it. */
+static void change_column(size_t from, size_t len)
+{
+    static const char *const pairs[][2] = {{"r3", "r2"},
+                                           {"r2", "r3"},
+                                           {"_mean", "_sd"},
+                                           {"_se", "_sd"},
+                                           {"displacement", "energy"},
+                                           {"energy", "displacement"},
+                                           {"N", "H"},
+                                           {"H", "N"},
+                                           {"x", "y"},
+                                           {"y", "x"},
+                                           {"strongest", "weakest"},
+                                           {"weakest", "strongest"},
+                                           {"mu", "W"}};
+    char name[256], text[512];
+    snprintf(name, sizeof name, "%.*s", (int)len, at_line.text + from);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        const char *at = strstr(name, pairs[i][0]);
+        if (!at) continue;
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - name), name, pairs[i][1],
+                 at + strlen(pairs[i][0]));
+        offer("column", from, len, text);
+        return;
+    }
+    offer("column", from, len, "'n'");
+}
+
 enum { IN_LOOPS = 1, ELSEWHERE = 2, ANYWHERE = 3 };
 
 static const struct {
@@ -228,14 +300,55 @@ static bool is_definition(void)
     return is;
 }
 
+#define ITEM "[A-Za-z_0-9.>*&-]+([[][a-z0-9_ +*]+[]])?"
+
+/* Changes of the text itself, strings included. */
+static void mutate_text(void)
+{
+    static const struct {
+        const char *pattern;
+        void (*change)(size_t from, size_t len);
+        bool in_figures;
+    } texts[] = {{"[ ({]" ITEM ", " ITEM "[,)}]", change_order, false},
+                 {"\"[a-z_ ]+\" : \"[a-z_ ]+\"", change_words, false},
+                 {"NOT IN|INSERT INTO|ORDER BY|USING \\(key\\)", change_query, false},
+                 {"'[A-Za-z_0-9/()*]+'", change_column, true}};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        regmatch_t m;
+        if (texts[i].in_figures != at_line.is_figure) continue;
+        for (size_t from = 0; matches(texts[i].pattern, at_line.text + from, &m);) {
+            from += (size_t)m.rm_so;
+            const size_t len = (size_t)(m.rm_eo - m.rm_so);
+            const bool is_using = !at_line.is_figure || at_line.code[from + len] != '\t';
+            if (is_using) texts[i].change(from, len);
+            from += len - 1;
+        }
+    }
+}
+
+/* In a figure only what is between `using` and `with` is data; the rest is marked by tabs. */
+static void keep_using(void)
+{
+    const char *using = strstr(at_line.text, "using"), *with = using ? strstr(using, " with ") : NULL;
+    const size_t n = strlen(at_line.code);
+    const size_t from = using ? (size_t)(using - at_line.text) + strlen("using") : n,
+                 to = with ? (size_t)(with - at_line.text) : n;
+    for (size_t i = 0; i < n; i++)
+        if (i < from || i >= to) at_line.code[i] = '\t';
+}
+
 static void mutate_line(void)
 {
+    const bool was_message = at_line.in_message;
     blank();
+    if (at_line.is_figure) keep_using();
+    if (was_message || strstr(at_line.text, "rp_fail(")) return;
     if (is_definition() || matches(LEAVE, at_line.text, NULL)) return;
     const char *code = at_line.code;
     at_line.is_loop = strstr(code, "for (") != NULL;
     const bool declares = matches(DECLARES, code, NULL);
     const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there, then indices */
+    if (at_line.is_figure || at_line.is_result) mutate_text();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
         regmatch_t m;
@@ -263,6 +376,10 @@ static void mutate_file(char *path)
     char **before = NULL;
     memset(&at_line, 0, sizeof at_line);
     at_line.file = path;
+    at_line.is_figure = strncmp(path, "figures/", 8) == 0;
+    at_line.is_result = strncmp(path, "src/cli/", 8) == 0 || strstr(path, "/output.c") ||
+                        strstr(path, "_tables.c") || strstr(path, "/store.c") || strstr(path, "/reduce.c") ||
+                        strstr(path, "/cases.c");
     while (fgets(at_line.text, sizeof at_line.text - 2, in)) {
         at_line.text[strcspn(at_line.text, "\n")] = 0;
         before = checked(realloc(before, (at_line.number + 1) * sizeof *before));

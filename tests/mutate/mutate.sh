@@ -11,14 +11,19 @@
 set -eu
 export LC_ALL=C
 unset MAKEFLAGS # of the make that runs this: the copies build their own
-limit_cpu=15    # seconds, three times what the suites of a file may take
+limit_cpu=30    # seconds, three times what the suites of a file may take
+# what swaps arguments of other types does not compile
+flags='-O1 -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
     src/dem/law.inl src/dem/laws.c src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/implicit.c
     src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
-    sweeps/driver/protocol_*.c sweeps/driver/outline.c'
+    sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
+    src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_[acflr-t]*.c
+    figures/lh/*.gp figures/li/*.gp
+    validation/cases.c validation/oblique.c validation/solved_pile.c'
 
 suites_of() {
     case $1 in
@@ -27,8 +32,13 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/forensics.c) echo forensics ;;
-    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend calibrate ;;
+    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate ;;
     src/stats/*) echo calibrate ;;
+    figures/*) echo figures ;;
+    validation/*) echo helpers contacts rotation property ;;
+    src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/cli/*) echo evidence options tables claims cli ;;
+    sweeps/driver/pile_tables.c) echo tables piles cli ;;
     src/stress/*) echo stress drop piles ;;
     src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
     src/dem/implicit.c) echo midpoint implicit ;;
@@ -39,7 +49,9 @@ suites_of() {
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden ;;
-    *) echo soft property rotation incline statics published motion hard golden scene dem laws ;;
+    sweeps/driver/box.c) echo repose stress flux golden keys ;;
+    sweeps/driver/*) echo sweep tables evidence cli ;;
+    *) echo soft property rotation incline contacts published motion hard golden scene dem laws ;;
     esac
 }
 
@@ -48,11 +60,11 @@ suites_of() {
 try() {
     (
         cd "$1"
-        make -s build/check SAN='-O1 -w' >build.log 2>&1 || { echo "broken$tab-"; exit; }
+        make -s build/check build/repose SAN="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
-        if REPOSE=../tree/build/repose timeout 300 build/check --stop "$@" >check.log 2>&1; then
+        if REPOSE=build/repose timeout 300 build/check --stop "$@" >check.log 2>&1; then
             echo "survived$tab-"
         else
             echo "killed$tab$(sed -n -e 's/, [0-9.]* s$//' -e 's/^  FAILED  //p' check.log | grep -m 1 . || echo time)"
@@ -81,7 +93,7 @@ fi
 build=$1 number=$2 jobs=$3
 work=$build/mutate
 # a run of the same code that was stopped goes on
-sum=$(cat Makefile tests/mutate/* $(find analytic src sweeps tests validation -name '*.[chi]*' | sort) | cksum)
+sum=$(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree" "$build/tables"
@@ -90,7 +102,7 @@ fi
 ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
 "$build/mutants" validation/mutants.txt $files >"$work/list"
 
-make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN='-O1 -w' >/dev/null
+make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN="$flags" >/dev/null 2>&1
 outcome=$(try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
 [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
 echo "$sum" >"$work/sum"

@@ -1,0 +1,129 @@
+/* repose sweep merge|slurm|salvage: several stores of one sweep, and a damaged one. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+
+static rp_status act_merge(void *values)
+{
+    (void)values;
+    sweep_counts counts;
+    sweep_merged merged = {0};
+    int n = 0;
+    while (cli_argument(n + 1)) n++;
+    rp_status status =
+        sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts);
+    if (status) return status;
+    rp_table_note(stdout, "merged",
+                  "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
+                  merged.stores, merged.duplicates, merged.foreign);
+    if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
+    cli_print_counts(&counts);
+    return counts.stored < counts.planned
+               ? rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", cli_argument(0),
+                         counts.planned - counts.stored, counts.planned)
+               : RP_OK;
+}
+
+const cli_command cmd_sweep_merge = {
+    "sweep merge",
+    "take the rows of shards and of other stores",
+    "DIR...",
+    "Take the rows of the shards of the first folder, or of the further folders and stores, into its\n"
+    "store. Refused, with nothing taken: two results of the same run that differ; a store of another "
+    "protocol\n"
+    "or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
+    "repose sweep merge build/sweeps/lh3",
+    NULL,
+    .act = act_merge};
+
+#define SLURM_OPTIONS(X)                                                                                     \
+    X(INT, shards, "", NULL, "[1, 100000]", "jobs of the array")                                             \
+    X(INT, j, "", "1", "[1, 4096]", "processors of each job, and its workers")                               \
+    X(TEXT, time, "", "1:00:00", "", "longest time of a job, as sbatch takes it")                            \
+    X(TEXT, mem, "", "1G", "", "memory of each processor")
+
+CLI_OPTIONS(slurm, SLURM_OPTIONS)
+
+/* The job is told before its time is out, and then ends its processes and queues again; a cancelled one ends.
+ */
+static const char array_script[] =
+    "#!/bin/bash\n"
+    "# Makes what is missing of a sweep; submit it again to resume.\n"
+    "#SBATCH --job-name=repose\n"
+    "#SBATCH --array=1-%ld\n"
+    "#SBATCH --cpus-per-task=%ld\n"
+    "#SBATCH --time=%s\n"
+    "#SBATCH --mem-per-cpu=%s\n"
+    "#SBATCH --signal=B:USR1@120\n"
+    "#SBATCH --requeue\n"
+    "#SBATCH --open-mode=append\n"
+    "#SBATCH --output=%s/shards/%%a-of-%ld.log\n"
+    "'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
+    "late=\n"
+    "trap 'late=yes; kill -TERM %%1' USR1\n"
+    "trap 'kill -TERM %%1' TERM\n"
+    "wait %%1; status=$?\n"
+    "while [ $status -gt 128 ]; do wait %%1; status=$?; done # a signal ends a wait, not the process\n"
+    "if [ \"$late\" ] && [ $status = 75 ]; then\n"
+    "  scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
+    "fi\n"
+    "exit $status\n";
+
+static rp_status act_slurm(void *values)
+{
+    const slurm_options *o = values;
+    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL), path[4096];
+    FILE *out = NULL;
+    rp_status status = dir && self ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
+    if (!status && (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") ||
+                    o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")]))
+        status = rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
+    snprintf(path, sizeof path, "%s/shards", status ? "" : dir);
+    if (!status) status = rp_make_directory(path);
+    snprintf(path, sizeof path, "%s/array.sh", status ? "" : dir);
+    if (!status) status = rp_file_open(path, &out);
+    if (!status) {
+        fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards,
+                o->j);
+        status = rp_file_close(path, out, RP_OK);
+    }
+    if (!status)
+        printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq "
+               "%ld)\n"
+               "repose sweep merge %s\n",
+               path, self, dir, o->shards, o->j, o->shards, dir);
+    free(dir);
+    free(self);
+    return status;
+}
+
+const cli_command cmd_sweep_slurm = {
+    "sweep slurm",
+    "write a job array for Slurm",
+    "DIR --shards N [-j N] [--time T] [--mem M]",
+    "Write DIR/array.sh, a job array for Slurm with a shard a job, and print the commands that submit it,\n"
+    "that do the same by GNU parallel over ssh, and that unite the shards. The folder is one that all\n"
+    "machines share.",
+    "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
+    slurm_params,
+    .act = act_slurm};
+
+static rp_status act_salvage(void *values)
+{
+    (void)values;
+    size_t n = 0;
+    rp_status status = sweep_salvage(cli_argument(0), sweep_protocols, &n);
+    if (!status) printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
+    return status;
+}
+
+const cli_command cmd_sweep_salvage = {
+    "sweep salvage",
+    "get the whole rows out of a damaged store",
+    "DIR",
+    "Put a new store in place of a damaged or truncated one, with all rows whose checksum is right. The\n"
+    "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
+    "repose sweep salvage build/sweeps/lh3",
+    NULL,
+    .act = act_salvage};
