@@ -99,6 +99,40 @@ static void read_set(size_t n, const char text[])
     free(change);
 }
 
+/* Change bytes of a state: three numbers each, place (two bytes) and byte. */
+static void change_bytes(size_t size, char bytes[], size_t n, const char text[])
+{
+    for (size_t i = 0; i + 2 < n && i < 60; i += 3) {
+        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
+        if (place < size) bytes[place] = text[i + 2];
+    }
+}
+
+/* The file as it is; and a good state with bytes changed, as a checksum that is right would let through. */
+static void read_snapshot(size_t n, const char text[])
+{
+    rp_snapshot s = {0}, changed = {0};
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    if (rp_snapshot_read(&s, "s.snapshot", "fuzz", dem_keep_layout()) == RP_OK) dem_keep(&s, &sim);
+    dem_free(sim);
+    rp_snapshot_free(&s);
+    demand(dem_scene_read("scene.cfg", NULL, &scene) == RP_OK && dem_scene_start(&scene, &sim) == RP_OK &&
+               dem_run(sim, 3) == RP_OK,
+           "the scene is refused");
+    dem_keep(&changed, &sim);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    change_bytes(changed.n, (char *)changed.bytes, n, text);
+    changed.reading = true;
+    changed.path = "changed";
+    sim = NULL;
+    dem_keep(&changed, &sim);
+    if (sim) (void)!dem_run(sim, 3);
+    dem_free(sim);
+    rp_snapshot_free(&changed);
+}
+
 /* A value of any parameter: what is accepted is written, and reads back as the same. The first bytes choose.
  */
 static void read_param(size_t n, const char text[])
@@ -217,13 +251,8 @@ static void read_store(size_t n, const char text[])
     size_t size = store_size, rows;
     sweep_counts counts;
     memcpy(bytes, whole_store, size);
-    for (size_t i = 0; i + 2 < n && i < 60; i += 3) {
-        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
-        if (place < store_size)
-            bytes[place] = text[i + 2];
-        else if (i == 0)
-            size = (size_t)(unsigned char)text[2] * 256;
-    }
+    change_bytes(size, bytes, n, text);
+    if (n > 2 && text[0] == '\xff') size = (size_t)(unsigned char)text[2] * 256;
     unlink("d/store.sqlite-journal");
     put("d/store.sqlite", size < store_size ? size : store_size, bytes);
     FILE *out = fopen("/dev/null", "w");
@@ -303,6 +332,7 @@ const fuzz_target fuzz_targets[] = {
     {"set", {"set.txt", NULL}, NULL, NULL, read_set, true},
     {"param", {"param.txt", NULL}, NULL, NULL, read_param, false},
     {"sweep", {"s.cfg", NULL}, NULL, NULL, read_sweep, false},
+    {"snapshot", {"s.snapshot", NULL}, NULL, NULL, read_snapshot, true},
     {"store", {"store.txt", NULL}, NULL, NULL, read_store, false},
     {"line", {"line.txt", NULL}, NULL, NULL, read_line, true},
     TABLES("claims", "claims --variants --claims c.tsv --tables .", "c.tsv", "many.tsv", table_text),
