@@ -34,7 +34,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -42,14 +42,7 @@ help: ## this list
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
 
 setup: ## install the Debian packages that are missing
-	@missing=; for p in $(PACKAGES); do \
-	  dpkg-query -W -f '$${Status}\n' $$p 2>/dev/null | grep -q 'install ok installed' || missing="$$missing $$p"; done; \
-	if [ -n "$$missing" ]; then \
-	  if [ "$$(id -u)" = 0 ]; then sudo=; elif command -v sudo >/dev/null; then sudo=sudo; else \
-	    echo "setup: as root, run: apt-get install$$missing" >&2; exit 1; fi; \
-	  echo "setup: installing$$missing"; \
-	  $$sudo apt-get update -q >/dev/null && \
-	  $$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $$missing >/dev/null; fi
+	@sh tests/setup.sh $(PACKAGES)
 
 # ---- The program and its tests
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
@@ -84,6 +77,8 @@ $(B)/check: $(CHECK) $(LIBRARY)
 
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
+analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
+	@sh tests/analyze.sh $(B) $(JOBS)
 
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)

@@ -1,11 +1,11 @@
 #!/bin/sh
 # Fuzzing of every reader by libFuzzer, under the address and undefined-behaviour sanitizers. Arguments: the build folder,
 # seconds for each target or, with "runs=N", runs, the number of processes at a time, and targets (none: all). What is found
-# stays in BUILD/fuzz/found; new inputs in BUILD/fuzz/NAME. Needs Debian's clang and libclang-rt-14-dev (apt-get install clang).
+# stays in BUILD/fuzz/found; new inputs in BUILD/fuzz/NAME. Installs clang if it is missing.
 mkdir -p "$1"
 build=$(cd "$1" && pwd) effort=$2 jobs=$3
 shift 3
-command -v clang >/dev/null || { echo "fuzz: no clang: apt-get install clang" >&2; exit 1; }
+sh tests/setup.sh clang libclang-rt-14-dev || exit 1
 case $effort in runs=*) limit="-runs=${effort#runs=}" ;; *) limit="-max_total_time=$effort" ;; esac
 mkdir -p "$build/fuzz/found"
 make --no-print-directory -j"$jobs" CC=clang B="$build/fuzz/obj" CHECK='$(FUZZ)' \
