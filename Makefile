@@ -34,7 +34,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -53,8 +53,7 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 
 # The commit is part of every table's provenance: rebuild that one file when it changes.
 $(B)/commit: FORCE
-	@mkdir -p $(@D)
-	@c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
@@ -62,8 +61,7 @@ $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
-	@rm -f $$@
-	@ar rcs $$@ $$^
+	@rm -f $$@ && ar rcs $$@ $$^
 endef
 $(foreach m,$(MODULES),$(eval $(call archive,$(m))))
 
@@ -80,6 +78,9 @@ fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each),
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
 
+drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
+	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
+
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 
@@ -88,14 +89,12 @@ lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is e
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@$(MAKE) --no-print-directory lint asan
-	@echo "check   plain"
-	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
+	@echo "check   plain" && REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
 
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
 	  $(B)/asan/check $(B)/asan/repose
-	@echo "check   with sanitizers"
-	@REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
+	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
@@ -152,14 +151,12 @@ $(B)/made/%: %.cfg $(CODE)
 $(B)/studied/%: %.cfg $(CODE)
 	@$(call make_sweep, --study) $(B)/studies
 	@mkdir -p $(@D) results
-	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results
-	@touch $@
+	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results && touch $@
 $(B)/studied/calibrate_planted: $(B)/studied/calibrate
 results/%.tsv:
 	@echo "$@ is missing: make studies" >&2; exit 1
 $(B)/validated/%: validation/%.c $(CODE) $(B)/check
-	@mkdir -p $(@D)
-	@echo "check   --full $*"
+	@mkdir -p $(@D) && echo "check   --full $*"
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
 $(T)/published.tsv: figures/claims.tsv $(CODE)

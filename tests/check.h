@@ -36,6 +36,7 @@
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
+    X(suite_drill)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \

@@ -207,6 +207,8 @@ static void test_bad_values(void)
         {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
         {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
         {65, "x/B = 1.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 0.1,1.5"},
+        {65, "x/B = -0.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at -0.5,0.1"},
+        {65, "x/B = 1.25: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 1.25,0.1"},
         {65, "--points = 1: out of range", "continuum --alpha-deg 30 --points 1"},
         {65, "--x1 = 0.5: out of range, allowed: (0, 0.5)", "tent --outer-deg 30 --inner-deg 45 --x1 0.5"},
         {65, "--layers = 0: out of range", "lattice --layers 0"},
@@ -1238,12 +1240,17 @@ static void test_broken_run(void)
     rp_table_free(&t);
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
-    CU_ASSERT(equal_tables("out", "d/states.tsv"));
-    /* an overlap beyond the radius is a broken invariant */
+    CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
+    CU_ASSERT(shell("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'") == 0);
+    /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
+     * program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
                             "particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 0.004; },\n"
                             "              { x = 0.3; y = 0.0; r = 0.1; m = 0.004; vx = -200.0; } );\n");
-    FAILS(70, "overlap at step ", "run crush.cfg");
+    FAILS(1, "overlap at step ", "run crush.cfg");
+    write_text("fast.cfg",
+               "gravity = [1.0e9, 0.0]; dt = 1.0e-5; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    FAILS(1, "too_fast at step ", "run fast.cfg");
     /* a step that the implicit integrator can't solve in one iteration fails */
     static const char *const solvers[] = {"direct", "sor"};
     for (int k = 0; k < 2; k++) {
@@ -1438,19 +1445,65 @@ static void test_stopped(void)
     leave();
 }
 
-/* A stopped scene keeps its output, without incomplete files. */
-static void test_scene_stopped(void)
+/* At 0.98 of the largest step allowed, 60 grains without damping heat up; at a fifth of it, or with damping,
+ * their energy does not grow. */
+static void test_energy_growth(void)
 {
     enter();
     write_text("s.cfg",
-               "steps = 2000000000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
-    int status = shell(
-        "\"$REPOSE\" run s.cfg --every 100000 -o d >out 2>err & p=$!; sleep 0.7; kill -TERM $p; wait $p");
-    CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "stopped at step"));
-    rp_table t = read_table("d/states.tsv");
-    CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-    rp_table_free(&t);
-    CU_ASSERT(shell("! ls d | grep -q tmp") == 0);
+               "steps = 50000; dt = 1.097e-4; normal = { k_n = 1.0e6; gamma_n = 0.0; };\n"
+               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "          { point = [0.0, 0.0]; direction = [1.0, 0.0]; },\n"
+               "          { point = [2.0, 0.0]; direction = [-1.0, 0.0]; } );\n"
+               "fill = { N = 60; W = 2.0; H = 3.0; seed = 5; radius_mean = 0.1; radius_width = 0.0; };\n");
+    CU_ASSERT(run("run s.cfg") == 0 && strstr(err, "warning: energy grew by "));
+    CU_ASSERT(strstr(out, "\n# warning: energy grew by ") != NULL);
+    GOOD("run s.cfg --set dt=2e-5");
+    GOOD("run s.cfg --set normal.gamma_n=50");
+    leave();
+}
+
+/* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
+ * tables apart; a whole run replaces both. */
+static void test_run_stopped(void)
+{
+    enter();
+    write_text("s.cfg",
+               "steps = 2000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
+    write_text("r.cfg",
+               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+               "grid = { relax_steps = [100, 1000000000]; };\n");
+    GOOD("run s.cfg --every 10 -o d");
+    GOOD("run r.cfg --row 0 -o r");
+    CU_ASSERT(shell("cat d/*.tsv r/* >before") == 0);
+    static const char *const signals[] = {"TERM", "INT", "HUP"};
+    for (int k = 0; k < 3; k++) {
+        char line[512];
+        snprintf(line, sizeof line,
+                 "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d >out 2>err & p=$!\n"
+                 "sleep 0.5; kill -%s $p; wait $p",
+                 signals[k]);
+        CU_ASSERT(failed(__FILE__, __LINE__, shell(line), 75,
+                         "of 2000000000; the tables so far are in d/unfinished"));
+        rp_table t = read_table("d/unfinished/states.tsv");
+        CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
+        rp_table_free(&t);
+        CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
+        snprintf(line, sizeof line,
+                 "\"$REPOSE\" run r.cfg --row 20 -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
+                 signals[k]);
+        CU_ASSERT(
+            failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
+    }
+    CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    /* neither a run that can go on nor that of another process is thrown away */
+    CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
+    FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");
+    CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
+    CU_ASSERT(shell("flock d/unfinished \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
+              strstr(err, "another process runs in this folder"));
+    GOOD("run s.cfg --every 10 -o d");
+    CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
     leave();
 }
 
@@ -1481,12 +1534,13 @@ void suite_cli(void)
                                        {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},
                                        {"run: tables in a folder", test_output_folder},
-                                       {"run: broken, 70", test_broken_run},
+                                       {"run: no result, 1", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
                                        {"sweep: runs and tables", test_make},
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
-                                       {"run: stopped", test_scene_stopped},
+                                       {"run: stopped", test_run_stopped},
+                                       {"run: energy grows without damping", test_energy_growth},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

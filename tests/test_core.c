@@ -1,11 +1,9 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
-#include <errno.h>
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "core/config.h"
@@ -13,6 +11,7 @@
 #include "core/table.h"
 #include "core/version.h"
 #include "tests/check.h"
+#include "tests/faults.h"
 
 typedef struct {
     double a, b;
@@ -382,15 +381,6 @@ static void tables(void)
     fclose(out);
 }
 
-static bool disk_fails;
-
-/* In place of the system's, for the whole program. */
-int fsync(int file)
-{
-    if (disk_fails) errno = EIO;
-    return disk_fails ? -1 : (int)syscall(SYS_fsync, file);
-}
-
 /* A file has its name once its bytes are on the disk; two that write it at a time do not mix. */
 static void written_files(void)
 {
@@ -405,9 +395,9 @@ static void written_files(void)
     CHECK_OK(rp_file_close(path, one, RP_OK));
     CHECK_OK(rp_file_open(path, &two));
     fputs("third", two);
-    disk_fails = true;
+    fault_order(FAULT_SYNC, 1, true);
     CHECK_FAILS(rp_file_close(path, two, RP_OK), RP_IO, "cannot write: Input/output error");
-    disk_fails = false;
+    fault_order(FAULT_SYNC, 0, false);
     one = fopen(path, "r");
     CU_ASSERT(fread(text, 1, sizeof text - 1, one) == 3 && strcmp(text, "one") == 0);
     fclose(one);

@@ -222,12 +222,33 @@ static void particles_from_table(void)
     unlink(table);
 }
 
+/* A wall with one end, as the floor that ends at the opening: what has no end is written as far away. */
+static void half_lines(void)
+{
+    for (int end = 0; end < 2; end++) {
+        dem_scene s, back;
+        char *text;
+        size_t size;
+        CHECK_OK(read_text(EXAMPLE, NULL, &s));
+        s.def.walls[0].extent[end] = end ? 2.385 : -0.25;
+        FILE *out = open_memstream(&text, &size);
+        dem_scene_write(&s, out);
+        fclose(out);
+        CHECK_OK(read_text(text, NULL, &back));
+        CHECK_NEAR(back.def.walls[0].extent[end], end ? 2.385 : -0.25, 0.0);
+        CU_ASSERT(fabs(back.def.walls[0].extent[1 - end]) >= 1e300);
+        CU_ASSERT((back.def.walls[0].extent[1 - end] < 0.0) == (end == 1));
+        free(text);
+        dem_scene_free(&s);
+        dem_scene_free(&back);
+    }
+}
+
 void suite_scene(void)
 {
-    static const check_case cases[] = {{"the documented example", example},
-                                       {"written and read: the same bits", written_and_read},
-                                       {"particles from a table", particles_from_table},
-                                       {"refused scenes", refused},
-                                       {NULL, NULL}};
+    static const check_case cases[] = {
+        {"the documented example", example}, {"written and read: the same bits", written_and_read},
+        {"walls with one end", half_lines},  {"particles from a table", particles_from_table},
+        {"refused scenes", refused},         {NULL, NULL}};
     check_register("scene", cases);
 }

@@ -534,16 +534,19 @@ static void test_crash(void)
 {
     fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
     sweep_counts c;
+    char d[33];
+    size_t n;
     CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, &c));
+    CHECK_FAILS(run(2, &c), RP_NO_RESULT, "3 of 10 runs are aborted: 3 crashed; run again to try them again");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "no digest: 3 of 10 runs are aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
     /* a crash may be the machine's fault: only crashed runs are repeated */
     sql(KEEP " WHERE status <> 'crashed'");
-    CHECK_OK(run(1, &c));
+    CHECK_FAILS(run(1, &c), RP_NO_RESULT, "3 crashed");
     CU_ASSERT(c.stored == 10 && c.failed == 3);
     CU_ASSERT(sql_number(KEPT) == 7);
     clean();

@@ -250,6 +250,27 @@ static void test_scene(void)
     leave();
 }
 
+/* Units stand above the names, 1 where there is none. */
+static void test_units(void)
+{
+    static const struct {
+        const char *table, *units;
+    } lists[] = {{"d/states.tsv", "1\ts\t1\tcm\tcm\trad\tcm/s\tcm/s\trad/s\tdyn\tdyn\tcm\tg\t1"},
+                 {"d/contacts.tsv", "1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
+                 {"d/walls.tsv", "1\tdyn\tdyn"},
+                 {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};
+    enter();
+    write_scene("");
+    GOOD("run scene.cfg -o d");
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+        rp_table t = read_table(lists[i].table);
+        const char *units = rp_table_find_note(&t, "units");
+        CU_ASSERT(units && strcmp(units, lists[i].units) == 0);
+        rp_table_free(&t);
+    }
+    leave();
+}
+
 /* ---- the ledger ---- */
 
 /* Gravity turns, a wall rises, a grain leaves, wells break, collisions are hard, and every contact damps: no
@@ -436,7 +457,10 @@ static void test_sweep(void)
     for (size_t row = 0; row < 12; row++) {
         CHECK_NEAR(at(&runs, row, "run"), (double)row, 0.0);
         CHECK_NEAR(at(&runs, row, "replica"), (double)(row % 3), 0.0);
-        CHECK_NEAR(at(&runs, row, "pile"), (double)row, 0.0);
+        const double pile = at(&runs, row, "pile");
+        CHECK_NEAR(pile, cell(&runs.t, row - row % 3, "pile") + (double)(row % 3),
+                   0.0); /* of its own, in a row */
+        CU_ASSERT(row < 3 || pile != cell(&runs.t, row - 3, "pile"));
         CHECK_NEAR(at(&runs, row, "base"), row < 6 ? 9.0 : 12.0, 0.0);
         CHECK_NEAR(at(&runs, row, "eps"), row % 6 < 3 ? 1e-4 : 2e-4, 0.0);
         CU_ASSERT(at(&runs, row, "seconds") >= 0.0);
@@ -471,12 +495,207 @@ static void test_sweep(void)
     leave();
 }
 
+/* ---- commands ---- */
+
+enum { WAYS = 12 };
+
+static const char *const ways[WAYS] = {
+    "centre_zero",     "centre_zero_origin",     "centre_skip",     "centre_skip_origin",
+    "raw_centre_zero", "raw_centre_zero_origin", "raw_centre_skip", "raw_centre_skip_origin",
+    "top_zero",        "top_zero_origin",        "top_skip",        "top_skip_origin"};
+
+/* The angle of a combination and a way to read the surface. */
+static double planted_angle(int law, int k, int way)
+{
+    return 20.0 - 2.0 * law + 0.5 * k + 0.25 * (way / 2) + 3.0 * (way % 2);
+}
+
+static void write_planted(void)
+{
+    static const double scatter[] = {-0.3, 0.1, -0.1, 0.3}; /* variance 0.2/3 */
+    char path[256];
+    path_of("ways.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# status\tW\tlaw\tk\ttheta_r3_deg", file);
+    for (int way = 1; way < WAYS; way++) fprintf(file, "\ttheta_r3_%s_deg", ways[way]);
+    for (int i = 0; i < 16; i++) {
+        fprintf(file, "\nok\t4\t%s\t%s", i / 8 ? "new" : "old", i / 4 % 2 ? "2e6" : "1e6");
+        for (int way = 0; way < WAYS; way++)
+            fprintf(file, "\t%.6g", planted_angle(i / 8, i / 4 % 2, way) + scatter[i % 4]);
+    }
+    fputc('\n', file);
+    fclose(file);
+    write_text("claims.tsv",
+               "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
+               "answer\tagainst\tforensics\tstatement\tnote\n"
+               "angle\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\ta\t-\n");
+}
+
+static int way_of(const char *name)
+{
+    int way = 0;
+    while (way < WAYS && strcmp(ways[way], name) != 0) way++;
+    return way;
+}
+
+/* Counts and shares of a level by the table of combinations. */
+static void check_level(checked *levels, size_t row, const rp_table *all)
+{
+    const char *factor = word(&levels->t, row, "factor"), *level = word(&levels->t, row, "level");
+    double tested = 0.0, complete = 0.0, passed = 0.0, share = 0.0, total = 0.0;
+    for (size_t i = 0; i < all->n_rows; i++) {
+        const double likelihood = exp(cell(all, i, "log_likelihood"));
+        total += likelihood;
+        if (strcmp(word(all, i, factor), level) != 0) continue;
+        tested++, complete++, share += likelihood;
+        passed += strcmp(word(all, i, "status"), "not_excluded") == 0;
+    }
+    CU_ASSERT(tested > 0.0);
+    at(levels, row, "factor"), at(levels, row, "level");
+    CHECK_NEAR(at(levels, row, "tested"), tested, 0.0);
+    CHECK_NEAR(at(levels, row, "complete"), complete, 0.0);
+    CHECK_NEAR(at(levels, row, "not_excluded"), passed, 0.0);
+    CHECK_NEAR(at(levels, row, "share"), share / total, 1e-12);
+}
+
+static void test_forensics(void)
+{
+    enter();
+    write_planted();
+    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --draws 40");
+    char note[64];
+    double simulated = 0.0;
+    size_t passed = 0;
+    rp_table all = read_table("out");
+    CU_ASSERT_FATAL(all.n_rows == 4 * WAYS);
+    for (size_t i = 0; i < all.n_rows; i++) {
+        const int law = strcmp(word(&all, i, "law"), "new") == 0, k = strcmp(word(&all, i, "k"), "2e6") == 0;
+        const int way = way_of(word(&all, i, "surface"));
+        CHECK_NEAR(cell(&all, i, "rank"), (double)i + 1.0, 0.0);
+        CHECK_NEAR(cell(&all, i, "combination"), 2.0 * law + k, 0.0);
+        CHECK_NEAR(cell(&all, i, "angle_deg"), planted_angle(law, k, way), 1e-9);
+        CHECK_NEAR(cell(&all, i, "angle_se_deg"), sqrt(0.2 / 3.0 / 4.0), 1e-9);
+        if (i > 0) { /* the likelihood falls with the distance from the published number */
+            CU_ASSERT(cell(&all, i, "log_likelihood") <= cell(&all, i - 1, "log_likelihood"));
+            CU_ASSERT(fabs(cell(&all, i, "angle_deg") - 20.0) >=
+                      fabs(cell(&all, i - 1, "angle_deg") - 20.0) - 1e-9);
+        }
+        passed += strcmp(word(&all, i, "status"), "not_excluded") == 0;
+        simulated += cell(&all, i, "simulated") > 0.0;
+    }
+    snprintf(note, sizeof note, "# not_excluded: %zu\n", passed);
+    CU_ASSERT(simulated > 0.0 && strstr(out, note) != NULL);
+    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --draws 40 --report levels");
+    checked levels = checked_read("out");
+    CU_ASSERT_FATAL(levels.t.n_rows == 4 + WAYS);
+    for (size_t row = 0; row < levels.t.n_rows; row++) {
+        static const char *const names[] = {"old", "new", "1e6", "2e6"};
+        CU_ASSERT_STRING_EQUAL(word(&levels.t, row, "level"), row < 4 ? names[row] : ways[row - 4]);
+        check_level(&levels, row, &all);
+    }
+    checked_end(&levels);
+    rp_table_free(&all);
+    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --report effects");
+    rp_table effects = read_table("out");
+    CU_ASSERT_FATAL(effects.n_rows == 2 + WAYS - 1);
+    for (size_t row = 0; row < effects.n_rows; row++) {
+        const double effect = row == 0 ? -2.0 : row == 1 ? 0.5 : planted_angle(0, 0, (int)row - 1) - 20.0;
+        CHECK_NEAR(cell(&effects, row, "effect_deg"), effect, 1e-9);
+        CHECK_NEAR(cell(&effects, row, "lower_deg"), effect, 1e-9); /* every pile has it */
+        CHECK_NEAR(cell(&effects, row, "upper_deg"), effect, 1e-9);
+        CHECK_NEAR(cell(&effects, row, "effect_se_deg"), 0.0, 1e-9);
+        CHECK_NEAR(cell(&effects, row, "residual_sd_deg"), 0.0, 1e-9);
+        CHECK_NEAR(cell(&effects, row, "n"), 4.0, 0.0);
+        CU_ASSERT_STRING_EQUAL(word(&effects, row, "claim"), "angle");
+        CU_ASSERT_STRING_EQUAL(word(&effects, row, "level"), row == 0   ? "new"
+                                                             : row == 1 ? "2e6"
+                                                                        : ways[row - 1]);
+        CU_ASSERT_STRING_EQUAL(word(&effects, row, "reference"), row == 0   ? "old"
+                                                                 : row == 1 ? "1e6"
+                                                                            : ways[0]);
+    }
+    rp_table_free(&effects);
+    /* less than half of the runs with a result say nothing of a combination; half of them do */
+    for (int failed = 2; failed < 4; failed++) {
+        char line[256] = "";
+        for (int k = 0; k < failed; k++)
+            snprintf(line + strlen(line), sizeof line - strlen(line), " -e '%ds/^ok/leaked/'", 14 + k);
+        char command[512];
+        snprintf(command, sizeof command, "sed%s ways.tsv >fewer.tsv; :>out; :>err", line);
+        shell(command);
+        GOOD("forensics fewer.tsv --claims claims.tsv --factors law,k --draws 40");
+        const char *const complete = failed == 2 ? "# complete: 48\n" : "# complete: 36\n";
+        CU_ASSERT(strstr(out, complete) || (failed == 2 && !strstr(out, "# complete: ")));
+        CU_ASSERT((strstr(out, "incomplete") != NULL) == (failed == 3));
+    }
+    leave();
+}
+
+/* angle compare: each form of (4) by angle tilt, at the mean slope. */
+static void test_compare(void)
+{
+    static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
+    static const double r[] = {9.0, 11.0, 10.5, 9.5}, t[] = {3.0, 3.5, 2.5, 4.0};
+    const double mean_r = 10.0, mean_t = 3.25;
+    enter();
+    write_text("runs.tsv",
+               "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n"
+               "0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n",
+               r[0], t[0], r[1], t[1], r[2], t[2], r[3], t[3]);
+    GOOD("angle compare runs.tsv --bootstrap 400 --phi-deg 55");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 1);
+    const double ms = atan(0.2 * pow(tan(55.0 * M_PI / 180.0), 2.0)) * 180.0 / M_PI;
+    const double miss_ms = fabs(mean_r + mean_t - ms);
+    CHECK_NEAR(at(&c, 0, "mu"), 0.2, 0.0);
+    CHECK_NEAR(at(&c, 0, "n"), 4.0, 0.0);
+    CHECK_NEAR(at(&c, 0, "theta_r_deg"), mean_r, 1e-12);
+    CHECK_NEAR(at(&c, 0, "theta_t_deg"), mean_t, 1e-12);
+    CHECK_NEAR(at(&c, 0, "theta_rt_deg"), mean_r + mean_t, 1e-12);
+    CHECK_NEAR(at(&c, 0, "theta_r_se_deg"), sqrt(2.5 / 3.0 / 4.0), 1e-12);
+    CHECK_NEAR(at(&c, 0, "theta_t_se_deg"), sqrt(1.25 / 3.0 / 4.0), 1e-12);
+    CHECK_NEAR(at(&c, 0, "theta_rt_se_deg"), sqrt(3.25 / 3.0 / 4.0), 1e-12); /* 12, 14.5, 13, 13.5 */
+    CHECK_NEAR(at(&c, 0, "theta_ms_deg"), ms, 1e-12);
+    CHECK_NEAR(at(&c, 0, "diff_ms_deg"), mean_r + mean_t - ms, 1e-12);
+    CHECK_NEAR(at(&c, 0, "diff_ms_se_deg"), sqrt(3.25 / 3.0 / 4.0),
+               0.2 * sqrt(3.25 / 3.0 / 4.0)); /* bootstrap */
+    CHECK_NEAR(at(&c, 0, "n_unstable"), 0.0, 0.0);
+    CHECK_NEAR(at(&c, 0, "n_lost"), 0.0, 0.0);
+    at(&c, 0, "status");
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "status"), "ok");
+    for (size_t f = 0; f < 4; f++) {
+        static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
+        char column[64];
+        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
+        rp_table tilt = read_table("out");
+        const double theory = cell(&tilt, 0, "theta_t_deg"), miss = fabs(mean_t - theory);
+        const double expected[] = {theory, mean_t - theory, mean_r + theory, miss - miss_ms};
+        rp_table_free(&tilt);
+        for (size_t k = 0; k < 4; k++) {
+            snprintf(column, sizeof column, "%s_%s_deg", parts[k], forms[f]);
+            CHECK_NEAR(at(&c, 0, column), expected[k], 1e-11);
+            snprintf(column, sizeof column, "%s_%s_se_deg", parts[k], forms[f]);
+            CU_ASSERT(at(&c, 0, column) > 0.0 && at(&c, 0, column) < 2.0);
+        }
+        snprintf(column, sizeof column, "gain_relative_%s", forms[f]);
+        CHECK_NEAR(at(&c, 0, column), miss / mean_t - miss_ms / (mean_r + mean_t), 1e-12);
+        snprintf(column, sizeof column, "gain_relative_%s_se", forms[f]);
+        CU_ASSERT(at(&c, 0, column) > 0.0 && at(&c, 0, column) < 1.0);
+    }
+    checked_end(&c);
+    leave();
+}
+
 void suite_tables(void)
 {
     static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
+                                       {"units", test_units},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},
                                        {"runs and points of a sweep", test_sweep},
+                                       {"forensics", test_forensics},
+                                       {"angle compare", test_compare},
                                        {0}};
     check_register("tables", cases);
 }

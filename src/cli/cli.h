@@ -87,8 +87,9 @@ const char *cli_argument(int i);
 char *const *cli_arguments(void);
 bool cli_given(const char *name);
 
-/* sweep_run with the given number of workers, below 1: one per processor; its progress on a terminal. */
-rp_status cli_sweep_run(const char *dir, long workers, int shard, int shards, sweep_counts *counts);
+/* sweep_run with these options, workers below 1: one per processor; its progress on a terminal, and a line
+ * for each run that fails. */
+rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts);
 
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);

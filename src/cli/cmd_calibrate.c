@@ -45,7 +45,7 @@ static rp_status run_sweep(const char *file, const char *folder, long workers, c
     sweep_counts counts;
     FILE *out;
     rp_status status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
-    if (!status && counts.stored < counts.planned) status = cli_sweep_run(folder, workers, 0, 0, &counts);
+    if (!status) status = cli_sweep_run(folder, (sweep_options){.workers = (int)workers}, &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;

@@ -38,9 +38,22 @@ typedef struct {
     char command[4096];
 } run_plan;
 
+/* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
+ * compared: a step near the limit of stability heats a scene with little damping, slowly and without an end.
+ */
+enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
+static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
+
+typedef struct {
+    long every; /* steps; 0: no such scene */
+    size_t n, grains;
+    double first, last, scale;
+} growth;
+
 /* A scene run in the making. */
 typedef struct {
     run_plan plan;
+    growth energy;
     dem_sim *sim;
 } scene_run;
 
@@ -56,13 +69,14 @@ static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv"};
 
 static uint64_t layout(void)
 {
-    return dem_keep_layout() ^ sizeof(run_plan);
+    return dem_keep_layout() ^ sizeof(scene_run);
 }
 
 static void keep_run(rp_snapshot *s, void *context)
 {
     scene_run *r = context;
     RP_KEEP(s, r->plan);
+    RP_KEEP(s, r->energy);
     dem_keep(s, &r->sim);
 }
 
@@ -129,26 +143,62 @@ static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const d
     return sweep_table_close(&file, RP_OK);
 }
 
-static rp_status close_growing(const outputs *o)
+/* Unless the run is whole, its tables say so in their last line. */
+static rp_status close_table(const sweep_file *file, rp_status run)
 {
-    rp_status status = o->energy.out ? sweep_table_close(&o->energy, RP_OK) : RP_OK;
-    rp_status closed = o->states.out ? sweep_table_close(&o->states, RP_OK) : RP_OK;
-    return status ? status : closed;
+    if (run) rp_table_note(file->out, "unfinished", "%s", rp_message());
+    return sweep_table_close(file, RP_OK);
 }
 
-/* What was computed before a failure is kept. A run that can go on keeps it in its folder. */
+/* What was computed before a failure is kept, apart from what was there. */
 static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    const bool goes_on = o->resumable && (run == RP_STOPPED || run == RP_IO || run == RP_NO_MEMORY);
-    const bool whole = *o->tables.directory && o->states.out && !goes_on;
-    rp_status status = o->resumable || !*o->tables.directory ? RP_OK : close_growing(o);
-    if (!status && whole) status = write_contacts(&o->tables, r->sim);
-    if (!status && whole) status = write_walls(&o->tables, r->plan.n_walls, r->sim);
-    if (!status && whole && o->resumable) status = cli_unfinished_finish(&o->unfinished);
+    const bool grown = o->states.out && !o->resumable,
+               all = *o->tables.directory && o->states.out && (!run || grown);
+    rp_status status = grown ? close_table(&o->states, run) : RP_OK,
+              closed = grown && o->energy.out ? close_table(&o->energy, run) : RP_OK;
+    if (!status) status = closed;
+    if (!status && all) status = write_contacts(&o->tables, r->sim);
+    if (!status && all) status = write_walls(&o->tables, r->plan.n_walls, r->sim);
+    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
+}
+
+static growth growth_of(const dem_scene *scene, const dem_sim *sim)
+{
+    bool driven =
+        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) driven |= scene->def.walls[w].open_at_step >= 0;
+    return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
+}
+
+static void growth_sample(growth *g, const dem_sim *sim)
+{
+    dem_energy e;
+    if (g->every == 0 || dem_step(sim) % g->every != 0) return;
+    dem_energies(sim, &e);
+    const double free = e.kinetic + e.elastic + e.rotational;
+    g->scale = fmax(g->scale, free);
+    if (g->n < SAMPLES / 4) g->first += free + e.gravity;
+    if (g->n >= SAMPLES - SAMPLES / 4 && g->n < SAMPLES) g->last += free + e.gravity;
+    g->n++;
+}
+
+/* No grain may have left with its energy. */
+static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
+{
+    const double grown = (g->last - g->first) / (SAMPLES / 4) / g->scale;
+    char text[160];
+    if (g->n < SAMPLES || dem_count(sim) != g->grains || !(grown > MOST_GROWTH)) return;
+    snprintf(text, sizeof text,
+             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
+             "damping",
+             100.0 * grown);
+    rp_table_note(states, "warning", "%s", text);
+    fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
 static void show_progress(const dem_sim *sim, long steps)
@@ -184,13 +234,13 @@ static rp_status advance(scene_run *r, outputs *out)
         const long left = p->steps - dem_step(r->sim);
         long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
         part = steps_to(dem_step(r->sim), p->snapshot, part);
+        part = steps_to(dem_step(r->sim), r->energy.every, part);
         status = dem_run(r->sim, part);
-        /* a grain that got away, or a step too hard to solve, is no result, not a program gone wrong */
-        const dem_fault fault = dem_sim_fault(r->sim);
-        if (status == RP_BROKEN && (fault == DEM_FAULT_LEAKED || fault == DEM_FAULT_NOT_SOLVED))
-            status = RP_NO_RESULT;
+        /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
+        if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         const long step = dem_step(r->sim);
         show_progress(r->sim, p->steps);
+        if (!status) growth_sample(&r->energy, r->sim);
         const bool stopped = stop_signal && step < p->steps;
         if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
             status = outputs_write(out, r->sim);
@@ -200,19 +250,9 @@ static rp_status advance(scene_run *r, outputs *out)
             status = out->resumable
                          ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
                                    step, p->steps, out->tables.directory)
-                         : rp_fail(RP_STOPPED, "stopped at step %ld of %ld; what was written before is kept",
-                                   step, p->steps);
+                         : rp_fail(RP_STOPPED, "stopped at step %ld of %ld", step, p->steps);
     }
     return status;
-}
-
-static void catch_signals(bool resumable)
-{
-    signal(SIGINT, note_stop);
-    signal(SIGTERM, note_stop);
-    if (!resumable) return;
-    signal(SIGHUP, note_stop);
-    signal(SIGXFSZ, SIG_IGN); /* a write then fails, and the older snapshot stays */
 }
 
 /* From the start, or with `out` resumed from where the run is. */
@@ -220,6 +260,7 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 {
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
+    if (!status) growth_report(&r->energy, r->sim, out->states.out);
     return outputs_close(out, r, status);
 }
 
@@ -227,11 +268,16 @@ static rp_status run_scene(scene_run *r, const char *directory)
 {
     outputs out = {.tables = {.directory = directory, .header = cli_provenance},
                    .resumable = r->plan.snapshot > 0};
-    catch_signals(out.resumable);
-    rp_status status = outputs_open(&out, r);
+    char stage[4096] = "";
+    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, stage) : RP_OK;
+    if (status) return status;
+    if (*stage) out.tables.directory = stage;
+    cli_on_stop(note_stop);
+    status = outputs_open(&out, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
-    return finish_scene(r, &out, status);
+    status = finish_scene(r, &out, status);
+    return *stage ? cli_stage_close(directory, stage, status) : status;
 }
 
 static rp_status run_row(const char *path, const run_options *o)
@@ -241,8 +287,13 @@ static rp_status run_row(const char *path, const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    const sweep_tables tables = {o->o, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
-    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    char stage[4096];
+    rp_status status = cli_stage_open(o->o, stage);
+    if (status) return status;
+    cli_stage_stops(stage);
+    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
+    status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    status = cli_stage_close(o->o, stage, status);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
@@ -307,6 +358,7 @@ static rp_status run_file(const char *path, const run_options *o)
     snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
+    if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&r, o->o);
     dem_free(r.sim);
     dem_scene_free(&scene);
@@ -335,7 +387,7 @@ static rp_status resume(const run_options *o)
                                  "--snapshot do not go with it");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
-    catch_signals(true);
+    cli_on_stop(note_stop);
     rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
@@ -371,7 +423,8 @@ const cli_command cmd_run = {
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
-    "lists the keys of a scene file.\n"
+    "lists the keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
+    "only a whole result replaces the one in DIR.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT,\n"

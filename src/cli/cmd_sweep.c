@@ -54,9 +54,13 @@ static const cli_command plan = {
     plan_params,
     .act = act_plan};
 
+#define LIMITS(X)                                                                                            \
+    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
+    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
+
 #define RUN_OPTIONS(X)                                                                                       \
     CLI_WORKERS(X)                                                                                           \
-    X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")
+    LIMITS(X) X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
 
@@ -74,21 +78,23 @@ static rp_status act_run(void *values)
 {
     const run_options *o = values;
     sweep_counts counts;
-    int shard, shards;
-    rp_status status = read_shard(o->shard, &shard, &shards);
-    if (!status) status = cli_sweep_run(cli_argument(0), o->j, shard, shards, &counts);
-    if (!status) cli_print_counts(&counts);
+    sweep_options options = {.workers = (int)o->j, .memory = o->mem, .time = o->time};
+    rp_status status = read_shard(o->shard, &options.shard, &options.shards);
+    if (!status) status = cli_sweep_run(cli_argument(0), options, &counts);
+    if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
     return status;
 }
 
 static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
-    "DIR [-j N] [--shard I/N]",
+    "DIR [-j N] [--mem MB] [--time S] [--shard I/N]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
     "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-    "if every run is stored, whatever its status; 75 if stopped. With --shard, machines that share the\n"
-    "folder, or have copies of it, each make a part; `sweep merge` unites the parts.",
+    "if every run is stored with its outcome; 75 if stopped; 1 while runs are aborted, which the same\n"
+    "command tries again: status crashed (its worker died or hung, three times), no_memory, time_limit.\n"
+    "With --shard, machines that share the folder, or have copies of it, each make a part; `sweep merge`\n"
+    "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
     .act = act_run};
@@ -207,6 +213,7 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(TEXT, tables, "", "build/tables", "", "folder of the tables")                                          \
     CLI_WORKERS(X)                                                                                           \
+    LIMITS(X)                                                                                                \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
     X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")
 
@@ -222,12 +229,24 @@ static rp_status export_to(const make_options *o, const char *name, const char *
     return out ? rp_file_close(path, out, status) : status;
 }
 
+/* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
+static void print_summary(const char *name, const sweep_counts *counts)
+{
+    printf("%s: %zu runs", name, counts->stored);
+    for (size_t i = 0; i < counts->n_words; i++)
+        printf("%s %zu %s", i ? "," : ":", counts->words[i].runs, counts->words[i].status);
+    putchar('\n');
+    fflush(stdout); /* before what the commands of tables write */
+}
+
 static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
-    if (!status) status = cli_sweep_run(o->o, o->j, 0, 0, &counts);
+    const sweep_options options = {.workers = (int)o->j, .memory = o->mem, .time = o->time};
+    if (!status) status = cli_sweep_run(o->o, options, &counts);
+    if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);
     if (!status) status = export_to(o, recipe->name, "", true);
     return status;
@@ -248,7 +267,7 @@ static rp_status act_make(void *values)
 static const cli_command make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
-    "FILE -o DIR [--tables DIR] [-j N] [--replicas N | --study]",
+    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study]",
     "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
     "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
     "\n"

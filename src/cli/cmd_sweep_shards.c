@@ -22,7 +22,7 @@ static rp_status act_merge(void *values)
     return counts.stored < counts.planned
                ? rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", cli_argument(0),
                          counts.planned - counts.stored, counts.planned)
-               : RP_OK;
+               : sweep_check_aborted(&counts);
 }
 
 const cli_command cmd_sweep_merge = {

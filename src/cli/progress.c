@@ -1,5 +1,6 @@
 /* Progress of a sweep on a terminal; see cli.h. */
 #include <math.h>
+#include <stdarg.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -32,6 +33,17 @@ static void draw(const sweep_progress *p, void *context)
     fflush(stderr);
 }
 
+static void report(void *context, const char *format, ...)
+{
+    va_list args;
+    fputs(*(bool *)context ? "\nrepose sweep: " : "repose sweep: ", stderr);
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputc('\n', stderr);
+    *(bool *)context = false;
+}
+
 static void draw_part(const char *what, size_t done, size_t of, void *context)
 {
     (void)context;
@@ -47,14 +59,13 @@ const sweep_watch *cli_watch(void)
     return isatty(STDERR_FILENO) ? &watch : NULL;
 }
 
-rp_status cli_sweep_run(const char *dir, long workers, int shard, int shards, sweep_counts *counts)
+rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts)
 {
     bool drawn = false;
-    sweep_options options = {.workers = (int)(workers < 1 ? sysconf(_SC_NPROCESSORS_ONLN) : workers),
-                             .shard = shard,
-                             .shards = shards,
-                             .watch = isatty(STDERR_FILENO) ? draw : NULL,
-                             .context = &drawn};
+    if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
+    options.watch = isatty(STDERR_FILENO) ? draw : NULL;
+    options.context = &drawn;
+    options.report = report;
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
     if (drawn) fputc('\n', stderr);
     return status;

@@ -1,9 +1,11 @@
 /* Folders of unfinished runs; see unfinished.h. */
 #include "cli/unfinished.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <string.h>
 #include <sys/file.h>
@@ -26,6 +28,16 @@ static rp_status failed(const char *path)
     return rp_fail(RP_IO, "%s: %s", path, strerror(errno));
 }
 
+/* One process at a time writes in a folder. */
+static rp_status take_lock(const char *directory, const char *path, int *lock)
+{
+    *lock = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (*lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
+    return flock(*lock, LOCK_EX | LOCK_NB) == 0
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: another process runs in this folder", directory);
+}
+
 static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
                        const char *const names[CLI_GROWING])
 {
@@ -37,11 +49,36 @@ static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout
         XXH3_128bits_reset(u->table[k].hash);
     }
     if (strlen(directory) > PATH_MAX - 64) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
-    u->lock = open(path_of(u, false, "", path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (u->lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
-    return flock(u->lock, LOCK_EX | LOCK_NB) == 0
+    return take_lock(directory, path_of(u, false, "", path), &u->lock);
+}
+
+/* Move the files of folder `from` into `to`, or without `to` remove them. */
+static rp_status move_files(const char *from, const char *to)
+{
+    char old[4400], new[4400];
+    rp_status status = RP_OK;
+    DIR *folder = opendir(from);
+    if (!folder) return rp_fail(RP_IO, "%s: cannot read: %s", from, strerror(errno));
+    for (const struct dirent *e; !status && (e = readdir(folder));) {
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
+        snprintf(old, sizeof old, "%s/%s", from, e->d_name);
+        if (to) snprintf(new, sizeof new, "%s/%s", to, e->d_name);
+        if ((to ? rename(old, new) : unlink(old)) != 0)
+            status = rp_fail(RP_IO, "%s: cannot %s: %s", old, to ? "move" : "remove", strerror(errno));
+    }
+    closedir(folder);
+    return status;
+}
+
+/* A run that can go on is not thrown away. */
+static rp_status check_vacant(const char *directory)
+{
+    char path[PATH_MAX];
+    const cli_unfinished u = {.directory = directory};
+    return access(path_of(&u, false, "snapshot", path), F_OK) != 0
                ? RP_OK
-               : rp_fail(RP_IO, "%s: another process runs in this folder", directory);
+               : rp_fail(RP_BAD_INPUT, "%s: an unfinished run; go on with --resume %s, or remove the folder",
+                         path, directory);
 }
 
 rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
@@ -51,9 +88,8 @@ rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_
     *u = (cli_unfinished){.directory = directory, .lock = -1};
     rp_status status = rp_make_directory(path_of(u, false, "", path));
     if (!status) status = enter(u, directory, layout, names);
-    if (!status && access(path_of(u, false, "snapshot", path), F_OK) == 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: an unfinished run; go on with --resume %s, or remove the folder",
-                         path, directory);
+    if (!status) status = check_vacant(directory);
+    if (!status) status = move_files(path_of(u, false, "", path), NULL);
     for (int k = 0; k < CLI_GROWING && !status; k++)
         if (!(u->table[k].file = fopen(path_of(u, false, names[k], path), "w+e"))) status = failed(path);
     return status;
@@ -165,4 +201,56 @@ void cli_unfinished_close(cli_unfinished *u)
         XXH3_freeState(u->table[k].hash);
     }
     if (u->lock >= 0) close(u->lock);
+}
+
+/* ---- Tables without snapshots */
+
+static int stage_lock;
+
+/* The message of cli_stage_stops, ready for the handler of a signal. */
+static char stopped[4200];
+
+rp_status cli_stage_open(const char *directory, char stage[4096])
+{
+    if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
+        return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
+    rp_status status = rp_make_directory(directory);
+    if (!status) status = rp_make_directory(stage);
+    if (!status) status = take_lock(directory, stage, &stage_lock);
+    if (!status) status = check_vacant(directory);
+    return status ? status : move_files(stage, NULL);
+}
+
+rp_status cli_stage_close(const char *directory, const char *stage, rp_status run)
+{
+    if (run) {
+        char why[1024];
+        if (rmdir(stage) == 0) return run; /* nothing was written */
+        snprintf(why, sizeof why, "%s", rp_message());
+        return rp_fail(run, "%s; the tables so far are in %s", why, stage);
+    }
+    rp_status status = move_files(stage, directory);
+    rmdir(stage);
+    close(stage_lock);
+    return status;
+}
+
+static void stop(int signal_number)
+{
+    (void)signal_number;
+    (void)!write(STDERR_FILENO, stopped, strlen(stopped));
+    _exit(RP_STOPPED);
+}
+
+void cli_stage_stops(const char *stage)
+{
+    snprintf(stopped, sizeof stopped, "repose run: stopped; the tables so far are in %s\n", stage);
+    cli_on_stop(stop);
+}
+
+void cli_on_stop(void (*handler)(int))
+{
+    signal(SIGINT, handler);
+    signal(SIGTERM, handler);
+    signal(SIGHUP, handler);
 }

@@ -1,5 +1,5 @@
-/* The folder DIR/unfinished of a run with snapshots: the growing tables, and the snapshot that a run goes on
- * from. A finished result in DIR stays until the new one is whole. */
+/* The folder DIR/unfinished of a run: its tables, and with snapshots the one that it goes on from. A finished
+ * result in DIR stays until the new one is whole. */
 #ifndef UNFINISHED_H
 #define UNFINISHED_H
 
@@ -43,5 +43,18 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
 /* Move the whole tables into DIR, and remove the folder. Errors: RP_IO. */
 rp_status cli_unfinished_finish(cli_unfinished *u);
 void cli_unfinished_close(cli_unfinished *u);
+
+/* ---- Without snapshots */
+
+/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first. A whole
+ * result moves into the directory, in place of what is there; any other one stays, and the message of `run`,
+ * which is returned, names its folder. Errors: RP_IO, RP_BAD_INPUT. */
+rp_status cli_stage_open(const char *directory, char stage[4096]);
+rp_status cli_stage_close(const char *directory, const char *stage, rp_status run);
+
+/* SIGINT, SIGTERM and SIGHUP call `handler`, or end this process with RP_STOPPED and a message that names the
+ * stage. */
+void cli_on_stop(void (*handler)(int));
+void cli_stage_stops(const char *stage);
 
 #endif

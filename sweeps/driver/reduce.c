@@ -229,6 +229,10 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
     if (!status && *n_rows < f.plan.n_runs)
         status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
                          f.plan.n_runs - *n_rows, f.plan.n_runs);
+    sweep_counts counts;
+    if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
+    if (!status && (status = sweep_check_aborted(&counts)) != RP_OK)
+        rp_prefix(status, "%s: no digest: ", dir);
     sweep_folder_close(&f);
     return status;
 }

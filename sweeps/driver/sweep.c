@@ -214,10 +214,11 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, options, counts);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, options, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
+    if (!status) status = sweep_check_aborted(counts);
     free(todo);
     sweep_folder_close(&f);
     return status;

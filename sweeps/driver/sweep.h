@@ -50,7 +50,7 @@ typedef struct {
     void *context;
 } sweep_watch;
 
-/* What a watcher is shown: after each row, and once a second in between. */
+/* What a watcher is shown: after each row, and several times a second in between. */
 typedef struct {
     size_t planned, stored, failed;
     double elapsed, left; /* s; `left` is NaN until a run has finished */
@@ -61,6 +61,10 @@ typedef struct {
     int shard, shards;                                            /* part 1 to n of n; 0, 0: whole */
     void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
     void *context;
+    double memory, time; /* of one run: MB (1e6 bytes) and s; 0 or infinite: no limit */
+    double patience;     /* s without progress after which a worker is replaced; 0: a minute */
+    /* One line on a run that failed, when it does; may be NULL. */
+    void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
 } sweep_options;
 
 /* A table that `repose COMMAND` prints. */
@@ -91,9 +95,11 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
- * run whose worker dies is a row with status "crashed", which a later call tries again. SIGINT, SIGTERM and
- * SIGHUP stop the sweep: RP_STOPPED. RP_OK when every row is stored, whatever its status. Errors:
- * RP_BAD_INPUT, RP_IO (also: another process runs this sweep), RP_NO_MEMORY, or a protocol's own. */
+ * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a
+ * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries
+ * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: RP_STOPPED. RP_OK when every row is stored
+ * with an outcome, whatever it is. Errors: RP_BAD_INPUT, RP_IO (also: another process runs this sweep),
+ * RP_NO_MEMORY, or a protocol's own. */
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts);
 
@@ -112,6 +118,9 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
  * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
 
+/* Errors: RP_NO_RESULT while there are runs that the machine or a limit ended. */
+rp_status sweep_check_aborted(const sweep_counts *counts);
+
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
@@ -127,7 +136,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
 
 /* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
  * digits and NUL. Independent of workers, interruptions, times and host.
- * Errors: RP_NO_RESULT (rows are missing), RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+ * Errors: RP_NO_RESULT (rows are missing or aborted), RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows);
 

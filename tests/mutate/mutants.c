@@ -110,6 +110,11 @@ static void change_operator(size_t from, size_t len)
                                            {"<", ">=", "comparison"},  {">", "<=", "comparison"},
                                            {"==", "!=", "comparison"}, {"&&", "||", "comparison"}};
     const char *word = at_line.code + from + 1;
+    size_t before = from; /* a size of memory, as in `sizeof text - used`, is no number of the model */
+    while (before > 0 &&
+           (isalnum((unsigned char)at_line.code[before - 1]) || strchr("_.>-*", at_line.code[before - 1])))
+        before--;
+    if (before >= 7 && strncmp(at_line.code + before - 7, "sizeof ", 7) == 0) return;
     if (at_line.is_loop && strchr("<>", *word)) return; /* past the end is what the sanitizers are for */
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         for (size_t k = 0; k < 2; k++)
@@ -347,13 +352,12 @@ static void mutate_line(void)
     const char *code = at_line.code;
     at_line.is_loop = strstr(code, "for (") != NULL;
     const bool declares = matches(DECLARES, code, NULL);
-    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there, then indices */
+    const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there */
     if (at_line.is_figure || at_line.is_result) mutate_text();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
         regmatch_t m;
-        for (size_t from = changes[i].change == change_index ? declared : 0;
-             matches(changes[i].pattern, code + from, &m);) {
+        for (size_t from = declared; matches(changes[i].pattern, code + from, &m);) {
             const size_t len = (size_t)(m.rm_eo - m.rm_so);
             from += (size_t)m.rm_so;
             changes[i].change(from, len);

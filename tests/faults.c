@@ -1,0 +1,91 @@
+/* Functions that stand in for those of the C library, and do as they do until a failure is ordered; see
+ * faults.h. */
+#include "tests/faults.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/types.h>
+
+static fault ordered;
+static long calls_left; /* before the one that fails, counted from 1; 0: no order */
+static bool all_fail, failing;
+
+time_t fault_wall_clock, fault_monotonic_clock;
+
+void fault_order(fault kind, long call, bool for_good)
+{
+    ordered = kind;
+    calls_left = call;
+    all_fail = for_good;
+    failing = false;
+}
+
+static bool fails(fault kind)
+{
+    if (ordered != kind || (calls_left == 0 && !failing)) return false;
+    if (failing) return true;
+    if (--calls_left > 0) return false;
+    failing = all_fail;
+    return true;
+}
+
+/* A function that sets errno to `code` and returns -1 where it shall fail, and else does as the library's. */
+#define CAN_FAIL(kind, code, type, name, parameters, arguments)                                              \
+    type name parameters;                                                                                    \
+    type name parameters                                                                                     \
+    {                                                                                                        \
+        static type(*real) parameters;                                                                       \
+        if (!real) *(void **)&real = dlsym(RTLD_NEXT, #name);                                                \
+        if (!fails(kind)) return real arguments;                                                             \
+        errno = code;                                                                                        \
+        return -1;                                                                                           \
+    }
+
+CAN_FAIL(FAULT_FORK, EAGAIN, pid_t, fork, (void), ())
+CAN_FAIL(FAULT_SYNC, EIO, int, fsync, (int file), (file))
+CAN_FAIL(FAULT_SYNC, EIO, int, fdatasync, (int file), (file))
+CAN_FAIL(FAULT_WRITE, ENOSPC, ssize_t, pwrite64, (int file, const void *bytes, size_t n, off64_t at),
+         (file, bytes, n, at))
+CAN_FAIL(FAULT_SEND, ENOBUFS, ssize_t, send, (int to, const void *bytes, size_t n, int flags),
+         (to, bytes, n, flags))
+
+int clock_gettime(clockid_t clock, struct timespec *t)
+{
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
+    const int result = real(clock, t);
+    if (clock == CLOCK_REALTIME) t->tv_sec += fault_wall_clock;
+    if (clock == CLOCK_MONOTONIC) t->tv_sec += fault_monotonic_clock;
+    return result;
+}
+
+#ifdef __SANITIZE_ADDRESS__
+bool fault_possible(fault kind)
+{
+    return kind != FAULT_MALLOC;
+}
+#else
+bool fault_possible(fault kind)
+{
+    (void)kind;
+    return true;
+}
+
+extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+
+void *malloc(size_t n)
+{
+    return fails(FAULT_MALLOC) ? (errno = ENOMEM, NULL) : __libc_malloc(n);
+}
+
+void *calloc(size_t n, size_t size)
+{
+    return fails(FAULT_MALLOC) ? (errno = ENOMEM, NULL) : __libc_calloc(n, size);
+}
+
+void *realloc(void *old, size_t n)
+{
+    return fails(FAULT_MALLOC) ? (errno = ENOMEM, NULL) : __libc_realloc(old, n);
+}
+#endif

@@ -1,0 +1,20 @@
+/* Failures of the C library to order, for this program and its libraries. */
+#ifndef FAULTS_H
+#define FAULTS_H
+
+#include <stdbool.h>
+#include <time.h>
+
+typedef enum { FAULT_FORK, FAULT_SYNC, FAULT_WRITE, FAULT_SEND, FAULT_MALLOC, N_FAULTS } fault;
+
+/* The call-th call from now on fails, in this process and in those that it forks; `for_good`: so do all that
+ * follow. call = 0 takes the order back. */
+void fault_order(fault kind, long call, bool for_good);
+
+/* Sanitizers have a malloc of their own. */
+bool fault_possible(fault kind);
+
+/* By which the clocks are wrong, s. */
+extern time_t fault_wall_clock, fault_monotonic_clock;
+
+#endif
