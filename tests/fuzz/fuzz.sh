@@ -3,13 +3,13 @@
 # seconds for each target or, with "runs=N", runs, the number of processes at a time, and targets (none: all). What is found
 # stays in BUILD/fuzz/found; new inputs in BUILD/fuzz/NAME. Installs clang if it is missing.
 mkdir -p "$1"
-build=$(cd "$1" && pwd) effort=$2 jobs=$3
+given=$1 build=$(cd "$1" && pwd) effort=$2 jobs=$3
 shift 3
 sh tests/setup.sh clang libclang-rt-14-dev || exit 1
 case $effort in runs=*) limit="-runs=${effort#runs=}" ;; *) limit="-max_total_time=$effort" ;; esac
 mkdir -p "$build/fuzz/found"
-make --no-print-directory -j"$jobs" CC=clang B="$build/fuzz/obj" CHECK='$(FUZZ)' \
-    SAN='-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -g -O1 -w' "$build/fuzz/obj/check" || exit 1
+make --no-print-directory -j"$jobs" CC=clang B="$given/fuzz/obj" CHECK='$(FUZZ)' \
+    SAN='-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -g -O1 -w' "$given/fuzz/obj/check" || exit 1
 [ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
 printf '%s\n' "$@" | ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
     xargs -P "$jobs" -I{} sh -c 'mkdir -p "$1/fuzz/{}"
