@@ -938,15 +938,18 @@ static void test_report(void)
                "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
     write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");
     write_text("part-2.txt", "second\n");
-    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}, {{value none v}}; {{cell many k=7 n}} "
+    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
                         "{{cell many k=8 v %%.2g}}; "
                         "{{note many note}}; {{published angle}}; {{verdict high}}; {{counts li}}\n"
-                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n{{include part-*.txt}}");
+                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
+                        "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
+                        "{{include part-*.txt}}");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
-        out, "20.10 ± 0.20, not known, no data; 12 0.1; so it is; 20.10 ± 1; reproduced; "
+        out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; reproduced; "
              "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\nfirst 20.1\n\nsecond\n");
+             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
+             "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
     write_text("in.md", "{{claims plain}}\n{{scores lh}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
@@ -1426,6 +1429,34 @@ static void test_row_again(void)
     leave();
 }
 
+/* An endless run and a large one end at their limits: the others are made, and no digest or table hides it.
+ */
+static void test_limits(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
+                        "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
+                        "grid = { relax_steps = [100, 1000000000]; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    CU_ASSERT(run("sweep run d -j 2 --time 0.5") == 1 &&
+              strstr(err, "1 of 2 runs are aborted: 1 time_limit; run again"));
+    CU_ASSERT(strstr(err, "run 1 (relax_steps = 1000000000): ended after ") != NULL);
+    CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
+    CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
+    FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "1 time_limit"));
+    CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
+    CU_ASSERT(shell("! ls t | grep -q .") == 0);
+    write_text("p.cfg", "protocol = \"pile\"; replicas = 1; fixed = { disorder = 1.0e-3; well = 1.0; };\n"
+                        "grid = { base = [12, 700]; };\n");
+    GOOD("sweep plan p.cfg -o p");
+    if (!check_fast()) { /* a sanitizer takes terabytes of addresses */
+        CU_ASSERT(run("sweep run p --mem 40") == 1 && strstr(err, "1 of 2 runs are aborted: 1 no_memory"));
+        CU_ASSERT(strstr(err, "run 1 (base = 700): pile of 245350 disks: out of memory; no_memory") != NULL);
+    }
+    leave();
+}
+
 /* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
@@ -1541,6 +1572,7 @@ void suite_cli(void)
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
     check_register("command line", cases);

@@ -149,6 +149,24 @@ static void test_verdicts(void)
     leave();
 }
 
+/* A reference finds its row by numbers as numbers and by words as words. */
+static void test_references(void)
+{
+    static const struct {
+        const char *reference, *value;
+    } cases[] = {{"t k=5", "1"},    {"t k=5x", "2"},  {"t k=50", "3"},
+                 {"t k=word", "4"}, {"t k=5e1", "3"}, {"t k=6:60", "3"}};
+    enter();
+    write_text("claims.tsv", CLAIMS);
+    write_text("t.tsv", "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_text("in.md", "{{cell %s v}}\n", cases[i].reference);
+        GOOD("report in.md --tables . --claims claims.tsv");
+        CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
+    }
+    leave();
+}
+
 /* ---- Holm ---- */
 
 /* Of k tests in order of their p: p times k, k - 1, ..., at least that of the test before, at most 1. */
@@ -462,6 +480,7 @@ static void test_second_entry(void)
 void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
+                                       {"rows by references", test_references},
                                        {"Holm's correction by groups", test_holm},
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},

@@ -336,9 +336,9 @@ static void check_protocol(const sweep_protocol *protocol)
         if (!result) fprintf(stderr, "%s: %s\n", runs[r].settings, bases[r].status);
         CU_ASSERT(result);
     }
-    /* under the sanitizers every fourth key */
+    /* under the sanitizers every eighth key */
     for (const rp_param *p = protocol->schema; p->name; p++)
-        if ((p - protocol->schema) % (check_fast() ? 4 : 1) == 0) check_protocol_key(bases, protocol, p);
+        if ((p - protocol->schema) % (check_fast() ? 8 : 1) == 0) check_protocol_key(bases, protocol, p);
 }
 
 #define X(name)                                                                                              \

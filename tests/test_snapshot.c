@@ -726,6 +726,34 @@ static void protocol_drop(void)
         0.01, "ok");
 }
 
+/* A sweep that is killed again and again stores the rows of the undisturbed one, and leaves no snapshot. A
+ * damaged snapshot is refused, and its run starts anew. */
+static void sweep_rows(void)
+{
+    enter();
+    static const char file[] = "protocol = \"repose\"; replicas = 2; seed = 5;\n"
+                               "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n";
+    write_bytes("s.cfg", file, sizeof file - 1);
+    CU_ASSERT(
+        shell("\"$REPOSE\" sweep plan s.cfg -o whole >plan && \"$REPOSE\" sweep plan s.cfg -o d >plan && "
+              "\"$REPOSE\" sweep run whole --snapshot 0 >counts && ! test -e whole/snapshots") == 0);
+    int status = 1, attempts = 0;
+    bool kept = false;
+    for (int ms = check_fast() ? 400 : 80; status != 0 && attempts < 40; ms = ms * 5 / 4, attempts++) {
+        char line[256];
+        snprintf(line, sizeof line,
+                 "timeout -s KILL %d.%03d \"$REPOSE\" sweep run d -j 2 --snapshot 0.01 >counts 2>err",
+                 ms / 1000, ms % 1000);
+        status = shell(line);
+        kept |= shell("ls d/snapshots/???????????????????????????????? >kept 2>&1") == 0;
+        if (attempts == 3) shell("for f in d/snapshots/*; do test -e $f && truncate -s 999 $f; done");
+    }
+    CU_ASSERT(status == 0 && kept);
+    CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
+    CU_ASSERT(shell("! test -e d/snapshots") == 0);
+    leave();
+}
+
 void suite_snapshot(void)
 {
     static const check_case cases[] = {
@@ -742,6 +770,7 @@ void suite_snapshot(void)
         {"protocol stress", protocol_stress},
         {"protocol flux", protocol_flux},
         {"protocol drop", protocol_drop},
+        {"sweep rows", sweep_rows},
         {0}};
     check_register("snapshot", cases);
 }

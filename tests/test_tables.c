@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "dem/scene.h"
+#include "stats/stats.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -687,6 +688,163 @@ static void test_compare(void)
     leave();
 }
 
+/* Closed-form models: the outline of a tent of 30 and 45 degrees, the triangle by (42) and (44). */
+static void test_models(void)
+{
+    static const double x[] = {0.1, 0.4, 0.8};
+    const double steep = tan(M_PI / 4.0), flat = tan(M_PI / 6.0);
+    const double height[] = {0.1 * flat, 0.3 * flat + 0.1 * steep, 0.2 * flat};
+    enter();
+    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --at 0.1,0.4,0.8");
+    checked tent = checked_read("out");
+    CU_ASSERT_FATAL(tent.t.n_rows == 3);
+    for (size_t i = 0; i < 3; i++) {
+        CHECK_NEAR(at(&tent, i, "x/B"), x[i], 0.0);
+        CHECK_NEAR(at(&tent, i, "y/B"), height[i], 1e-14);
+        CU_ASSERT(at(&tent, i, "N/(chi*g*B)") > 0.0 && at(&tent, i, "N/(chi*g*B)") < height[1]);
+        CU_ASSERT((at(&tent, i, "H/(chi*g*B)") > 0.0) == (x[i] > 0.5));
+    }
+    checked_end(&tent);
+    GOOD("lattice --layers 5");
+    checked lattice = checked_read("out");
+    CU_ASSERT_FATAL(lattice.t.n_rows == 5);
+    const double width = at(&lattice, 0, "N/mg") / at(&lattice, 0, "N/(chi*g*B)");
+    for (size_t i = 0; i < 5; i++) {
+        const double N = 3.0, H = ((double)i - 2.0) / sqrt(3.0);
+        CHECK_NEAR(at(&lattice, i, "i"), (double)i + 1.0, 0.0);
+        CHECK_NEAR(at(&lattice, i, "N/mg"), N, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "H/mg"), H, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "N/(chi*g*B)"), N / width, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "H/(chi*g*B)"), H / width, 1e-13);
+        CHECK_NEAR(at(&lattice, i, "x/B"), 0.5 + ((double)i - 2.0) / width, 1e-13);
+    }
+    checked_end(&lattice);
+    leave();
+}
+
+/* Columns by their names, against the members of the same name. */
+typedef struct {
+    const char *column;
+    double value;
+} named;
+
+static void check_named(checked *c, size_t row, size_t n, const named list[])
+{
+    for (size_t k = 0; k < n; k++) {
+        CHECK_NEAR(at(c, row, list[k].column), list[k].value, 1e-12 * fabs(list[k].value) + 1e-15);
+        for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
+            CU_ASSERT(list[k].value != list[j].value || strchr("nx", *list[k].column));
+    }
+}
+#define CHECK_NAMED(c, row, list) check_named(c, row, sizeof(list) / sizeof *(list), list)
+
+enum { POINTS = 14 };
+
+static void write_points(double x[POINTS], double y[POINTS], double se[POINTS])
+{
+    char path[256];
+    path_of("points.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# x\ty\tse\n", file);
+    for (int i = 0; i < POINTS; i++) {
+        x[i] = 1.0 + i % 4 + (i % 4 == 3);
+        y[i] = 2.0 + 0.13 * x[i] + 0.04 * x[i] * x[i] + 0.01 * ((i * 7) % 11);
+        se[i] = 0.05 + 0.01 * (i % 3);
+        fprintf(file, "%.17g\t%.17g\t%.17g\n", x[i], y[i], se[i]);
+    }
+    fclose(file);
+}
+
+static void test_fits(void)
+{
+    double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], lo[4], hi[4];
+    stats_trend t;
+    stats_line free_line, origin;
+    enter();
+    write_points(x, y, se);
+    CHECK_OK(stats_trend_fit(POINTS, x, y, NULL, 0.0, 0.7, &t));
+    GOOD("stats trend points.tsv -x x -y y --margin 0.7");
+    checked c = checked_read("out");
+    stats_contrast_interval(&t.change, 0.95, &lo[0], &hi[0]);
+    stats_contrast_interval(&t.change, 0.90, &lo[1], &hi[1]);
+    const named trend[] = {{"n", POINTS},
+                           {"n_left", 0.0},
+                           {"n_x", 4.0},
+                           {"x_from", 1.0},
+                           {"x_to", 5.0},
+                           {"slope", t.slope.value},
+                           {"slope_se", t.slope.se},
+                           {"dof", t.slope.dof},
+                           {"change", 4.0 * t.slope.value},
+                           {"change_se", 4.0 * t.slope.se},
+                           {"change_lo", lo[0]},
+                           {"change_hi", hi[0]},
+                           {"p_value", stats_contrast_p(&t.change)},
+                           {"bend", t.bend.value},
+                           {"bend_se", t.bend.se},
+                           {"p_bend", stats_contrast_p(&t.bend)},
+                           {"change_lo90", lo[1]},
+                           {"change_hi90", hi[1]},
+                           {"p_margin", t.p_margin},
+                           {"pair", t.pair.value},
+                           {"pair_se", t.pair.se},
+                           {"p_pairs", t.p_pairs}};
+    CHECK_NAMED(&c, 0, trend);
+    CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.change), 1e-15); /* one test alone */
+    at(&c, 0, "verdict");
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), "rises");
+    checked_end(&c);
+
+    for (int i = 0; i < POINTS; i++) inverse[i] = 1.0 / x[i];
+    CHECK_OK(stats_trend_fit(POINTS, inverse, y, NULL, -2.0, 1.0, &t));
+    GOOD("stats size points.tsv -x x -y y");
+    c = checked_read("out");
+    stats_contrast_interval(&t.intercept, 0.95, &lo[2], &hi[2]);
+    stats_contrast_interval(&t.slope, 0.95, &lo[3], &hi[3]);
+    const named size[] = {{"n", POINTS},
+                          {"n_x", 4.0},
+                          {"x_from", 1.0},
+                          {"x_to", 5.0},
+                          {"limit", t.intercept.value},
+                          {"limit_se", t.intercept.se},
+                          {"limit_lo", lo[2]},
+                          {"limit_hi", hi[2]},
+                          {"c", t.slope.value},
+                          {"c_se", t.slope.se},
+                          {"c_lo", lo[3]},
+                          {"c_hi", hi[3]},
+                          {"p_value", stats_contrast_p(&t.slope)},
+                          {"p_bend", stats_contrast_p(&t.bend)}};
+    CHECK_NAMED(&c, 0, size);
+    CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.slope), 1e-15);
+    at(&c, 0, "status");
+    checked_end(&c);
+
+    CHECK_OK(stats_line_fit(POINTS, x, y, se, false, &free_line));
+    CHECK_OK(stats_line_fit(POINTS, x, y, se, true, &origin));
+    GOOD("stats fit points.tsv -x x -y y --se se");
+    c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    for (size_t row = 0; row < 2; row++) {
+        const stats_line *l = row ? &origin : &free_line;
+        const named line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
+                              {"intercept", l->intercept},   {"intercept_se", l->intercept_se},
+                              {"covariance", l->covariance}, {"chi2", l->chi2},
+                              {"p_value", l->p_value}};
+        for (size_t k = 0; k < sizeof line / sizeof *line; k++)
+            CHECK_NEAR(at(&c, row, line[k].column), line[k].value, 1e-12 * fabs(line[k].value) + 1e-15);
+        CHECK_NEAR(at(&c, row, "dof"), POINTS - 2.0 + (double)row, 0.0);
+        CHECK_NEAR(at(&c, row, "n"), POINTS, 0.0);
+        CHECK_NEAR(at(&c, row, "x_from"), 1.0, 0.0);
+        CHECK_NEAR(at(&c, row, "x_to"), 5.0, 0.0);
+        at(&c, row, "line");
+        CU_ASSERT_STRING_EQUAL(word(&c.t, row, "line"), row ? "origin" : "free");
+    }
+    checked_end(&c);
+    leave();
+}
+
 void suite_tables(void)
 {
     static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
@@ -696,6 +854,8 @@ void suite_tables(void)
                                        {"runs and points of a sweep", test_sweep},
                                        {"forensics", test_forensics},
                                        {"angle compare", test_compare},
+                                       {"stats trend, size, fit", test_fits},
+                                       {"tent, lattice", test_models},
                                        {0}};
     check_register("tables", cases);
 }

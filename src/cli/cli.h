@@ -90,6 +90,7 @@ bool cli_given(const char *name);
 /* sweep_run with these options, workers below 1: one per processor; its progress on a terminal, and a line
  * for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts);
+enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);

@@ -100,15 +100,17 @@ const cli_command cmd_angle_compare = {
     "angle compare",
     "measured angles against (3) and (4)",
     "FILE [options]",
-    "Measured piles against (3) and (4) of Lee & Herrmann 1993, one row for each mu.\n"
-    "FILE (- for standard input): one row a pile, columns mu theta_r3_deg theta_t_displacement_deg\n"
-    "status, as repose sweep export writes; rows whose status is not ok, or with nan in an angle, are\n"
-    "left out.\n"
-    "rt: theta_R + theta_T, measured pile by pile, or with theta_T of (4) at the mean theta_R; diff:\n"
-    "measured minus theory. theta_r_se, theta_t_se, theta_rt_se: SD/sqrt(n); the other errors:\n"
-    "bootstrap over piles.\n"
-    "n_unstable: piles steeper than theta_MS; n_lost: resamples without theta_T, left out. status: that\n"
-    "of repose angle tilt at the mean theta_R, of the first form that is not ok.",
+    "Compares measured piles with (3) and (4) of Lee & Herrmann 1993, one row per mu.\n"
+    "\n"
+    "FILE (- for standard input) has one row per pile with columns mu, theta_r3_deg,\n"
+    "theta_t_displacement_deg and status, as repose sweep export writes it. Rows whose status is not ok,\n"
+    "and rows with nan in an angle, are left out.\n"
+    "\n"
+    "Columns with rt hold theta_R + theta_T: measured pile by pile, or with theta_T of (4) at the mean\n"
+    "theta_R. Columns with diff hold measured minus theory. theta_r_se, theta_t_se and theta_rt_se are\n"
+    "SD/sqrt(n); the other errors come from a bootstrap over piles. n_unstable counts the piles steeper\n"
+    "than theta_MS, n_lost the resamples without a theta_T. status is that of repose angle tilt at the\n"
+    "mean theta_R, for the first form of (4) that is not ok.",
     "repose angle compare piles.tsv",
     compare_params,
     .on_table = compare_table};
@@ -193,19 +195,21 @@ const cli_command cmd_angle_phi = {
     "angle phi",
     "inclination of the rays, fitted to measured angles",
     "FILE [options]",
-    "Inclination phi of the rays at which (3), tan theta_MS = mu tan^2 phi, meets measured theta_R +\n"
-    "theta_T, and (4) in its balanced and lattice forms measured theta_T: one phi for all mu (mu =\n"
-    "nan), and one for each. against: the equation; ..._less_marginal: by how much phi of (4) exceeds\n"
-    "that of (3), which cannot both hold with one phi for a pile that stands a tilt. The sine form is\n"
-    "not fitted: phi would absorb the forces that it leaves unbalanced.\n"
-    "FILE (- for standard input): as for repose angle compare; rows with mu = 0 are left out.\n"
-    "phi_lo, phi_hi: 95 % interval where chi2 has risen by 3.84 (profile likelihood); boot_lo, boot_hi:\n"
-    "by bootstrap over piles. p_value: chance of a larger chi2 if one phi serves all mu (of a\n"
-    "difference: if there is none); below 0.05 it does not (one_phi 0), and the intervals are those of\n"
-    "a compromise. open: -1, 1 where the data give no bound on phi from below, from above, 2 from\n"
-    "neither side: phi is not identified.\n"
-    "measured: mean theta_R + theta_T or theta_T; fitted, sixty: the equation at the mean theta_R with\n"
-    "the phi of all mu, and with 60 degrees.",
+    "Fits the inclination phi of the rays of force, once for all mu (mu = nan) and for each mu. Equation\n"
+    "(3), tan theta_MS = mu tan^2 phi, is fitted to measured theta_R + theta_T. Equation (4), in its\n"
+    "balanced and lattice forms, is fitted to measured theta_T. The sine form is not fitted, since phi\n"
+    "would absorb the forces that this form leaves unbalanced.\n"
+    "\n"
+    "FILE (- for standard input) is a table as for repose angle compare. Rows with mu = 0 are left out.\n"
+    "\n"
+    "against names the equation. Rows ..._less_marginal hold phi of (4) minus phi of (3); a pile that\n"
+    "is stable under a tilt cannot fulfil both with one phi. phi_lo and phi_hi bound the 95 % interval,\n"
+    "where chi2 has risen by 3.84 (profile likelihood); boot_lo and boot_hi come from a bootstrap over\n"
+    "piles. p_value is the chance of a larger chi2 if one phi holds for all mu, or, for a difference,\n"
+    "if there is none. Below 0.05, one_phi is 0, and the interval is that of a compromise. open is -1\n"
+    "if the data give no lower bound on phi, 1 for no upper bound, 2 for neither; phi is then not\n"
+    "identified. measured is the mean theta_R + theta_T, or theta_T; fitted and sixty are the equation\n"
+    "at the mean theta_R, with the phi of all mu and with 60 degrees.",
     "repose angle phi build/tables/lh3_runs.tsv",
     phi_params,
     .on_table = phi_table};

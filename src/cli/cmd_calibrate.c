@@ -45,7 +45,9 @@ static rp_status run_sweep(const char *file, const char *folder, long workers, c
     sweep_counts counts;
     FILE *out;
     rp_status status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
-    if (!status) status = cli_sweep_run(folder, (sweep_options){.workers = (int)workers}, &counts);
+    if (!status)
+        status = cli_sweep_run(folder, (sweep_options){.workers = (int)workers, .snapshot = CLI_SNAPSHOT},
+                               &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
@@ -436,18 +438,30 @@ const cli_command cmd_calibrate = {
     "calibrate",
     "friction that gives a measured angle of repose, with its interval",
     "--theta-r-deg ANGLE --error-deg SE [options]",
-    "Friction that gives a measured angle. Piles are simulated over a range of friction (some minutes\n"
-    "the first time, stored in -o); their mean angles, weighted with their errors, are fitted by powers\n"
-    "or a saturating form of least AIC; the fit is inverted. lower, upper: 95 % interval, from the\n"
-    "errors of measurement and response and the response's lack of fit. se: delta method. boot_*: the\n"
-    "same by bootstrap over piles, as a check.\n"
-    "status: ok; at_least, at_most: the interval is cut off by the range; not_identified: the range\n"
-    "says nothing;\n"
-    "several: one row an interval; above_range, below_range, no_match: nothing in the range agrees;\n"
-    "underdetermined: two parameters and one angle. Exit status 1 unless ok.\n"
+    "Finds the friction that gives a measured angle. Piles are simulated over a range of friction; this\n"
+    "takes some minutes the first time and is stored in -o. The mean angles, weighted by their errors,\n"
+    "are fitted by powers or a saturating form, whichever has the least AIC. The fit is inverted.\n"
+    "\n"
+    "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"
+    "error of the fit, and its lack of fit. se is the standard error by the delta method. boot_se,\n"
+    "boot_lower and boot_upper come from a bootstrap over piles, as a check.\n"
+    "\n"
+    "status is ok, or\n"
+    "  several          several intervals agree with the angle, one row each\n"
+    "  at_least         the upper end of the interval lies beyond the simulated range\n"
+    "  at_most          the lower end lies beyond it\n"
+    "  not_identified   every friction of the range agrees\n"
+    "  above_range      the angle is larger than all simulated ones\n"
+    "  below_range      the angle is smaller than all simulated ones\n"
+    "  no_match         no friction agrees with all measurements\n"
+    "  underdetermined  two parameters are sought from one angle\n"
+    "The exit status is 1 unless the status is ok.\n"
+    "\n"
     "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
     "opened on one side. It does not carry over to another model, protocol or size.\n"
-    "--verify: one row a case; exit status 1 if fewer than 90 % of the intervals hold the truth.",
+    "\n"
+    "--verify prints one row per case; the exit status is 1 if fewer than 90 % of the intervals contain\n"
+    "the truth.",
     "repose calibrate --theta-r-deg 25 --error-deg 1",
     calibrate_params,
     .act = answer};

@@ -496,18 +496,24 @@ const cli_command cmd_forensics = {
     "forensics",
     "unspecified choices of a paper against its published numbers",
     "RUNS --factors LIST [options]",
-    "Which combinations of unsaid choices agree with all published numbers at once? RUNS: one row a\n"
-    "run, as repose sweep export writes; a grid point with fewer than half of its runs ok has no\n"
-    "number, and a combination without one of the numbers is incomplete: not computable as it stands.\n"
-    "Claims: the rows of the claims' file with a cell `forensics`, [held] [+|-] COLUMN key=value ...\n"
-    "[less COLUMN key=value ...]: the published number +- its error of a mean at a grid point, or after\n"
-    "+ or - the sign of a difference of two; keys that are not given are those of the header line `at`.\n"
-    "Errors are taken up to a common scale, averaged over 1/5 to 2; signs have none. COLUMN is without\n"
-    "_deg: every surface variant COLUMN_VARIANT_deg makes a combination of its own. Claims that are\n"
-    "`held` do not judge: they test the combinations that are not excluded.\n"
-    "combinations: likelihood, p-value, status and numbers; simulated: rank of a simulated combination,\n"
-    "at its best surface, 0 at the others; effects: change of each number from a factor's first level\n"
-    "(95 % interval; the residual holds interactions); levels: what is left of each level.",
+    "Tests each combination of the choices that a paper leaves open against all of its published\n"
+    "numbers at once.\n"
+    "\n"
+    "RUNS has one row per run, as repose sweep export writes it. A grid point with fewer than half of\n"
+    "its runs ok has no number. A combination that lacks a number is incomplete and is not tested.\n"
+    "\n"
+    "The claims are the rows of the claims' file with a cell `forensics`:\n"
+    "  [held] [+|-] COLUMN key=value ... [less COLUMN key=value ...]\n"
+    "Without a sign, the claim is the published mean at a grid point with its error. After + or -, it is\n"
+    "the sign of a difference of two means. Keys that a claim does not name have the values of the\n"
+    "header line `at`. A common scale of the errors is averaged over 1/5 to 2. COLUMN is written without\n"
+    "_deg; every surface variant COLUMN_VARIANT_deg makes a combination of its own. Claims marked\n"
+    "`held` do not exclude a combination; they test the combinations that are left.\n"
+    "\n"
+    "--report combinations prints likelihood, p-value, status and numbers of each combination, and the\n"
+    "rank of simulated ones (0 for surfaces that are not the best). effects prints the change of each\n"
+    "number from the first level of a factor, with its 95 % interval; the residual holds the\n"
+    "interactions. levels prints the combinations that are left for each level.",
     "repose forensics build/tables/lh_forensics_runs.tsv --factors slip,shape,floor",
     forensics_params,
     .on_table = judge_runs};

@@ -78,7 +78,8 @@ const cli_command cmd_params = {
     "params",
     "every parameter of a protocol or scene file, with unit, default and range",
     "[PROTOCOL | scene]",
-    "The parameters of a sweep's protocol, with unit, type, default, range and meaning, and its\n"
-    "outputs; or the keys of a scene file; without an argument, all of them.",
+    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
+    "protocol's outputs. `scene` prints the keys of a scene file. Without an argument, everything is\n"
+    "printed.",
     "repose params repose",
     .act = print_all};

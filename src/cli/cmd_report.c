@@ -24,6 +24,7 @@ typedef struct {
     cli_judged *judged; /* each claim, from the first place on that asks for one */
     FILE *out;
     int depth;
+    char lacking[128]; /* table that the line asks for and nobody has made; "" */
 } report;
 
 static const char no_data[] = "no data";
@@ -48,12 +49,18 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
                 : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, cell->column);
 }
 
+static void print_no_data(report *r, const char *table)
+{
+    fputs(no_data, r->out);
+    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(table, " "), table);
+}
+
 static rp_status fill_cell(report *r, const char *reference, const char *format)
 {
     cli_cell cell;
     rp_status status = cli_cell_find(r->options->tables, reference, &cell);
     if (!status && cell.missing)
-        fputs(no_data, r->out);
+        print_no_data(r, reference + strspn(reference, " "));
     else if (!status)
         status = fill_text(r, &cell, format);
     return status;
@@ -228,7 +235,7 @@ static rp_status fill_place(report *r, char *text)
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
 
-static rp_status fill_line(report *r, char *line)
+static rp_status fill_places(report *r, char *line)
 {
     for (char *open; (open = strstr(line, "{{"));) {
         char *close = strstr(open, "}}");
@@ -241,6 +248,27 @@ static rp_status fill_line(report *r, char *line)
     }
     fputs(line, r->out);
     return RP_OK;
+}
+
+/* A line of text is sentences: without a number of theirs it is left out, and says why. */
+static rp_status fill_line(report *r, char *line)
+{
+    if (*line == '|' || strncmp(line, "{{rows", 6) == 0 || strncmp(line, "{{include", 9) == 0)
+        return fill_places(r, line);
+    FILE *out = r->out;
+    char *text = NULL;
+    size_t size;
+    if (!(r->out = open_memstream(&text, &size))) return rp_fail(RP_NO_MEMORY, "report: out of memory");
+    r->lacking[0] = '\0';
+    rp_status status = fill_places(r, line);
+    fclose(r->out);
+    r->out = out;
+    if (!status && *r->lacking)
+        fprintf(out, "No data: `%s.tsv` has not been made.", r->lacking);
+    else if (!status)
+        fputs(text, out);
+    free(text);
+    return status;
 }
 
 static rp_status fill_file(report *r, const char *path)
@@ -290,7 +318,7 @@ const cli_command cmd_report = {
     "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
     "verdict\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
-    "A table that has not been made gives `no data`.",
+    "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     report_params,
     .act = fill_report};

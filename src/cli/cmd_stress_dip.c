@@ -83,20 +83,25 @@ const cli_command cmd_stress_dip = {
     "stress dip",
     "does the pressure on the base dip in the middle?",
     "TABLE [options]",
-    "D_raw: mean N on the base within 0.1 B of the centroid of the load, less that from there to 0.3 B,\n"
-    "over the mean N; the report's D, and the dip or D of a table of runs. It reaches down the flanks,\n"
-    "so that without a dip it is not 0 but D_reference, that of the continuum triangle of the pile's\n"
-    "own mean slope. Column D and all after it are of the excess D_raw - D_reference, the report's\n"
-    "D_excess, negative for a dip; with --against zero they are of D_raw. SE and 95 % interval are over\n"
-    "piles.\n"
-    "null_lo, null_hi: 95 % of the mean D of such piles without dip; p_value, p_dip: chance of a D as\n"
-    "far from 0, as low, in these; p_margin: TOST, chance of so small a D if it were the margin.\n"
-    "verdict: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin\n"
-    "or peak_within_margin if both; undecided. With --profile the mean N of both sides, outwards:\n"
-    "distance over B, N over the mean, SE. TABLE (- for standard input): one row a pile, columns n_01\n"
-    "to n_20, left_deg, right_deg, status, as repose sweep export writes for protocols drop and pile;\n"
-    "rows whose status is not ok are left out, and against the triangle those whose mean slope is not\n"
-    "in (0, 60).",
+    "Tests the pressure N on the base of many piles for a dip in the middle.\n"
+    "\n"
+    "D_raw is the mean of N within 0.1 B of the centroid of the load, less the mean of N from there to\n"
+    "0.3 B, over the mean of N; B is the base. The outer region reaches down the flanks, so that D_raw\n"
+    "of a pile without a dip is not 0. D_reference is D of the continuum triangle with the pile's own\n"
+    "mean slope. D is the excess D_raw - D_reference (the report's D_excess); a dip makes it negative.\n"
+    "With --against zero, D is D_raw itself.\n"
+    "\n"
+    "Errors and 95 % intervals are over piles. null_lo and null_hi bound 95 % of the mean D of as many\n"
+    "piles without a dip. p_value is the chance that such piles have a D as far from 0, p_dip that they\n"
+    "have one as low. p_margin belongs to the test of equivalence (TOST) with the margin.\n"
+    "\n"
+    "The verdict is dip or peak if p_value < level; none_within_margin if p_margin < level;\n"
+    "dip_within_margin or peak_within_margin if both; else undecided. --profile prints the mean N of\n"
+    "both halves, outwards: distance over B, N over its mean, standard error.\n"
+    "\n"
+    "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, left_deg, right_deg\n"
+    "and status, as repose sweep export writes it for the protocols drop and pile. Rows whose status is\n"
+    "not ok are left out. The test against the triangle also leaves out mean slopes outside (0, 60).",
     "repose stress dip build/tables/li20_point_runs.tsv",
     dip_params,
     .on_table = dip_of_table};

@@ -15,6 +15,8 @@ void cli_print_counts(const sweep_counts *counts)
     rp_table_note(stdout, "planned", "%zu", counts->planned);
     rp_table_note(stdout, "stored", "%zu", counts->stored);
     rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
+    if (sweep_count_aborted(counts) > 0)
+        rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
     for (size_t i = 0; i < counts->n_words; i++)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
@@ -60,7 +62,10 @@ static const cli_command plan = {
 
 #define RUN_OPTIONS(X)                                                                                       \
     CLI_WORKERS(X)                                                                                           \
-    LIMITS(X) X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")
+    LIMITS(X)                                                                                                \
+    X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")            \
+    X(REAL, snapshot, "s", "60", "[0, inf)",                                                                 \
+      "processor time from one snapshot of a run to the next, in DIR/snapshots; 0: none")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
 
@@ -78,7 +83,8 @@ static rp_status act_run(void *values)
 {
     const run_options *o = values;
     sweep_counts counts;
-    sweep_options options = {.workers = (int)o->j, .memory = o->mem, .time = o->time};
+    sweep_options options = {
+        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
     if (!status) status = cli_sweep_run(cli_argument(0), options, &counts);
     if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
@@ -88,11 +94,12 @@ static rp_status act_run(void *values)
 static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
-    "DIR [-j N] [--mem MB] [--time S] [--shard I/N]",
+    "DIR [-j N] [--mem MB] [--time S] [--shard I/N] [--snapshot S]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
-    "stop, even by SIGKILL, only the runs in progress are lost; the same command resumes. Exit status 0\n"
-    "if every run is stored with its outcome; 75 if stopped; 1 while runs are aborted, which the same\n"
-    "command tries again: status crashed (its worker died or hung, three times), no_memory, time_limit.\n"
+    "stop, even by SIGKILL, the same command resumes. Long runs go on from their last snapshots (all\n"
+    "protocols but pile), with the same bits. Exit status 0 if every run is stored with its outcome; 75 if\n"
+    "stopped; 1 while runs are aborted, which the same command tries again: status crashed (its worker died\n"
+    "or hung, three times), no_memory, time_limit.\n"
     "With --shard, machines that share the folder, or have copies of it, each make a part; `sweep merge`\n"
     "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
@@ -244,7 +251,8 @@ static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
     rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
-    const sweep_options options = {.workers = (int)o->j, .memory = o->mem, .time = o->time};
+    const sweep_options options = {
+        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) status = cli_sweep_run(o->o, options, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", false);

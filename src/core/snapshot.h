@@ -32,7 +32,7 @@ bool rp_keep_bool(const bool *value);
 /* After a reading: refuse the state with a reason; the first reason stays. */
 void rp_keep_check(rp_snapshot *s, bool good, const char *what);
 
-/* Write a state to `path`: a new file in the same folder, synced, then renamed. A failure leaves the older
+/* Write a state to `path`: a new file PATH.new, synced, then renamed. A failure leaves the older
  * snapshot. `owner` names what the state is of, `layout` is a number that changes with its structure.
  * rp_snapshot_free follows. Errors: RP_IO, that of the status. */
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout);

@@ -2,8 +2,18 @@
 #include "sweeps/driver/keep.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
+#include <xxhash.h>
+
+#include "core/version.h"
+
+/* Another commit may keep other variables: its snapshots are refused, and their runs start anew. */
+static uint64_t layout(void)
+{
+    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), dem_keep_layout());
+}
 
 static double processor_time(void)
 {
@@ -17,16 +27,23 @@ void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double i
 {
     *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = processor_time() + interval};
     if (size > 0) *why = '\0';
-    if (access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, dem_keep_layout()) == RP_OK)
-        return;
+    if (access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, layout()) == RP_OK) return;
     snprintf(why, size, "%s", rp_message());
     rp_snapshot_free(&k->source);
+}
+
+void sweep_keep_remove(const char *path)
+{
+    char unfinished[4096 + 8];
+    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    unlink(path);
+    unlink(unfinished);
 }
 
 void sweep_keep_end(sweep_keep *k, bool done)
 {
     rp_snapshot_free(&k->source);
-    if (done) unlink(k->path);
+    if (done) sweep_keep_remove(k->path);
 }
 
 bool sweep_keep_resumes(const sweep_keep *k)
@@ -78,7 +95,7 @@ rp_status sweep_keep_look(sweep_keep *k)
     if (processor_time() < k->next) return RP_OK;
     rp_snapshot s = {0};
     for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
-    rp_status status = rp_snapshot_write(&s, k->path, k->key, dem_keep_layout());
+    rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
     rp_snapshot_free(&s);
     k->next = processor_time() + k->interval;
     return status;

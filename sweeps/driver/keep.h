@@ -29,6 +29,9 @@ void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double i
                       size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
+/* Remove the snapshot of a run, and one that was being written. */
+void sweep_keep_remove(const char *path);
+
 /* Whether there are variables yet to be entered before the run is at the place of its snapshot. */
 bool sweep_keep_resumes(const sweep_keep *k);
 

@@ -5,6 +5,8 @@
  * A worker that dies, or that has used no processor time for a minute, is replaced, and its run goes to the
  * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why. */
 #include "core/clock.h"
+#include "core/table.h"
+#include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 
 #include <errno.h>
@@ -50,6 +52,44 @@ typedef struct {
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
+/* The file that a run goes on from after its worker has died; it stays until the row is stored. */
+static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096])
+{
+    sweep_plan_key(p->plan, run, key);
+    snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
+}
+
+/* A stored run needs no snapshot, once its row is committed. */
+static rp_status remove_snapshot(const pool *p, size_t run)
+{
+    char key[33], path[4096];
+    snapshot_of(p, run, key, path);
+    if (access(path, F_OK) != 0) return RP_OK;
+    rp_status status = sweep_store_commit(p->store);
+    if (!status) sweep_keep_remove(path);
+    return status;
+}
+
+/* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
+static rp_status make(const pool *p, size_t run, sweep_result *result)
+{
+    const sweep_plan *plan = p->plan;
+    char key[33], path[4096], why[sizeof result->message] = "";
+    sweep_keep keep;
+    const sweep_tables kept = {.keep = &keep};
+    const bool keeps = p->options->snapshots != NULL;
+    if (keeps) {
+        snapshot_of(p, run, key, path);
+        sweep_keep_begin(&keep, path, key, p->options->snapshot, why, sizeof why);
+    }
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
+                                           stream.run, keeps ? &kept : NULL, result);
+    if (keeps) sweep_keep_end(&keep, false);
+    if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
+    return status;
+}
+
 /* At most `mb` more than this process has already. What is beyond is refused, and the run fails. */
 static void limit_memory(double mb)
 {
@@ -62,16 +102,14 @@ static void limit_memory(double mb)
 }
 
 /* The life of a worker. It ends when the parent does. */
-static void work(const sweep_plan *plan, const sweep_options *options, int socket)
+static void work(const pool *p, int socket)
 {
-    if (options->memory > 0.0 && isfinite(options->memory)) limit_memory(options->memory);
+    if (p->options->memory > 0.0 && isfinite(p->options->memory)) limit_memory(p->options->memory);
     for (size_t run; recv(socket, &run, sizeof run, 0) == sizeof run;) {
         sweep_row row = {.run = run};
         sweep_result_clear(&row.result);
         double start = rp_clock();
-        const sweep_stream stream = sweep_plan_stream(plan, run);
-        row.status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
-                                         stream.run, NULL, &row.result);
+        row.status = make(p, run, &row.result);
         row.seconds = rp_clock() - start;
         if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
         if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
@@ -93,7 +131,7 @@ static rp_status start_worker(const pool *p, worker *w)
         /* the lock, the store and the others' sockets are none of its business */
         if (pair[1] > 3) close_range(3, (unsigned)pair[1] - 1, 0);
         close_range((unsigned)pair[1] + 1, ~0u, 0);
-        work(p->plan, p->options, pair[1]);
+        work(p, pair[1]);
     }
     int why = errno;
     close(pair[1]);
@@ -198,9 +236,10 @@ static rp_status collect(pool *p, worker *w)
     if (recv(w->socket, &row, sizeof row, 0) != sizeof row) return crashed(p, w);
     if (row.status == RP_NO_MEMORY) return give_up(p, w, "no_memory", row.result.message);
     w->busy = false;
-    return row.status
-               ? rp_fail(row.status, "%s: %s", name_run(p, row.run, name, sizeof name), row.result.message)
-               : store_row(p, &row);
+    if (row.status)
+        return rp_fail(row.status, "%s: %s", name_run(p, row.run, name, sizeof name), row.result.message);
+    rp_status status = store_row(p, &row);
+    return status || !p->options->snapshots ? status : remove_snapshot(p, row.run);
 }
 
 /* Time that a process has had on a processor, s. */
@@ -346,15 +385,23 @@ static bool is_aborted(const char *status)
     return strstr(SWEEP_MACHINE, quoted) != NULL;
 }
 
+size_t sweep_count_aborted(const sweep_counts *counts)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < counts->n_words; i++)
+        if (is_aborted(counts->words[i].status)) n += counts->words[i].runs;
+    return n;
+}
+
 rp_status sweep_check_aborted(const sweep_counts *counts)
 {
+    const size_t n = sweep_count_aborted(counts);
     char text[128] = "";
-    size_t used = 0, n = 0;
+    size_t used = 0;
     for (size_t i = 0; i < counts->n_words; i++) {
         if (!is_aborted(counts->words[i].status)) continue;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", n ? ", " : "",
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", used ? ", " : "",
                                  counts->words[i].runs, counts->words[i].status);
-        n += counts->words[i].runs;
     }
     return n == 0 ? RP_OK
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs are aborted: %s; run again to try them again", n,

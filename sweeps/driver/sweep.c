@@ -209,14 +209,20 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status) status = sweep_store_drop_crashed(f.store);
     if (!status) status = find_todo(dir, &f.plan, f.store, options, &todo, &n);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    char snapshots[4096];
+    sweep_options own = *options;
+    snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
+    own.snapshots = options->snapshot > 0.0 ? snapshots : NULL;
     const size_t planned =
         whole ? f.plan.n_runs
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, options, counts);
+    if (!status && n > 0 && own.snapshots) status = rp_make_directory(snapshots);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status && whole) rmdir(snapshots);                  /* unless some are left, of runs that crashed */
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
     if (!status) status = sweep_check_aborted(counts);
     free(todo);

@@ -65,6 +65,8 @@ typedef struct {
     double patience;     /* s without progress after which a worker is replaced; 0: a minute */
     /* One line on a run that failed, when it does; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
+    double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
+    const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
 /* A table that `repose COMMAND` prints. */
@@ -118,7 +120,8 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
  * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
 
-/* Errors: RP_NO_RESULT while there are runs that the machine or a limit ended. */
+/* Runs that the machine or a limit ended. Errors: RP_NO_RESULT while there is one. */
+size_t sweep_count_aborted(const sweep_counts *counts);
 rp_status sweep_check_aborted(const sweep_counts *counts);
 
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */

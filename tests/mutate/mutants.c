@@ -115,6 +115,7 @@ static void change_operator(size_t from, size_t len)
            (isalnum((unsigned char)at_line.code[before - 1]) || strchr("_.>-*", at_line.code[before - 1])))
         before--;
     if (before >= 7 && strncmp(at_line.code + before - 7, "sizeof ", 7) == 0) return;
+    if (strstr(at_line.text, "snprintf(") && strstr(word, "used") == word + 2) return;
     if (at_line.is_loop && strchr("<>", *word)) return; /* past the end is what the sanitizers are for */
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         for (size_t k = 0; k < 2; k++)
