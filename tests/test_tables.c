@@ -453,6 +453,12 @@ static void test_sweep(void)
     GOOD("sweep export d -o runs.tsv");
     GOOD("sweep export d --reduce -o points.tsv");
     checked runs = checked_read("runs.tsv");
+    char units[1024] = "1\t1\t1\t1\t1\t1"; /* run, status, base, eps, replica, pile */
+    for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++)
+        snprintf(units + strlen(units), sizeof units - strlen(units), "\t%s", *o->unit ? o->unit : "1");
+    strcat(units, "\ts");
+    const char *const found = rp_table_find_note(&runs.t, "units");
+    CU_ASSERT(found && strcmp(found, units) == 0);
     rp_table points = read_table("points.tsv");
     CU_ASSERT_FATAL(runs.t.n_rows == 12 && points.n_rows == 4);
     for (size_t row = 0; row < 12; row++) {
@@ -470,6 +476,10 @@ static void test_sweep(void)
         if (row % 5) continue; /* three of them */
         GOOD("run s.cfg --row %zu -o again", row);
         rp_table again = read_table("out");
+        const char *const own = rp_table_find_note(&again, "units");
+        const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");
+        CU_ASSERT(own && strlen(own) == length + 2 &&
+                  strncmp(own, units + 12, length) == 0); /* and the status */
         for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++) {
             at(&runs, row, o->name);
             CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs.t, row, o->name));
@@ -530,7 +540,8 @@ static void write_planted(void)
     write_text("claims.tsv",
                "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
                "answer\tagainst\tforensics\tstatement\tnote\n"
-               "angle\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\ta\t-\n");
+               "angle\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\ta\t-\n"
+               "again\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\tb\t-\n");
 }
 
 static int way_of(const char *name)
@@ -599,22 +610,21 @@ static void test_forensics(void)
     rp_table_free(&all);
     GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --report effects");
     rp_table effects = read_table("out");
-    CU_ASSERT_FATAL(effects.n_rows == 2 + WAYS - 1);
-    for (size_t row = 0; row < effects.n_rows; row++) {
+    CU_ASSERT_FATAL(effects.n_rows == 2 * (2 + WAYS - 1));
+    for (size_t i = 0; i < effects.n_rows; i++) {
+        const size_t row = i % (2 + WAYS - 1);
         const double effect = row == 0 ? -2.0 : row == 1 ? 0.5 : planted_angle(0, 0, (int)row - 1) - 20.0;
-        CHECK_NEAR(cell(&effects, row, "effect_deg"), effect, 1e-9);
-        CHECK_NEAR(cell(&effects, row, "lower_deg"), effect, 1e-9); /* every pile has it */
-        CHECK_NEAR(cell(&effects, row, "upper_deg"), effect, 1e-9);
-        CHECK_NEAR(cell(&effects, row, "effect_se_deg"), 0.0, 1e-9);
-        CHECK_NEAR(cell(&effects, row, "residual_sd_deg"), 0.0, 1e-9);
-        CHECK_NEAR(cell(&effects, row, "n"), 4.0, 0.0);
-        CU_ASSERT_STRING_EQUAL(word(&effects, row, "claim"), "angle");
-        CU_ASSERT_STRING_EQUAL(word(&effects, row, "level"), row == 0   ? "new"
-                                                             : row == 1 ? "2e6"
-                                                                        : ways[row - 1]);
-        CU_ASSERT_STRING_EQUAL(word(&effects, row, "reference"), row == 0   ? "old"
-                                                                 : row == 1 ? "1e6"
-                                                                            : ways[0]);
+        CHECK_NEAR(cell(&effects, i, "effect_deg"), effect, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "lower_deg"), effect, 1e-9); /* every pile has it */
+        CHECK_NEAR(cell(&effects, i, "upper_deg"), effect, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "effect_se_deg"), 0.0, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "residual_sd_deg"), 0.0, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "n"), 4.0, 0.0);
+        CU_ASSERT_STRING_EQUAL(word(&effects, i, "claim"), i == row ? "angle" : "again");
+        CU_ASSERT_STRING_EQUAL(word(&effects, i, "level"), row == 0   ? "new"
+                                                           : row == 1 ? "2e6"
+                                                                      : ways[row - 1]);
+        CU_ASSERT_STRING_EQUAL(word(&effects, i, "reference"), row == 0 ? "old" : row == 1 ? "1e6" : ways[0]);
     }
     rp_table_free(&effects);
     /* less than half of the runs with a result say nothing of a combination; half of them do */

@@ -160,9 +160,14 @@ static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
     rp_status status = grown ? close_table(&o->states, run) : RP_OK,
               closed = grown && o->energy.out ? close_table(&o->energy, run) : RP_OK;
     if (!status) status = closed;
-    if (!status && all) status = write_contacts(&o->tables, r->sim);
-    if (!status && all) status = write_walls(&o->tables, r->plan.n_walls, r->sim);
-    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished);
+    char folder[4096];
+    sweep_tables tables = o->tables;
+    snprintf(folder, sizeof folder, "%s/unfinished", tables.directory);
+    if (o->resumable) tables.directory = folder;
+    if (!status && all) status = write_contacts(&tables, r->sim);
+    if (!status && all) status = write_walls(&tables, r->plan.n_walls, r->sim);
+    static const char *const others[] = {"contacts.tsv", "walls.tsv", NULL};
+    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished, others);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }

@@ -2,6 +2,7 @@
 #include "cli/unfinished.h"
 
 #include <dirent.h>
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -175,23 +176,37 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
     return status;
 }
 
-rp_status cli_unfinished_finish(cli_unfinished *u)
+static rp_status move_table(const cli_unfinished *u, const char *name)
 {
     char from[PATH_MAX], to[PATH_MAX];
+    return rename(path_of(u, false, name, from), path_of(u, true, name, to)) == 0 ? RP_OK : failed(to);
+}
+
+/* The folder with what is left in it: the snapshot, and files of a process that was killed. */
+static void remove_folder(const cli_unfinished *u)
+{
+    char path[PATH_MAX];
+    DIR *files = opendir(path_of(u, false, "", path));
+    if (!files) return;
+    for (struct dirent *f; (f = readdir(files));)
+        if (*f->d_name != '.') unlinkat(dirfd(files), f->d_name, 0);
+    closedir(files);
+    rmdir(path);
+}
+
+rp_status cli_unfinished_finish(cli_unfinished *u, const char *const others[])
+{
+    char path[PATH_MAX];
     rp_status status = RP_OK;
     for (int k = 0; k < CLI_GROWING && !status; k++) {
         status = rp_table_finish(u->table[k].file, u->table[k].name);
         if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
     }
-    for (int k = 0; k < CLI_GROWING && !status; k++)
-        if (rename(path_of(u, false, u->table[k].name, from), path_of(u, true, u->table[k].name, to)) != 0)
-            status = failed(to);
-    if (!status) status = rp_sync_folder_of(to);
-    if (status) return status;
-    unlink(path_of(u, false, "snapshot", from));
-    unlink(path_of(u, false, "snapshot.new", from));
-    rmdir(path_of(u, false, "", from));
-    return RP_OK;
+    for (; *others && !status; others++) status = move_table(u, *others);
+    for (int k = 0; k < CLI_GROWING && !status; k++) status = move_table(u, u->table[k].name);
+    if (!status) status = rp_sync_folder_of(path_of(u, true, "any", path));
+    if (!status) remove_folder(u);
+    return status;
 }
 
 void cli_unfinished_close(cli_unfinished *u)

@@ -263,6 +263,46 @@ static void read_store(size_t n, const char text[])
     fclose(out);
 }
 
+/* ---- snapshots ---- */
+
+static rp_snapshot whole_state; /* of two grains, one of them fixed */
+
+static bool make_state(void)
+{
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    bool made = dem_scene_read("scene.cfg", NULL, &scene) == RP_OK &&
+                dem_scene_start(&scene, &sim) == RP_OK && dem_run(sim, 20) == RP_OK;
+    if (made) dem_keep(&whole_state, &sim);
+    dem_free(sim);
+    dem_scene_free(&scene);
+    return made && !whole_state.status;
+}
+
+/* The input as a file; then a good state with bytes changed, as in read_store, which no checksum guards. What
+ * is taken for a state must run to some end. The numbers that memory is allocated for stay. */
+static void read_snapshot(size_t n, const char text[])
+{
+    static const size_t fixed[] = {offsetof(dem_sim, grains.capacity), offsetof(dem_sim, grains.last_id)};
+    rp_snapshot s;
+    dem_sim *sim = NULL;
+    (void)!rp_snapshot_read(&s, "snapshot", "fuzz", dem_keep_layout());
+    rp_snapshot_free(&s);
+    s = (rp_snapshot){
+        .reading = true, .path = "snapshot", .bytes = malloc(whole_state.n), .n = whole_state.n};
+    memcpy(s.bytes, whole_state.bytes, s.n);
+    for (size_t i = 0; i + 2 < n; i += 3) {
+        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
+        if (place < s.n) s.bytes[place] = (unsigned char)text[i + 2];
+    }
+    for (int k = 0; k < 2; k++) memcpy(s.bytes + fixed[k], whole_state.bytes + fixed[k], sizeof(size_t));
+    dem_keep(&s, &sim);
+    demand((sim != NULL) == (s.status == RP_OK), "a simulation without a state");
+    if (sim) (void)!dem_run(sim, 3);
+    dem_free(sim);
+    rp_snapshot_free(&s);
+}
+
 /* ---- the command line ---- */
 
 static bool has(const char *text, const char *part)
@@ -334,6 +374,7 @@ const fuzz_target fuzz_targets[] = {
     {"sweep", {"s.cfg", NULL}, NULL, NULL, read_sweep, false},
     {"snapshot", {"s.snapshot", NULL}, NULL, NULL, read_snapshot, true},
     {"store", {"store.txt", NULL}, NULL, NULL, read_store, false},
+    {"snapshot", {"snapshot", NULL}, NULL, NULL, read_snapshot, false},
     {"line", {"line.txt", NULL}, NULL, NULL, read_line, true},
     TABLES("claims", "claims --variants --claims c.tsv --tables .", "c.tsv", "many.tsv", table_text),
     TABLES("report", "report in.md --claims c.tsv --tables .", "in.md", "many.tsv", table_text),
@@ -384,7 +425,7 @@ bool fuzz_enter(void)
         plain[i].fingerprint = mark;
         listed[i] = &plain[i];
     }
-    return make_files() && make_store();
+    return make_files() && make_store() && make_state();
 }
 
 void fuzz_leave(void)
