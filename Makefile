@@ -9,15 +9,15 @@ JOBS    ?= $(shell nproc)
 CC      := gcc
 CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes \
            -Wmissing-prototypes -Wconversion -Werror=switch-enum -Wno-sign-conversion \
-           -Wno-missing-field-initializers $(WERROR) $(SAN)
-CPPFLAGS := -D_GNU_SOURCE -Isrc -I.
+           -Wno-missing-field-initializers $(if $(SAN),,-fstack-protector-strong -fPIE) $(WERROR) $(SAN)
+CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
             librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core clang-format
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
-LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm
+LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
@@ -34,7 +34,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -42,14 +42,7 @@ help: ## this list
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
 
 setup: ## install the Debian packages that are missing
-	@missing=; for p in $(PACKAGES); do \
-	  dpkg-query -W -f '$${Status}\n' $$p 2>/dev/null | grep -q 'install ok installed' || missing="$$missing $$p"; done; \
-	if [ -n "$$missing" ]; then \
-	  if [ "$$(id -u)" = 0 ]; then sudo=; elif command -v sudo >/dev/null; then sudo=sudo; else \
-	    echo "setup: as root, run: apt-get install$$missing" >&2; exit 1; fi; \
-	  echo "setup: installing$$missing"; \
-	  $$sudo apt-get update -q >/dev/null && \
-	  $$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $$missing >/dev/null; fi
+	@sh tests/setup.sh $(PACKAGES)
 
 # ---- The program and its tests
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
@@ -64,7 +57,7 @@ $(B)/commit: FORCE
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
-	'-DRP_FLAGS="$(filter -std=% -O% -f%,$(CFLAGS))"'
+	'-DRP_FLAGS="$(filter -std=% -O% -f% -m%,$(CFLAGS))"'
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
@@ -82,6 +75,8 @@ $(B)/check: $(CHECK) $(LIBRARY)
 
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
+analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
+	@sh tests/analyze.sh $(B) $(JOBS)
 
 drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)

@@ -34,6 +34,12 @@ for figure in figures/*/*.gp; do
         case $listed in *" $table "*) ;; *) echo "lint: $figure reads $table, which is not among its # tables:" && bad=1 ;; esac
     done
 done
+# A build whose arithmetic has other bits is refused.
+for flag in -ffast-math $([ "$(uname -m)" != x86_64 ] || echo -mfma); do
+    ${CC:-gcc} "$flag" -Isrc -fsyntax-only src/core/version.c 2>&1 | grep -q 'changes the bits' || {
+        echo "lint: a build with $flag is not refused" && bad=1
+    }
+done
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
 else

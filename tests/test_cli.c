@@ -91,6 +91,17 @@ static void check_help(const char *command)
     free(text);
 }
 
+/* Addresses at random, tables of the linker read-only. */
+static void test_hardened(void)
+{
+    static const char *const marks[] = {"DYN (Position-Independent", "GNU_RELRO", "BIND_NOW"};
+    if (check_fast()) return; /* sanitizers have flags of their own */
+    enter();
+    CU_ASSERT_EQUAL(shell("readelf -hldW \"$REPOSE\" >out 2>err"), 0);
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) CU_ASSERT_PTR_NOT_NULL(strstr(out, marks[i]));
+    leave();
+}
+
 static void test_help(void)
 {
     static const char *const commands[] = {
@@ -1529,7 +1540,8 @@ static void test_run_stopped(void)
 
 void suite_cli(void)
 {
-    static const check_case cases[] = {{"help of every command", test_help},
+    static const check_case cases[] = {{"hardened", test_hardened},
+                                       {"help of every command", test_help},
                                        {"params", test_params},
                                        {"wrong usage: 64", test_wrong_usage},
                                        {"bad values: 65", test_bad_values},

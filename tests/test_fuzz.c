@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/random.h"
+#include "dem/scene.h"
 #include "tests/check.h"
 #include "tests/fuzz/targets.h"
 
@@ -63,8 +65,95 @@ static void every_target(void)
     }
 }
 
+/* ---- extreme scenes ---- */
+
+/* "key = value; " with a value near an end of what the parameter allows, or nothing. */
+static void write_key(FILE *out, gsl_rng *r, const rp_param *p)
+{
+    static const char *const reals[] = {"0.0", "5e-324", "1e-300", "1e-30", "1e-9",  "0.125",  "1.0", "2.385",
+                                        "1e9", "1e30",   "1e300",  "1e304", "-1e-9", "-1e300", "-1.0"};
+    static const char *const wholes[] = {"0", "1", "2", "8", "2147483647"};
+    _Alignas(max_align_t) char values[4096];
+    char words[256], *save, *chosen = NULL;
+    const char *number = p->type == RP_INT ? wholes[gsl_rng_uniform_int(r, sizeof wholes / sizeof *wholes)]
+                                           : reals[gsl_rng_uniform_int(r, sizeof reals / sizeof *reals)];
+    /* the damping that leaves next to no speed takes half a minute to find */
+    if (strcmp(p->name, "restitution") == 0) number = "0.125";
+    if ((p->type == RP_REAL || p->type == RP_INT) && rp_params_set_text(p, values, number) == RP_OK)
+        fprintf(out, "%s = %s; ", p->name, number);
+    if (p->type == RP_BOOL) fprintf(out, "%s = %s; ", p->name, gsl_rng_uniform_int(r, 2) ? "true" : "false");
+    if (p->type != RP_CHOICE) return;
+    snprintf(words, sizeof words, "%s", p->range);
+    size_t n = 0;
+    for (char *word = strtok_r(words, " |", &save); word; word = strtok_r(NULL, " |", &save))
+        if (gsl_rng_uniform_int(r, ++n) == 0) chosen = word;
+    fprintf(out, "%s = \"%s\"; ", p->name, chosen);
+}
+
+/* Some keys of the group, each with this chance. */
+static void write_keys(FILE *out, gsl_rng *r, const char *group, double chance)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        for (const rp_param *p = strcmp(g->name, group) ? NULL : g->schema; p && p->name; p++)
+            if (gsl_rng_uniform(r) < chance) write_key(out, r, p);
+}
+
+static void write_extreme(FILE *out, gsl_rng *r)
+{
+    static const char *const groups[] = {"normal", "tangential", "rolling", "ground", "hard", "implicit"};
+    write_keys(out, r, "scene", 0.1);
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
+        if (gsl_rng_uniform(r) > (i < 2 ? 0.5 : 0.1)) continue;
+        fprintf(out, "%s = { ", groups[i]);
+        write_keys(out, r, groups[i], i < 3 ? 0.3 : 0.9);
+        fputs("};\n", out);
+    }
+    fputs("walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; ", out);
+    write_keys(out, r, "walls", 0.05);
+    fputs("} );\nparticles = ( ", out);
+    for (int i = 0; i < 4; i++) {
+        fprintf(out, "%s{ x = %g; y = 0.099; r = 0.1; ", i ? ",\n" : "", 0.199 * i);
+        if (i == 3) write_keys(out, r, "particles", 0.1);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+/* Refused, ended with a reason, or run; never a crash, and what has run has finite numbers. */
+static void extreme_scenes(void)
+{
+    enum { SCENES = 300, LEAST_RUN = 60 };
+    int n_run = 0, n_bad = 0;
+    for (unsigned long i = 0; i < SCENES; i++) {
+        char path[] = "/tmp/repose_extreme_XXXXXX", text[8192] = "";
+        FILE *out = fdopen(mkstemp(path), "w");
+        gsl_rng *r = rp_random_alloc(18, i, RP_PURPOSE_TEST);
+        write_extreme(out, r);
+        gsl_rng_free(r);
+        fclose(out);
+        dem_scene scene;
+        dem_sim *sim = NULL;
+        rp_status status = dem_scene_read(path, NULL, &scene);
+        scene.def.implicit.max_iterations = 20;
+        if (!status) status = dem_scene_start(&scene, &sim);
+        if (!status) status = dem_run(sim, 20);
+        out = fmemopen(text, sizeof text, "w");
+        if (!status) status = dem_write_states(sim, out);
+        fclose(out);
+        n_run += !status;
+        if (!status && (strstr(text, "nan") || strstr(text, "inf")))
+            n_bad++, fprintf(stderr, "scene %lu: %s\n", i, text);
+        dem_free(sim);
+        dem_scene_free(&scene);
+        unlink(path);
+    }
+    CU_ASSERT(n_run >= LEAST_RUN && n_bad == 0);
+    if (n_run < LEAST_RUN) fprintf(stderr, "%d of %d scenes ran\n", n_run, SCENES);
+}
+
 void suite_fuzz(void)
 {
-    static const check_case cases[] = {{"corpus of every target", every_target}, {NULL, NULL}};
+    static const check_case cases[] = {
+        {"corpus of every target", every_target}, {"extreme scenes", extreme_scenes}, {NULL, NULL}};
     check_register("fuzz", cases);
 }

@@ -255,7 +255,7 @@ void rp_table_free(rp_table *table)
 
 int rp_table_column(const rp_table *table, const char *name)
 {
-    for (size_t i = 0; i < table->n_columns; i++)
+    for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */
         if (table->names[i] ? strcmp(table->names[i], name) == 0 : (size_t)atol(name) == i + 1) return (int)i;
     return -1;
 }

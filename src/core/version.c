@@ -1,6 +1,13 @@
 /* Provenance of this build. RP_COMMIT and RP_FLAGS come from the Makefile. */
 #include "core/version.h"
 
+/* gcc 12 fuses some products and sums even with -ffp-contract=off. Then results have other bits, and the keys
+ * of stored runs do not say so; the kernels use wide instructions without these flags. */
+#if defined __FMA__ || defined __FMA4__ || defined __FAST_MATH__ || __FLT_EVAL_METHOD__ != 0
+#error                                                                                                       \
+    "fused or inexact arithmetic changes the bits of results: build without -march=native, -mfma, -ffast-math, -m32"
+#endif
+
 #include <gsl/gsl_version.h>
 #include <libconfig.h>
 #include <sqlite3.h>

@@ -246,14 +246,14 @@ static bool is_axis(const sweep_plan *plan, const rp_param *param)
 static void append_json(const rp_param *param, const void *values, char *buffer, size_t size)
 {
     char text[256];
-    size_t used = strlen(buffer);
+    const size_t used = strlen(buffer);
     rp_params_text(param, values, text, sizeof text);
     const bool number =
         (param->type == RP_REAL || param->type == RP_INT) && strspn(text, "+-.0123456789e") == strlen(text);
     for (char *c = text; *c; c++)
         if (*c == '"' || *c == '\\' || *c < ' ') *c = '_'; /* in file names only */
-    used += (size_t)snprintf(buffer + used, size - used, number ? "%s\"%s\":%s" : "%s\"%s\":\"%s\"",
-                             used > 1 ? "," : "", param->name, text);
+    snprintf(buffer + used, size - used, number ? "%s\"%s\":%s" : "%s\"%s\":\"%s\"", used > 1 ? "," : "",
+             param->name, text);
 }
 
 static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)

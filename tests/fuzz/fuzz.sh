@@ -1,19 +1,19 @@
 #!/bin/sh
 # Fuzzing of every reader by libFuzzer, under the address and undefined-behaviour sanitizers. Arguments: the build folder,
 # seconds for each target or, with "runs=N", runs, the number of processes at a time, and targets (none: all). What is found
-# stays in BUILD/fuzz/found; new inputs in BUILD/fuzz/NAME. Needs Debian's clang and libclang-rt-14-dev (apt-get install clang).
+# stays in BUILD/fuzz/found; new inputs in BUILD/fuzz/NAME. Installs clang if it is missing.
 mkdir -p "$1"
-build=$(cd "$1" && pwd) effort=$2 jobs=$3
+given=$1 build=$(cd "$1" && pwd) effort=$2 jobs=$3
 shift 3
-command -v clang >/dev/null || { echo "fuzz: no clang: apt-get install clang" >&2; exit 1; }
+sh tests/setup.sh clang libclang-rt-14-dev || exit 1
 case $effort in runs=*) limit="-runs=${effort#runs=}" ;; *) limit="-max_total_time=$effort" ;; esac
 mkdir -p "$build/fuzz/found"
-make --no-print-directory -j"$jobs" CC=clang B="$build/fuzz/obj" CHECK='$(FUZZ)' \
-    SAN='-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -g -O1 -w' "$build/fuzz/obj/check" || exit 1
+make --no-print-directory -j"$jobs" CC=clang B="$given/fuzz/obj" CHECK='$(FUZZ)' \
+    SAN='-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -g -O1 -w' "$given/fuzz/obj/check" || exit 1
 [ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
 printf '%s\n' "$@" | ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
     xargs -P "$jobs" -I{} sh -c 'mkdir -p "$1/fuzz/{}"
-        FUZZ={} "$1/fuzz/obj/check" "$2" -max_len=4096 -len_control=20 -timeout=20 -rss_limit_mb=4000 -close_fd_mask=3 -print_final_stats=1 \
+        FUZZ={} "$1/fuzz/obj/check" "$2" -max_len=4096 -len_control=20 -timeout=60 -rss_limit_mb=4000 -detect_leaks=0 -close_fd_mask=3 -print_final_stats=1 \
             -artifact_prefix="$1/fuzz/found/{}-" "$1/fuzz/{}" "$3/{}" >"$1/fuzz/{}.log" 2>&1
         status=$?
         runs=$(sed -n "s/^stat::number_of_executed_units: *//p" "$1/fuzz/{}.log")

@@ -99,6 +99,15 @@ static void read_set(size_t n, const char text[])
     free(change);
 }
 
+/* Change bytes of a state: three numbers each, place (two bytes) and byte. */
+static void change_bytes(size_t size, char bytes[], size_t n, const char text[])
+{
+    for (size_t i = 0; i + 2 < n && i < 60; i += 3) {
+        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
+        if (place < size) bytes[place] = text[i + 2];
+    }
+}
+
 /* A value of any parameter: what is accepted is written, and reads back as the same. The first bytes choose.
  */
 static void read_param(size_t n, const char text[])
@@ -217,13 +226,8 @@ static void read_store(size_t n, const char text[])
     size_t size = store_size, rows;
     sweep_counts counts;
     memcpy(bytes, whole_store, size);
-    for (size_t i = 0; i + 2 < n && i < 60; i += 3) {
-        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
-        if (place < store_size)
-            bytes[place] = text[i + 2];
-        else if (i == 0)
-            size = (size_t)(unsigned char)text[2] * 256;
-    }
+    change_bytes(size, bytes, n, text);
+    if (n > 2 && text[0] == '\xff') size = (size_t)(unsigned char)text[2] * 256;
     unlink("d/store.sqlite-journal");
     put("d/store.sqlite", size < store_size ? size : store_size, bytes);
     FILE *out = fopen("/dev/null", "w");
@@ -262,10 +266,7 @@ static void read_snapshot(size_t n, const char text[])
     s = (rp_snapshot){
         .reading = true, .path = "snapshot", .bytes = malloc(whole_state.n), .n = whole_state.n};
     memcpy(s.bytes, whole_state.bytes, s.n);
-    for (size_t i = 0; i + 2 < n; i += 3) {
-        const size_t place = (unsigned char)text[i] * 256u + (unsigned char)text[i + 1];
-        if (place < s.n) s.bytes[place] = (unsigned char)text[i + 2];
-    }
+    change_bytes(s.n, (char *)s.bytes, n, text);
     for (int k = 0; k < 2; k++) memcpy(s.bytes + fixed[k], whole_state.bytes + fixed[k], sizeof(size_t));
     dem_keep(&s, &sim);
     demand((sim != NULL) == (s.status == RP_OK), "a simulation without a state");
@@ -375,7 +376,7 @@ const fuzz_target fuzz_targets[] = {
 static bool make_files(void)
 {
     put_text("scene.cfg", scene_text);
-    put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2;\n");
+    put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2; normal = { gamma_n = 0.0; };\n");
     put_text("sweep.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 3; };\n");
     put_text("t.tsv", table_text);
     put_text("many.tsv", table_text);
