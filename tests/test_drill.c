@@ -528,7 +528,7 @@ static void test_shards(void)
     static const int parts[] = {1, 3, 8};
     enter();
     for (int k = 0; k < 3; k++) {
-        char paths[8][128], *list[8];
+        char paths[8][160], *list[8];
         sweep_counts c;
         sweep_merged merged;
         for (int i = 0; i < parts[k]; i++) {

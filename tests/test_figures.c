@@ -339,8 +339,8 @@ static bool draw(const char *figure)
     char command[4096], tables[1024] = "";
     for (size_t i = 0; i < n_fixtures; i++) {
         write_fixture(&fixtures[i]);
-        snprintf(tables + strlen(tables), sizeof tables - strlen(tables), "%s%s", i ? " " : "",
-                 fixtures[i].name);
+        strncat(tables, i ? " " : "", sizeof tables - strlen(tables) - 1);
+        strncat(tables, fixtures[i].name, sizeof tables - strlen(tables) - 1);
     }
     char path[256];
     path_of("", path);
