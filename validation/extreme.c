@@ -958,7 +958,7 @@ static void box_shapes(void)
         const int status = program(
             "sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; printf \"%%s\" \"$1\" >$d/box.cfg; "
             "\"$0\" run $d/box.cfg --row 0 -o $d/out 2>&1' \"$REPOSE\" 'protocol = \"repose\"; "
-            "replicas = 1; "
+            "replicas = 1; piles = \"shared\"; "
             "seed = 5; fixed = { W = %.6f; H = %.6f; dt = %.9f; %s %s }; grid = { mu = [0.2]; };'",
             boxes[i].W, boxes[i].H, boxes[i].dt, count, boxes[i].more);
         if (boxes[i].word) {
