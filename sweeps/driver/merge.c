@@ -47,13 +47,19 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
     return status ? status : read;
 }
 
+/* The columns of a row as a list for SQL; sqlite3_free it. */
+static char *column_names(sweep_store *s, const sweep_protocol *protocol)
+{
+    sqlite3_str *names = sqlite3_str_new(s->db);
+    sweep_store_columns(names, protocol);
+    return sqlite3_str_finish(names);
+}
+
 /* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word.
  */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
-    sqlite3_str *columns = sqlite3_str_new(s->db);
-    sweep_store_columns(columns, plan->protocol);
-    char *names = sqlite3_str_finish(columns);
+    char *names = column_names(s, plan->protocol);
     if (!names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
     rp_status status =
         sweep_sql(s, "unite the stores",
@@ -128,9 +134,7 @@ rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, ch
     rp_status status = sweep_store_unite(s, plan, n, paths, true, found);
     if (!status)
         status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before);
-    sqlite3_str *columns = sqlite3_str_new(s->db);
-    sweep_store_columns(columns, plan->protocol);
-    char *names = sqlite3_str_finish(columns);
+    char *names = column_names(s, plan->protocol);
     if (!status)
         status =
             sweep_sql(s, "merge the stores",
