@@ -2,9 +2,9 @@
 # Do the tests see a changed sign, factor, index or comparison? Each mutant that mutants.c lists is compiled in a
 # copy of the tree, and the suites nearest to its file run until one fails; running for ever is a failure too.
 #
-#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS    from the top of the tree; writes
-#                                                  BUILD/tables/mutate.tsv, a row a mutant, and
-#                                                  mutate_summary.tsv, a row a file
+#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS SEED    from the top of the tree; writes
+#                                                       BUILD/tables/mutate.tsv, a row a mutant, and
+#                                                       mutate_summary.tsv, a row a file
 #
 # Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
 # less than 95 %. Status 2: a line of that file is no mutant, or the tests fail without one.
@@ -60,7 +60,7 @@ suites_of() {
 try() {
     (
         cd "$1"
-        make -s build/check build/repose SAN="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
+        make -s build/check build/repose WERROR="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
@@ -90,19 +90,19 @@ if [ "${3-}" = one ]; then
     exit
 fi
 
-build=$1 number=$2 jobs=$3
+build=$1 number=$2 jobs=$3 seed=$4
 work=$build/mutate
 # a run of the same code that was stopped goes on
-sum=$(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)
+sum="$seed $(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)"
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree" "$build/tables"
     cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
 fi
 ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
-"$build/mutants" validation/mutants.txt $files >"$work/list"
+"$build/mutants" validation/mutants.txt "$seed" $files >"$work/list"
 
-make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN="$flags" >/dev/null 2>&1
+make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
 outcome=$(try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
 [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
 echo "$sum" >"$work/sum"
