@@ -1448,6 +1448,16 @@ static void test_limits(void)
     CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
     CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
     FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    for (int reduce = 0; reduce < 2; reduce++) {
+        GOOD("sweep export d%s", reduce ? " --reduce" : "");
+        CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
+    }
+    rp_table points = read_table("out");
+    for (size_t k = 0; k < 2; k++) {
+        CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
+        CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
+    }
+    rp_table_free(&points);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "1 time_limit"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
     CU_ASSERT(shell("! ls t | grep -q .") == 0);
