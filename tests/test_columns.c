@@ -818,7 +818,7 @@ static void test_bench(void)
     enum { STEPS = 300000 };
     enter();
     write_text("start.tsv", "# y\tx\tr\n0.1\t0.1\t0.1\n0.1\t0.3\t0.1\n0.274\t0.2\t0.1\n");
-    GOOD("bench --start start.tsv --steps %d --repeat 3 --width 0.41", STEPS);
+    GOOD("bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
     checked c = checked_read("out");
     CU_ASSERT_FATAL(c.t.n_rows == 1);
     dem_definition def = dem_definition_default();
@@ -851,9 +851,11 @@ static void test_bench(void)
     CHECK_NEAR(at(&c, 0, "bound") * (contacts + integration), median, 1e-14 * median);
     CU_ASSERT(best >= median && median > 0.0);
     /* the best run was no shorter than the whole took */
-    CU_ASSERT(at(&c, 0, "seconds") >= 3.0 * STEPS / (1e6 * best));
-    CU_ASSERT(at(&c, 0, "bytes") * 3.0 > 3.0 * sizeof(dem_state) && at(&c, 0, "bytes") * 3.0 < 1e6);
-    CU_ASSERT(at(&c, 0, "peak_bytes") >= 0.0 && at(&c, 0, "peak_bytes") * 3.0 < 1e8);
+    CU_ASSERT(at(&c, 0, "seconds") >= 3.0 * STEPS / (1e6 * best) - 0.01); /* tick of a coarse clock */
+    const double bytes = at(&c, 0, "bytes"), peak = at(&c, 0, "peak_bytes");
+    /* of the sanitizers' memory the library knows nothing */
+    CU_ASSERT(check_fast() || (3.0 * bytes > 3.0 * sizeof(dem_state) && 3.0 * bytes < 1e6));
+    CU_ASSERT(peak >= 0.0 && 3.0 * peak < 1e8);
     checked_end(&c);
     leave();
 }
@@ -1009,7 +1011,7 @@ static void check_base(checked *o, const rp_table *grains, const rp_table *conta
             left[b] += N[k] * fmin(fmax(0.5 + 0.5 * (line - x[k]) / r[k], 0.0), 1.0);
     }
     for (int b = 0; b < 20; b++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "n_%02d", b + 1);
         pressure[b] = 20.0 * (left[b + 1] - left[b]) / (left[20] - left[0]);
         CHECK_NEAR(at(o, 0, name), pressure[b], 1e-11);
