@@ -102,7 +102,7 @@ rp_status cli_claims_read(const char *path, cli_claims *claims)
 #undef X
     int column;
     *claims = (cli_claims){0};
-    rp_status status = cli_texts_read(path, &claims->table);
+    rp_status status = cli_texts_read(cli_data(path), &claims->table);
     for (size_t k = 0; k < N_OF(columns) && !status; k++)
         status = cli_find_column(claims->table, columns[k], &column);
     claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
