@@ -9,6 +9,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 typedef enum {
     RP_REAL,   /* double */
     RP_INT,    /* long */
@@ -80,5 +82,7 @@ XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b);
 
 /* 32 hexadecimal digits and NUL. */
 void rp_hash_digits(XXH128_hash_t hash, char digits[33]);
+
+RP_C_END
 
 #endif

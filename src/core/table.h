@@ -9,6 +9,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 /* Header lines: program, version, commit, compiler, libraries, and the command (may be NULL). */
 void rp_table_provenance(FILE *out, const char *command);
 
@@ -86,5 +88,7 @@ rp_status rp_table_where(rp_table *table, const char *condition);
 /* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
  * line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);
+
+RP_C_END
 
 #endif
