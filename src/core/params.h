@@ -66,6 +66,11 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
  * Errors: RP_BAD_INPUT. */
 rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
 
+/* The shortest decimal form of at least `digits` significant digits that reads back to the same bits, or
+ * "nan". Numbers of up to `digits` digits before the point have no exponent. At most 24 bytes; returns
+ * `buffer`. */
+const char *rp_number_text(double v, int digits, char *buffer, size_t size);
+
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
