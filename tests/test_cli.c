@@ -117,7 +117,9 @@ static void test_help(void)
         check_help(commands[i]);
     }
     GOOD("angle slope --help");
-    CU_ASSERT(strstr(out, "width W of the box, from x = 0, cm; (0, inf) (required)") != NULL);
+    CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);
+    GOOD("stress base --help");
+    CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
     GOOD("--version");
     CU_ASSERT(strncmp(out, "repose ", 7) == 0);
     CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
