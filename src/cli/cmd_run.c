@@ -132,14 +132,19 @@ static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
 
 static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const dem_sim *sim)
 {
-    double forces[2 * DEM_MAX_WALLS];
+    double *forces = malloc(2 * (n_walls + 1) * sizeof *forces);
+    if (!forces) return rp_fail(RP_NO_MEMORY, "walls: out of memory");
     sweep_file file;
     rp_status status = sweep_table_open(tables, "walls.tsv", &file);
-    if (status) return status;
+    if (status) {
+        free(forces);
+        return status;
+    }
     dem_wall_forces(sim, forces);
     rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
     for (size_t w = 0; w < n_walls; w++)
         rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
+    free(forces);
     return sweep_table_close(&file, RP_OK);
 }
 
@@ -176,7 +181,10 @@ static growth growth_of(const dem_scene *scene, const dem_sim *sim)
 {
     bool driven =
         scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
-    for (size_t w = 0; w < scene->def.n_walls; w++) driven |= scene->def.walls[w].open_at_step >= 0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
     return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
 }
 
