@@ -37,6 +37,7 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_drill)                                                                                           \
+    X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \

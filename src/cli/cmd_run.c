@@ -166,8 +166,7 @@ static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
     if (o->resumable) tables.directory = folder;
     if (!status && all) status = write_contacts(&tables, r->sim);
     if (!status && all) status = write_walls(&tables, r->plan.n_walls, r->sim);
-    static const char *const others[] = {"contacts.tsv", "walls.tsv", NULL};
-    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished, others);
+    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -393,7 +392,10 @@ static rp_status resume(const run_options *o)
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
     cli_on_stop(note_stop);
-    rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
+    bool done;
+    rp_status status =
+        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    if (!status && done) return RP_OK;
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
         cli_unfinished_close(&out.unfinished);

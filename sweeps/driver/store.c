@@ -119,8 +119,9 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
     if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
     sqlite3_busy_handler(s->db, wait_for_others, NULL);
     rp_status status = check_format(s);
+    /* EXTRA: the removal of a rollback journal, which is the commit, reaches the disk too */
     if (!status && s->writes)
-        status = sweep_sql(s, "write the store", "PRAGMA journal_mode = %s; PRAGMA synchronous = FULL",
+        status = sweep_sql(s, "write the store", "PRAGMA journal_mode = %s; PRAGMA synchronous = EXTRA",
                            is_shared(path) ? "DELETE" : "WAL");
     return status;
 }
