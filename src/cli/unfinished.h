@@ -34,9 +34,9 @@ typedef void cli_keep(rp_snapshot *s, void *context);
 rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING]);
 
-/* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the run
- * was whole, its result is now in DIR, and nothing is left to do. Errors: also RP_BAD_INPUT for a snapshot or
- * a table that does not fit. */
+/* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the
+ * run was whole, its result is now in DIR, and nothing is left to do. Errors: also RP_BAD_INPUT for a
+ * snapshot or a table that does not fit. */
 rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
                                 const char *const names[CLI_GROWING], cli_keep *keep, void *context,
                                 bool *done);
