@@ -282,7 +282,8 @@ rp_status cli_stage_open(const char *directory, char stage[4096])
     if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
     bool moved;
-    rp_status status = complete_move(directory, &moved);
+    rp_status status = rp_make_directory(directory);
+    if (!status) status = complete_move(directory, &moved);
     if (!status) status = rp_make_directory(stage);
     if (!status) status = take_lock(directory, stage, &stage_lock);
     if (!status) status = check_vacant(directory);
