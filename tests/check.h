@@ -40,6 +40,7 @@
     X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
+    X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
