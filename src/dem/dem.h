@@ -17,6 +17,8 @@
 #include "dem/laws.h"
 #include "dem/physics.h"
 
+RP_C_BEGIN
+
 /* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
     X(DEM_VERLET, verlet)                                                                                    \
@@ -310,6 +312,14 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
+/* A wall as it is now, in the laboratory frame: the line through `point` with the unit normal `direction`,
+ * between two ends along the direction turned clockwise, from the point; an infinite end has none. Nothing of
+ * an open wall is left where both ends are equal. */
+typedef struct {
+    double point[2], direction[2], ends[2], force[2];
+} dem_wall_state;
+dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);
+
 /* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that
  * turns. */
 typedef struct {
@@ -359,5 +369,7 @@ rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double 
  */
 rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
                          double restitution, double *gamma_n);
+
+RP_C_END
 
 #endif
