@@ -42,7 +42,7 @@
     say(verdicts().join() === sorted.join(), "sort up");
     button.click();
     say(verdicts().join() === sorted.reverse().join(), "sort down");
-    const values = all("main table").find((t) => t.tHead.textContent.startsWith("mu"));
+    const values = all("main table").find((t) => t.tHead.textContent.trim().startsWith("mu"));
     values.closest("details").open = true;
     values.tHead.querySelectorAll("button")[0].click();
     values.tHead.querySelectorAll("button")[0].click();

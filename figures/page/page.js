@@ -105,7 +105,7 @@
       c.beginPath(); c.moveTo(px(x), py(y)); c.lineTo(px(at(frame, b)[0]), py(at(frame, b)[1])); c.stroke();
     }
     const ms = (frame.step - run.opens) * run.dt * 1000;
-    byId("time").textContent = `${ms.toFixed(0)} ms`;
+    byId("time").textContent = `${Math.round(ms) || 0} ms`;
     describe(frame);
   }
 
