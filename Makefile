@@ -13,7 +13,7 @@ CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedant
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
-PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
+PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
             librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core pngquant clang-format
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash
@@ -53,7 +53,7 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 
 # The commit is part of every table's provenance: rebuild that one file when it changes.
 $(B)/commit: FORCE
-	@mkdir -p $(@D); c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always --dirty 2>/dev/null || echo unknown); \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
@@ -202,6 +202,7 @@ $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
+include install.mk
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made
 	rm -rf $(B)

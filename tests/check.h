@@ -37,8 +37,10 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_drill)                                                                                           \
+    X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
+    X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \

@@ -369,7 +369,10 @@ static rp_status resume(const run_options *o)
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
     cli_on_stop(note_stop);
-    rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
+    bool done;
+    rp_status status =
+        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    if (!status && done) return RP_OK;
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
         cli_unfinished_close(&out.unfinished);
@@ -390,6 +393,7 @@ static rp_status run_any(void *values)
     bool sweep;
     if (*o->resume) return resume(o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
+    path = cli_data(path);
     rp_status status = is_sweep(path, &sweep);
     if (!status && sweep && o->snapshot > 0)
         status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);
