@@ -989,10 +989,10 @@ static void test_report(void)
              "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
              "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
              "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
-    write_text("in.md", "{{claims plain}}\n{{scores lh}}\n");
+    write_text("in.md", "{{claims plain}}\n{{scores all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
-    CU_ASSERT(strstr(out, "| angle |  | angle | 20.10 ± 1 |  |  | no data |\n") != NULL);
+    CU_ASSERT(strstr(out, "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n") != NULL);
 #define BAD_PLACE(text, message)                                                                             \
     write_text("in.md", text);                                                                               \
     FAILS(65, message, "report in.md --tables . --claims claims.tsv")
@@ -1001,7 +1001,8 @@ static void test_report(void)
     BAD_PLACE("{{cell many k=7 w}}", "no column w");
     BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
     BAD_PLACE("{{rows many k=11 | v}}", "no row");
-    BAD_PLACE("{{claims nowhere}}", "no claim has this section");
+    BAD_PLACE("{{claims nowhere}}", "{{claims nowhere}}: no claim has this section");
+    BAD_PLACE("{{scores nowhere}}", "{{scores nowhere}}: no claim has this section");
     BAD_PLACE("{{verdict nobody}}", "no claim \"nobody\"");
     BAD_PLACE("{{frob t v}}", "unknown word");
     BAD_PLACE("{{include frob*}}", "no file frob*");
