@@ -18,13 +18,14 @@
 #define RUN_OPTIONS(X)                                                                                       \
     X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)")  \
+      "interval of the frames (of a sweep's run: energies) written; auto: the final frame (energies: 100)")  \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    CLI_FORCE(X)                                                                                             \
     X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
@@ -32,7 +33,6 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
     long steps, every, snapshot;
-    size_t n_walls;
     bool ledger;
     XXH128_hash_t scene;
     char command[4096];
@@ -57,15 +57,26 @@ typedef struct {
     dem_sim *sim;
 } scene_run;
 
+/* The header line that tells what a folder's tables are of. */
+static char run_note[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+
+static void provenance(FILE *out)
+{
+    cli_provenance(out);
+    rp_table_note(out, "run", "%s", run_note);
+}
+
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
     sweep_tables tables; /* no folder: standard output */
     bool resumable;      /* the growing tables are in `unfinished` */
-    sweep_file states, energy;
+    sweep_file file[CLI_GROWING];
     cli_unfinished unfinished;
 } outputs;
 
-static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv"};
+/* Every table gets rows of each frame. */
+enum { STATES, ENERGY, CONTACTS, WALLS };
+static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
 
 static uint64_t layout(void)
 {
@@ -82,8 +93,7 @@ static void keep_run(rp_snapshot *s, void *context)
 
 static void take_growing(outputs *o)
 {
-    o->states.out = o->unfinished.table[0].file;
-    o->energy.out = o->unfinished.table[1].file;
+    for (int k = 0; k < CLI_GROWING; k++) o->file[k].out = o->unfinished.table[k].file;
 }
 
 /* The growing tables, with the first lines of all tables. */
@@ -91,14 +101,14 @@ static rp_status open_growing(outputs *o)
 {
     rp_status status = rp_make_directory(o->tables.directory);
     if (!o->resumable) {
-        if (!status) status = sweep_table_open(&o->tables, growing[0], &o->states);
-        return status ? status : sweep_table_open(&o->tables, growing[1], &o->energy);
+        for (int k = 0; k < CLI_GROWING && !status; k++)
+            status = sweep_table_open(&o->tables, growing[k], &o->file[k]);
+        return status;
     }
     if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
     if (status) return status;
     take_growing(o);
-    cli_provenance(o->states.out);
-    cli_provenance(o->energy.out);
+    for (int k = 0; k < CLI_GROWING; k++) provenance(o->file[k].out);
     return RP_OK;
 }
 
@@ -107,67 +117,44 @@ static rp_status outputs_open(outputs *o, const scene_run *r)
     if (*o->tables.directory) {
         rp_status status = open_growing(o);
         if (status) return status;
-        dem_write_energy_columns(r->plan.ledger, o->energy.out);
+        dem_write_energy_columns(r->plan.ledger, o->file[ENERGY].out);
+        dem_write_contact_columns(o->file[CONTACTS].out);
+        dem_write_wall_columns(o->file[WALLS].out);
     } else {
-        o->states = (sweep_file){"-", stdout};
+        o->file[STATES] = (sweep_file){"-", stdout};
         cli_provenance(stdout);
     }
-    dem_write_notes(r->sim, o->states.out);
-    dem_write_state_columns(o->states.out);
+    dem_write_notes(r->sim, o->file[STATES].out);
+    dem_write_state_columns(o->file[STATES].out);
     return RP_OK;
 }
 
 static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy.out) dem_write_energy(sim, o->energy.out);
-    return dem_write_states(sim, o->states.out);
+    rp_status status = dem_write_states(sim, o->file[STATES].out);
+    if (status || !*o->tables.directory) return status;
+    dem_write_energy(sim, o->file[ENERGY].out);
+    status = dem_write_contacts(sim, o->file[CONTACTS].out);
+    return status ? status : dem_write_walls(sim, o->file[WALLS].out);
 }
 
-static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
+/* Unless the run is whole, its tables say so in their last line. No table stays after one that failed. */
+static rp_status close_table(const sweep_file *file, const char *unfinished, rp_status before)
 {
-    sweep_file file;
-    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
-    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
-}
-
-static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const dem_sim *sim)
-{
-    double forces[2 * DEM_MAX_WALLS];
-    sweep_file file;
-    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
-    if (status) return status;
-    dem_wall_forces(sim, forces);
-    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
-    for (size_t w = 0; w < n_walls; w++)
-        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return sweep_table_close(&file, RP_OK);
-}
-
-/* Unless the run is whole, its tables say so in their last line. */
-static rp_status close_table(const sweep_file *file, rp_status run)
-{
-    if (run) rp_table_note(file->out, "unfinished", "%s", rp_message());
-    return sweep_table_close(file, RP_OK);
+    if (unfinished) rp_table_note(file->out, "unfinished", "%s", unfinished);
+    const rp_status status = sweep_table_close(file, before);
+    return before ? before : status;
 }
 
 /* What was computed before a failure is kept, apart from what was there. */
-static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
+static rp_status outputs_close(outputs *o, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    const bool grown = o->states.out && !o->resumable,
-               all = *o->tables.directory && o->states.out && (!run || grown);
-    rp_status status = grown ? close_table(&o->states, run) : RP_OK,
-              closed = grown && o->energy.out ? close_table(&o->energy, run) : RP_OK;
-    if (!status) status = closed;
-    char folder[4096];
-    sweep_tables tables = o->tables;
-    snprintf(folder, sizeof folder, "%s/unfinished", tables.directory);
-    if (o->resumable) tables.directory = folder;
-    if (!status && all) status = write_contacts(&tables, r->sim);
-    if (!status && all) status = write_walls(&tables, r->plan.n_walls, r->sim);
-    static const char *const others[] = {"contacts.tsv", "walls.tsv", NULL};
-    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished, others);
+    rp_status status = RP_OK;
+    for (int k = 0; k < CLI_GROWING && !o->resumable; k++)
+        if (o->file[k].out) status = close_table(&o->file[k], run ? why : NULL, status);
+    if (!run && o->resumable) status = cli_unfinished_finish(&o->unfinished);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -176,7 +163,10 @@ static growth growth_of(const dem_scene *scene, const dem_sim *sim)
 {
     bool driven =
         scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
-    for (size_t w = 0; w < scene->def.n_walls; w++) driven |= scene->def.walls[w].open_at_step >= 0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
     return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
 }
 
@@ -265,13 +255,13 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 {
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
-    if (!status) growth_report(&r->energy, r->sim, out->states.out);
-    return outputs_close(out, r, status);
+    if (!status) growth_report(&r->energy, r->sim, out->file[STATES].out);
+    return outputs_close(out, status);
 }
 
 static rp_status run_scene(scene_run *r, const char *directory)
 {
-    outputs out = {.tables = {.directory = directory, .header = cli_provenance},
+    outputs out = {.tables = {.directory = directory, .header = provenance},
                    .resumable = r->plan.snapshot > 0};
     char stage[4096] = "";
     rp_status status = *directory && !out.resumable ? cli_stage_open(directory, stage) : RP_OK;
@@ -293,10 +283,12 @@ static rp_status run_row(const char *path, const run_options *o)
     const sweep_protocol *protocol;
     const double started = rp_clock();
     char stage[4096];
-    rp_status status = cli_stage_open(o->o, stage);
+    snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
+    rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
+    if (!status) status = cli_stage_open(o->o, stage);
     if (status) return status;
     cli_stage_stops(stage);
-    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
+    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, provenance, o->ledger};
     status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
@@ -326,16 +318,24 @@ static rp_status is_sweep(const char *path, bool *sweep)
     return status;
 }
 
-/* Of all that makes a scene, whatever the kernel. */
+/* Of all that makes a scene, whatever the kernel, the ledger and the number of steps. */
 static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 {
     char *text = NULL;
     size_t size = 0;
     dem_scene any = *scene;
     any.def.kernel = DEM_FAST;
+    any.def.n_grains = 0;
+    any.def.ledger = false;
+    any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
     dem_scene_write(&any, out);
+    for (size_t i = 0; i < scene->def.n_grains && !scene->has_fill; i++) {
+        const dem_grain *p = &scene->grains[i];
+        fwrite(p, offsetof(dem_grain, fixed), 1, out);
+        fputc(p->fixed, out);
+    }
     fclose(out);
     *hash = XXH3_128bits(text, size);
     free(text);
@@ -349,6 +349,17 @@ static rp_status read_scene(const char *path, const run_options *o, dem_scene *s
     return status;
 }
 
+/* A folder that this scene may write into. */
+static rp_status claim(const char *path, const run_plan *plan, const run_options *o)
+{
+    char key[33], frames[64] = "the last frame";
+    if (!*o->o) return RP_OK;
+    rp_hash_digits(plan->scene, key);
+    if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
+    snprintf(run_note, sizeof run_note, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
+    return cli_claim_run(o->o, run_note, o->force, replaces);
+}
+
 static rp_status run_file(const char *path, const run_options *o)
 {
     dem_scene scene;
@@ -356,15 +367,16 @@ static rp_status run_file(const char *path, const run_options *o)
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
-    if (!status && o->snapshot > 0) status = hash_scene(&scene, &r.plan.scene);
+    if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
-    r.plan.n_walls = scene.def.n_walls;
+    if (!status) status = claim(path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
     snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&r, o->o);
+    if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
@@ -377,8 +389,10 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
     XXH128_hash_t hash = {0};
     rp_status status = read_scene(path, o, &scene);
     if (!status) status = hash_scene(&scene, &hash);
+    const bool same =
+        XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps && scene.def.ledger == plan->ledger;
     dem_scene_free(&scene);
-    if (status || XXH128_isEqual(hash, plan->scene)) return status;
+    if (status || same) return status;
     return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
 }
 
@@ -387,19 +401,24 @@ static rp_status resume(const run_options *o)
     const char *scene = cli_argument(0);
     scene_run r = {.sim = NULL};
     outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
-    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot"))
-        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row and "
-                                 "--snapshot do not go with it");
+    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
+        cli_given("force"))
+        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
+                                 "--snapshot and --force do not go with it");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
     cli_on_stop(note_stop);
-    rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
+    bool done;
+    rp_status status =
+        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    if (!status && done) return RP_OK;
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
         cli_unfinished_close(&out.unfinished);
         dem_free(r.sim);
         return status;
     }
+    printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     cli_command_line_set(r.plan.command);
     status = finish_scene(&r, &out, RP_OK);
@@ -414,6 +433,7 @@ static rp_status run_any(void *values)
     bool sweep;
     if (*o->resume) return resume(o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
+    path = cli_data(path);
     rp_status status = is_sweep(path, &sweep);
     if (!status && sweep && o->snapshot > 0)
         status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);
@@ -423,13 +443,17 @@ static rp_status run_any(void *values)
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N]] | [SCENE.cfg] --resume "
-    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] | [SCENE.cfg] "
+    "--resume "
+    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR [--force]",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
-    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
-    "lists the keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
-    "only a whole result replaces the one in DIR.\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
+    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
+    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
+    "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
+    "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
+    "--force writes over those of the same names.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT,\n"

@@ -1,4 +1,5 @@
 /* The parameter schema; see params.h. */
+#define XXH_INLINE_ALL /* so that a program without sweeps needs no library for it */
 #include "core/params.h"
 
 #include <errno.h>
@@ -209,6 +210,19 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
     return rp_params_set(param, values, &v);
 }
 
+const char *rp_number_text(double v, int digits, char *buffer, size_t size)
+{
+    if (isnan(v)) { /* printf writes "-nan" for some */
+        snprintf(buffer, size, "nan");
+        return buffer;
+    }
+    for (; digits <= 17; digits++) {
+        snprintf(buffer, size, "%.*g", digits, v);
+        if (strtod(buffer, NULL) == v) break;
+    }
+    return buffer;
+}
+
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size)
 {
     const char *field = (const char *)values + param->offset;
@@ -219,13 +233,8 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
         numeric_range range = parse_range(param->range);
         if (isinf(v) || (v == -1.0 && !in_range(&range, v)))
             spelling(range.words, !isinf(v), buffer, size);
-        else {
-            /* the shortest form that reads back exactly */
-            for (int digits = 6; digits <= 17; digits++) {
-                snprintf(buffer, size, "%.*g", digits, v);
-                if (strtod(buffer, NULL) == v) break;
-            }
-        }
+        else
+            rp_number_text(v, 6, buffer, size);
         break;
     }
     case RP_INT: {
@@ -292,5 +301,7 @@ XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b)
 
 void rp_hash_digits(XXH128_hash_t hash, char digits[33])
 {
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+    const uint64_t halves[] = {hash.high64, hash.low64};
+    for (int i = 0; i < 32; i++) digits[i] = "0123456789abcdef"[halves[i / 16] >> (60 - 4 * (i % 16)) & 15];
+    digits[32] = '\0';
 }

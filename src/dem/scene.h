@@ -7,12 +7,15 @@
 #include "core/params.h"
 #include "dem/dem.h"
 
+RP_C_BEGIN
+
 typedef struct {
     dem_definition def; /* its grains are the scene's, or NULL with a fill */
     bool has_fill;
     dem_fill fill; /* H here is the height of the region that grains are placed in */
     long steps;
     dem_grain *grains; /* owned */
+    dem_wall *walls;   /* owned; NULL where the definition holds its few walls itself */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
@@ -38,9 +41,15 @@ extern const dem_scene_group dem_scene_schemas[];
 void dem_write_state_columns(FILE *out);
 rp_status dem_write_states(const dem_sim *sim, FILE *out);
 
-/* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring
- * rolling_torque rolling_spring. */
+/* Table rows: step t id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque
+ * rolling_spring, of all contacts. */
+void dem_write_contact_columns(FILE *out);
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
+
+/* Table rows: step t wall x y direction_x direction_y from to fx fy, of all walls, as dem_wall_now has them.
+ */
+void dem_write_wall_columns(FILE *out);
+rp_status dem_write_walls(const dem_sim *sim, FILE *out); /* RP_OK */
 
 /* Table rows: step t grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the
  * origin; kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. */
@@ -50,5 +59,7 @@ void dem_write_energy(const dem_sim *sim, FILE *out);
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
  * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
 void dem_write_notes(const dem_sim *sim, FILE *out);
+
+RP_C_END
 
 #endif

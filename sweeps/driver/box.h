@@ -11,6 +11,9 @@
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/protocol.h"
 
+/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
+#pragma GCC diagnostic ignored "-Woverride-init"
+
 enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */
@@ -152,7 +155,8 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
-/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
+/* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
+ * `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
 /* Check a box that is filled from W x 2 H: by N grains, or for N < 1 by as many as W H holds squares of the
