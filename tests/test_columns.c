@@ -178,7 +178,7 @@ static void check_response(checked *o, double mu, double width)
 
 static double slope_of(const char *grains, double width)
 {
-    GOOD("angle slope %s --width %g", grains, width);
+    GOOD("angle slope %s --width %g --cell 0.2", grains, width);
     rp_table t = read_table("out");
     const double theta = cell(&t, 2, "theta_deg");
     rp_table_free(&t);
