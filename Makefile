@@ -14,9 +14,9 @@ CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core clang-format
+            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core clang-format
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
-PKGS     := gsl nlopt libconfig sqlite3 libxxhash
+PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.

@@ -232,8 +232,8 @@ static void read_store(size_t n, const char text[])
     put("d/store.sqlite", size < store_size ? size : store_size, bytes);
     FILE *out = fopen("/dev/null", "w");
     (void)!sweep_status("d", toys, &counts);
-    (void)!sweep_export("d", toys, false, NULL, out);
-    (void)!sweep_export("d", toys, true, NULL, out);
+    (void)!sweep_export("d", toys, SWEEP_RUNS, NULL, out);
+    (void)!sweep_export("d", toys, SWEEP_POINTS, NULL, out);
     (void)!sweep_digest("d", toys, digest, &rows);
     fclose(out);
 }
