@@ -15,6 +15,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 typedef struct {
     double N, H;
 } an_force;
@@ -99,5 +101,7 @@ rp_status an_profile_largest(const an_profile *profile, double *x, double *N);
 /* The tent of Fig. 18 as an outline with B = 1: slope alpha_1 from each edge to x_1, alpha_2 from there to
  * the middle. Angles in (0, pi/3), x_1 in (0, 1/2). */
 rp_status an_tent(double alpha_1, double alpha_2, double x_1, an_point v[5]);
+
+RP_C_END
 
 #endif

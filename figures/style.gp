@@ -22,7 +22,7 @@ path(name) = strstrt(' '.tables.' ', ' '.name.' ') ? T.name : not_named_after_ta
 # The text after "# KEY: " in the header of a table, without a unit.
 note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".path(name))
 # A cell of such a table: column COL of the row whose column KEY is the number VALUE.
-pick(name, key, value, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".path(name))
-t(name) = "< awk '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } { print }' ".path(name)
+pick(name, key, value, col) = system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i; next } $c[\"".key."\"] + 0 == ".value." { print $c[\"".col."\"] }' ".path(name))
+t(name) = "< grep -v '^#' ".path(name)
 # A published number: column published or published_se of the claim ID.
-published(id, col) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".id."\" { print $c[\"".col."\"] }' ".path("published.tsv")))
+published(id, col) = real(system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"".id."\" { print $c[\"".col."\"] }' ".path("published.tsv")))

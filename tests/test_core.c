@@ -311,6 +311,106 @@ static void cut_normal(void)
     free(v);
 }
 
+/* What pandas reads by read_csv(sep="\t", comment="#"): the lines without #. */
+static void table_text(void)
+{
+    char *text, path[] = "/tmp/repose-table-XXXXXX";
+    const double row[] = {0.1, 1.0 / 3.0, 2.0 / 3.0, 1e6, -0.0, 123456789012345680.0, 5e-324, INFINITY, -NAN};
+    close(mkstemp(path));
+    FILE *out;
+    CHECK_OK(rp_file_open(path, &out));
+    rp_table_provenance(out, NULL);
+    rp_table_note_number(out, "B", 0.1, "sigma");
+    rp_table_header(out, "a [cm], b, c, d, e, f, g, h, i");
+    rp_table_row(out, sizeof row / sizeof *row, row);
+    CHECK_OK(rp_file_close(path, out, RP_OK));
+    CHECK_OK(rp_file_read(path, &text));
+    static const char units[] = "\n# units: cm\t1\t1\t1\t1\t1\t1\t1\t1\n";
+    const char *below = strstr(text, units);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(below);
+    CU_ASSERT_STRING_EQUAL(below + strlen(units),
+                           "a\tb\tc\td\te\tf\tg\th\ti\n0.1\t0.3333333333333333\t0.6666666666666666\t"
+                           "1000000\t-0\t1.2345678901234568e+17\t4.94065645841247e-324\tinf\tnan\n");
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# B: 0.1 sigma\n"));
+    free(text);
+    unlink(path);
+}
+
+static void write_file(const char *path, const char *text)
+{
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    fputs(text, out);
+    fclose(out);
+}
+
+/* Header with or without #, tabs, blanks or commas, a byte order mark, lines that end with CR: one table. */
+static void table_forms(void)
+{
+    static const char *const same[] = {
+        "# note: a b\n# units: cm\t1\nx\ty\n1\t2\n3\tnan\n",
+        "# units: cm\t1\n# x\ty\n1\t2\n3\tnan\n",
+        "# x y\n1 2\n3 nan\n",
+        "# x, y\n1 2\n3 nan\n",
+        "#x,y\n1,2\n3,nan\n",
+        "x\ty\n1\t2\n# units: cm\t1\nx\ty\n3\tnan\n",
+        "x,y\r\n1,2\r\n3,nan\r\n",
+        "\xEF\xBB\xBFx, y\n1, 2\n3, nan\n",
+        "\xEF\xBB\xBF# x\ty\n1\t2\n3\tnan\n# unfinished: x y\n",
+        "\n  x  y\n\n1 2\n# between\n3 nan\n",
+    };
+    char path[] = "/tmp/repose-table-XXXXXX";
+    close(mkstemp(path));
+    rp_table t;
+    int column;
+    for (int texts = 0; texts < 2; texts++)
+        for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
+            if (texts && strchr(same[i], ' ') && !strchr(same[i], '\t'))
+                continue; /* blanks are part of a text */
+            write_file(path, same[i]);
+            CHECK_OK(texts ? rp_table_read_texts(path, &t) : rp_table_read(path, &t));
+            CU_ASSERT(t.n_columns == 2 && t.n_rows == 2 && rp_table_column(&t, "x") == 0 &&
+                      rp_table_column(&t, "y") == 1);
+            if (t.n_rows == 2) CU_ASSERT(strcmp(t.cells[1], "2") == 0 && strcmp(t.cells[3], "nan") == 0);
+            rp_table_free(&t);
+        }
+    /* words alone: a header, unless the names stand above with units or tabs */
+    static const struct {
+        const char *text;
+        size_t n_rows;
+    } words[] = {
+        {"a b\nok no\n", 1},     {"# my table\na b\nok no\n", 1}, {"# units: 1\t1\n# a\tb\nok\tno\n", 1},
+        {"# a\tb\nok\tno\n", 1}, {"# units: 1\t1\na\tb\n", 0},    {"# units: 1\t1\n# a\tb\n", 0}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        write_file(path, words[i].text);
+        CHECK_OK(rp_table_read(path, &t));
+        CU_ASSERT(t.n_rows == words[i].n_rows && t.n_columns == 2 && rp_table_column(&t, "b") == 1);
+        rp_table_free(&t);
+    }
+    /* names that are numbers stand below their units; a table without names has numbers for names */
+    write_file(path, "# units: 1\t1\n2\t1\n7\t8\n");
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT(t.n_rows == 1 && rp_table_column(&t, "1") == 1);
+    rp_table_free(&t);
+    write_file(path, "1,2\n7,8\n");
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT(t.n_rows == 2 && rp_table_column(&t, "1") == 0);
+    CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT,
+                "no column \"x\"; expected header: x y r; found: none");
+    rp_table_free(&t);
+    write_file(path, "u v\n1 2\n3 4 5\n");
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 3 cells where 2 are expected");
+    CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT, "expected header: x y r; found: u v");
+    rp_table_free(&t);
+    write_file(path, "x,y\n1,2\n3,,4\n");
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: an empty cell");
+    rp_table_free(&t);
+    write_file(path, "x,y\n1,2\n5,\n");
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 1 cells where 2 are expected");
+    rp_table_free(&t);
+    unlink(path);
+}
+
 static void tables(void)
 {
     char path[] = "/tmp/repose-table-XXXXXX";
@@ -446,6 +546,8 @@ void suite_core(void)
                                        {"random streams are distinct", random_streams},
                                        {"truncated normal deviates", cut_normal},
                                        {"tables", tables},
+                                       {"tables: text", table_text},
+                                       {"tables: forms of the header", table_forms},
                                        {"files are whole", written_files},
                                        {"hostile tables", hostile_tables},
                                        {NULL, NULL}};

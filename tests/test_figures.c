@@ -123,8 +123,8 @@ static void write_fixture(const fixture *f)
     FILE *out_file = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out_file);
     fputs(f->notes, out_file);
-    fputs("# units: 1\n#", out_file);
-    const char *tab = " ";
+    fputs("# units: 1\n", out_file);
+    const char *tab = "";
     for (size_t k = 0; k < f->n_keys; k++, tab = "\t") fprintf(out_file, "%s%s", tab, f->keys[k]);
     for (size_t c = 0; c < n_names && !f->only; c++) {
         bool is_key = false;

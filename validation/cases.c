@@ -70,7 +70,10 @@ void case_write(const char *suite, case_problem *const problems[], size_t n)
         case_problem *p = problems[i];
         CU_ASSERT(p->n > 0);
         if (p->text) fclose(p->text);
-        if (out) fprintf(out, "%s\t%ld\t%.17g\n", p->problem, p->n, p->worst);
+        if (out) {
+            fprintf(out, "%s\t%ld\t", p->problem, p->n);
+            rp_table_row(out, 1, &p->worst);
+        }
         if (cases && p->rows) fputs(p->rows, cases);
         free(p->rows);
         p->text = NULL;

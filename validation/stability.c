@@ -391,10 +391,17 @@ static void check_one(const stability_case *c)
                                      c->shear,     c->rotation,         s.limit,       s.measured,
                                      s.theory,     c->damping,          w * s.limit,   w * s.measured,
                                      w * s.theory, s.measured / s.limit};
-    fprintf(table, "%s\t%s\t%s", system_names[c->system], law_names[c->law],
+    fprintf(table, "%s\t%s\t%s\t", system_names[c->system], law_names[c->law],
             dem_schemes[c->integrator]->name);
-    for (size_t i = 0; i < sizeof v / sizeof *v; i++) fprintf(table, "\t%.17g", v[i]);
-    fputc('\n', table);
+    rp_table_row(table, sizeof v / sizeof *v, v);
+}
+
+/* A row of one or two words and n numbers. */
+static void put_row(FILE *out, const char *word, const char *second, size_t n, const double values[])
+{
+    fprintf(out, "%s\t", word);
+    if (second) fprintf(out, "%s\t", second);
+    rp_table_row(out, n, values);
 }
 
 static const stability_case plain = {PACKING, DEM_HERTZ, DEM_VERLET, 1e6, 0.0, 1.0, 1.0, 0.0, false};
@@ -492,8 +499,9 @@ static void map(void)
         map_shear(scheme);
         map_radii(scheme);
         if (sums)
-            fprintf(sums, "%s\t%d\t%.17g\t%.17g\t%.17g\t%.3g\n", dem_schemes[scheme]->name, summary.cases,
-                    summary.least, summary.most, summary.deviation, rp_clock() - start);
+            put_row(sums, dem_schemes[scheme]->name, NULL, 5,
+                    (double[]){summary.cases, summary.least, summary.most, summary.deviation,
+                               rp_clock() - start});
     }
     check_table_close(table, "stability");
     check_table_close(sums, "stability_sums");
@@ -605,8 +613,8 @@ static void implicit_rest(void)
                 while (times > 0.9 && !rests_implicitly(system, with, damping, times)) times /= sqrt(10.0);
                 CU_ASSERT(times > (system == LOADED || with->tolerance > 1e-14 ? 3.0 : 999.0));
                 if (out)
-                    fprintf(out, "%s\t%s\t%.17g\t%.17g\t%.17g\n", system_names[system],
-                            solver_names[with->solver], with->tolerance, damping, times);
+                    put_row(out, system_names[system], solver_names[with->solver], 3,
+                            (double[]){with->tolerance, damping, times});
             }
     check_table_close(out, "stability_implicit_rest");
 }
@@ -636,11 +644,15 @@ static void implicit_limits(void)
             }
             CU_ASSERT(largest.dt >= 2.0 * largest.contact_time);
             const double v = 2.9433 * depth * R / next.contact_time;
-            if (out)
-                fprintf(out, "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n",
-                        solver_names[with->solver], with->tolerance, depth, next.contact_time, largest.dt,
-                        largest.dt / next.contact_time, largest.sweeps, 0.2 * R / v / next.contact_time,
-                        next.ends);
+            const double numbers[] = {with->tolerance,
+                                      depth,
+                                      next.contact_time,
+                                      largest.dt,
+                                      largest.dt / next.contact_time,
+                                      largest.sweeps,
+                                      0.2 * R / v / next.contact_time};
+            if (out) fprintf(out, "%s\t", solver_names[with->solver]);
+            if (out) rp_table_row_word(out, sizeof numbers / sizeof *numbers, numbers, next.ends);
         }
     }
     check_table_close(out, "stability_implicit");
@@ -704,8 +716,8 @@ static void boxes(void)
                     if (rests) times *= 1.1;
                 }
                 if (out)
-                    fprintf(out, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\n", law_names[law],
-                            dem_schemes[scheme]->name, gamma, limit, times * limit, times);
+                    put_row(out, law_names[law], dem_schemes[scheme]->name, 4,
+                            (double[]){gamma, limit, times * limit, times});
             }
     check_table_close(out, "stability_boxes");
 }

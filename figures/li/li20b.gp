@@ -11,7 +11,7 @@ set arrow 1 from 0.1, graph 0 to 0.1, first 1.95 nohead dt 3 lc rgb '#888888'
 set arrow 2 from 0.3, graph 0 to 0.3, first 1.95 nohead dt 3 lc rgb '#888888'
 stats t('continuum_30.tsv') using (column('N/(chi*g*B)')) nooutput name 'C'
 if (!exists('files')) { files = 'point'; names = '"dropped at one point"' }
-cell(name, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) if (a[i] == \"".col."\") print $i }' ".path(name))
+cell(name, col) = system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); next } { for (i = 1; i <= n; i++) if (a[i] == \"".col."\") print $i }' ".path(name))
 pm(table) = sprintf('%.3f ± %.3f', real(cell(table, 'D')), real(cell(table, 'D_se')))
 label(k) = sprintf('%s, %s piles: {/:Italic D} = %s, {/:Italic D}_{excess} = %s', word(names, k), cell('li20_'.word(files, k).'_dip.tsv', 'n'), \
                   pm('li20_'.word(files, k).'_dip_raw.tsv'), pm('li20_'.word(files, k).'_dip.tsv'))

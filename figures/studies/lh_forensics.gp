@@ -10,9 +10,9 @@ effects = 'lh_forensics_effects.tsv'
 lines = "< awk -F'\t' '!/^#/ && $1 == \"lh-theta\" { gsub(/_/, \" \", $2); gsub(/_/, \" \", $3); sub(/^[ ]/, \"\", $3); ".\
         "if ($2 == \"dt\") $3 = \"0.7 times\"; if ($2 == \"relax steps\") { $2 = \"measured after\"; $3 = \"1.0 s\" } if ($2 == \"open\") $3 = $3 \" cm/s\"; ".\
         "print ++n \"\\t\" $2 \" \" $3 \"\\t\" $5 \"\\t\" $7 \"\\t\" $8 }' ".path(effects)
-ranked(status) = "< awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } ".\
+ranked(status) = "< awk -F'\t' '/^rank\t/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } ".\
         "!/^#/ && $NF == \"".status."\" { print $1 \"\\t\" $l }' ".path(combinations)
-best = real(system("awk -F'\t' '/^# rank/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } !/^#/ { print $l; exit }' ".path(combinations)))
+best = real(system("awk -F'\t' '/^rank\t/ { for (i = 1; i <= NF; i++) if ($i == \"log_likelihood\") l = i; next } !/^#/ { print $l; exit }' ".path(combinations)))
 number = int(system("awk -F'\t' '!/^#/ && $1 == \"lh-theta\"' ".path(effects)." | wc -l"))
 unset datafile
 set datafile separator tab

@@ -5,8 +5,8 @@ height = 8.0
 load 'figures/style.gp'
 tilts = t('lh_tilt.tsv')
 rests = t('lh_tilt_static.tsv')
-pick(mu, tilt, column) = sprintf("< awk -F'\t' '/^# mu\t/ { for (i = 1; i <= NF; i++) { sub(/^# /, \"\", $i); c[$i] = i } next } !/^#/ && $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"tilt_rate_deg\"] \"\t\" $c[\"%s_mean\"] \"\t\" $c[\"%s_se\"] }' ", mu, tilt, column, column).path('lh_tilt.tsv')
-rest(mu, tilt) = real(system(sprintf("awk -F'\t' '/^# mu\t/ { for (i = 1; i <= NF; i++) { sub(/^# /, \"\", $i); c[$i] = i } next } !/^#/ && $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"theta_t_static_deg_mean\"] }' ", mu, tilt).path('lh_tilt_static.tsv')))
+pick(mu, tilt, column) = sprintf("< awk -F'\t' '/^#/ { next } !n { n = NF; for (i = 1; i <= n; i++) c[$i] = i; next } $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"tilt_rate_deg\"] \"\t\" $c[\"%s_mean\"] \"\t\" $c[\"%s_se\"] }' ", mu, tilt, column, column).path('lh_tilt.tsv')
+rest(mu, tilt) = real(system(sprintf("awk -F'\t' '/^#/ { next } !n { n = NF; for (i = 1; i <= n; i++) c[$i] = i; next } $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"theta_t_static_deg_mean\"] }' ", mu, tilt).path('lh_tilt_static.tsv')))
 unset datafile
 set datafile separator tab
 set datafile missing 'nan'

@@ -6,7 +6,7 @@ set ylabel 'relative deviation of {/:Italic N}'
 set logscale xy
 set format xy '10^{%T}'
 set key top left Left reverse
-slope = system("grep -v '^#' ".path("li_eps_slope.tsv")." | cut -f 1 | xargs printf %.4f")
+slope = system("grep -v '^#' ".path("li_eps_slope.tsv")." | sed 1d | cut -f 1 | xargs printf %.4f")
 from = real(pick('li_eps_runs.tsv', 'eps', '1e-6', 'N_error_rms'))
 plot [5e-9:2e-3] from*x/1e-6 with lines lc rgb '#888888' dt 2 title 'proportional to ε', \
      t('li_eps_runs.tsv') using (column('eps')):(column('N_error_rms')) with points pt 7 ps 0.8 lc 2 title 'root mean square: slope '.slope.' where stable', \

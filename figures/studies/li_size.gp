@@ -16,7 +16,7 @@ both = t('li_size.tsv')
 wells = 'auto 1 100'
 names = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
 at(k, others) = strcol('well') eq word(wells, k) && others == (column('base') < 60) ? column('n_disks_mean') : NaN
-fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size_limit_180_".what.".tsv")))
+fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size_limit_180_".what.".tsv")))
 array limit[6]; array c[6]
 whats = 'H_ratio H_continuum_rms N_continuum_rms'
 do for [q = 1:3] { do for [k = 1:2] {

@@ -14,10 +14,10 @@ set xtics scale 0
 set bmargin 6
 set grid noxtics
 set key top right
-rates = "< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 != \"sample\"' ".path('bench_peers.tsv')
+rates = "< awk -F'\t' '/^#/ { next } !n++ { print; next } $1 != \"sample\"' ".path('bench_peers.tsv')
 label(state, n) = sprintf("%s\n%s", int(n) % 1000 == 0 ? sprintf('%d 000', int(n)/1000) : sprintf('%d', int(n)), state eq 'settled' ? 'at rest' : 'flowing')
 times(r, lo, hi) = sprintf("×%.1f (%.1f–%.1f)", r, lo, hi)
-sample(col, format) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $1 == \"sample\" { printf \"".format."\", $c[\"".col."\"] }' ".path('bench_peers.tsv'))
+sample(col, format) = system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"sample\" { printf \"".format."\", $c[\"".col."\"] }' ".path('bench_peers.tsv'))
 version(peer) = system("sed -n 's/^# ".peer.": //p' ".path('bench_peers.tsv'))
 # the installed programs
 programs = 'repose '.system("sed -nE '/not installed/d; s/^# (lammps|liggghts): .*/\\1/p' ".path('bench_peers.tsv'))

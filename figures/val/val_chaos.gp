@@ -1,8 +1,8 @@
 # Growth of a shift of one grain by 1e-15 cm after a box at rest is opened.
 # tables: validation_chaos.tsv validation_chaos_fit.tsv
 load 'figures/style.gp'
-runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).path('validation_chaos.tsv')
-cell(row, col) = real(system(sprintf("awk -F'\t' '!/^#/ && ++n == %d { print $%d }' ", row, col).path('validation_chaos_fit.tsv')))
+runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { next } !n++ { print; next } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).path('validation_chaos.tsv')
+cell(row, col) = real(system(sprintf("awk -F'\t' '!/^#/ && n++ == %d { print $%d }' ", row, col).path('validation_chaos_fit.tsv')))
 rate = cell(1, 4)
 seeds = int(cell(1, 3))
 set logscale y

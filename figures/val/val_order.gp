@@ -9,7 +9,7 @@ colours = '2 7 4 8 6'
 array words[5] = ['Hertz, damped, friction: as Lee \& Herrmann', 'Hertz, strongly damped', \
                   'linear, friction, undamped', 'linear, elastic', 'Hertz, elastic']
 located = 'paper/located_full_step'
-order(case, col) = system("awk -F'\t' '/^#/ { h = substr($0, 3); next } !n { n = split(h, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i } $c[\"case\"] == \"".case."\" { printf \"%.3f ± %.3f\", $c[\"".col."_order\"], $c[\"".col."_order_se\"] }' ".path('validation_order_fits.tsv'))
+order(case, col) = system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i; next } $c[\"case\"] == \"".case."\" { printf \"%.3f ± %.3f\", $c[\"".col."_order\"], $c[\"".col."_order_se\"] }' ".path('validation_order_fits.tsv'))
 orders(case) = 'velocity '.order(case, 'velocity').', place '.order(case, 'place')
 of(case, col) = strcol('case') eq case ? column(col) : NaN
 set multiplot

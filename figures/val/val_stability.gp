@@ -5,7 +5,7 @@ width = 24.0
 height = 9.0
 load 'figures/style.gp'
 # the rows of a system: equal masses, no shear springs
-of(system, scheme) = sprintf("< awk -F'\t' '/^#/ { h = substr($0, 3); next } h != \"\" { print h; h = \"\" } $1 == \"%s\" && $2 == \"hertz\" && $3 == \"%s\" && $4 == 1e6 && $6 == 1 && $7 == 1 && $8 == 0' ", system, scheme).path('validation_stability.tsv').' | sort -g -k13,13'
+of(system, scheme) = sprintf("< awk -F'\t' '/^#/ { next } !n++ { print; next } $1 == \"%s\" && $2 == \"hertz\" && $3 == \"%s\" && $4 == 1e6 && $6 == 1 && $7 == 1 && $8 == 0' ", system, scheme).path('validation_stability.tsv').' | sort -g -k13,13'
 stats t('validation_stability.tsv') using (column('margin')) nooutput name 'M'
 systems = 'pair wall loaded packing'
 titles = '"two grains between fixed ones" "grain between two walls" "grain on a wall under a load" "37 grains of a packing in a fixed ring"'
@@ -41,7 +41,7 @@ set xtics ('10^{-4}' 1e-4, '10^{-3}' 1e-3, '10^{-2}' 1e-2)
 set xlabel 'overlap of an impact / {/:Italic r}'
 set ylabel 'largest solvable d{/:Italic t} / contact time'
 set key top right Left reverse font ',7.5' samplen 2 spacing 1.15
-solved(solver, tolerance) = sprintf("< awk -F'\t' '/^# solver/ { print substr($0, 3) } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).path('validation_stability_implicit.tsv').' | sort -g -k3,3'
+solved(solver, tolerance) = sprintf("< awk -F'\t' '/^solver\t/ { print } $1 == \"%s\" && $2 %s 1e-14' ", solver, tolerance).path('validation_stability_implicit.tsv').' | sort -g -k3,3'
 plot solved('direct', '<') using (column('depth')):(column('half_skin')) with lines lw 1.5 dt 2 lc 1 title 'displacement at impact speed = skin/2', \
      solved('direct', '<') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 7 ps 0.8 lc 2 title 'direct solver, tolerance 10^{-15}', \
      solved('sor', '>') using (column('depth')):(column('dt_over_contact_time')) with linespoints pt 9 ps 0.8 lc 4 title 'SOR, tolerance 10^{-12}', \

@@ -15,6 +15,8 @@
 #include "stats/claims.h"
 #include "stats/stats.h"
 
+RP_C_BEGIN
+
 /* ---- marginal stability and tilt (criterion.c) ---- */
 
 /* How the rays carry the weight when the pile is tilted by theta_T. */
@@ -208,5 +210,7 @@ rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamp
  * Errors: those of stats_mean and ang_tilt. */
 rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, const double phi[],
                          stats_summary *measured, double given[]);
+
+RP_C_END
 
 #endif

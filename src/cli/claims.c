@@ -97,6 +97,9 @@ static rp_status read_claim(cli_claims *all, size_t row)
 
 rp_status cli_claims_read(const char *path, cli_claims *claims)
 {
+#define X(column, member) #column " "
+    static const char header[] = CLI_CLAIM_TEXTS(X) "samples margin";
+#undef X
 #define X(column, member) #column,
     static const char *const columns[] = {CLI_CLAIM_TEXTS(X) "samples", "margin"};
 #undef X
@@ -104,7 +107,7 @@ rp_status cli_claims_read(const char *path, cli_claims *claims)
     *claims = (cli_claims){0};
     rp_status status = cli_texts_read(path, &claims->table);
     for (size_t k = 0; k < N_OF(columns) && !status; k++)
-        status = cli_find_column(claims->table, columns[k], &column);
+        status = rp_table_find(claims->table, columns[k], header, &column);
     claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
     for (size_t row = 0; row < claims->table->n_rows && !status; row++) status = read_claim(claims, row);
     return status;

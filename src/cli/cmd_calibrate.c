@@ -61,7 +61,7 @@ static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int col
     if (status) {
         char why[512];
         snprintf(why, sizeof why, "%s", rp_message());
-        return rp_fail(status, "%s: the piles must vary it", why);
+        return rp_fail(status, "%s; the piles must vary each parameter", why);
     }
     return *n < 2 || columns[0] != columns[1]
                ? RP_OK

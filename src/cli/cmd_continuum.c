@@ -20,7 +20,7 @@ static rp_status write_triangle(void *values)
     if (!status) status = cli_positions(o->points, o->at, &x, &n);
     if (status) return status;
     cli_table(stdout);
-    rp_table_note(stdout, "x_c/B", "%.17g", x_c);
+    rp_table_note_number(stdout, "x_c/B", x_c, "");
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (size_t i = 0; i < n && !status; i++) {
         an_force f = {0};

@@ -327,9 +327,13 @@ static void print_combinations(const study *s, const stats_agreement *main, cons
         printf("%zu\t%zu\t%zu\t%s", i + 1, combination, simulated, variants[c % N_VARIANTS]);
         for (size_t f = 0; f < s->n_factors; f++)
             printf("\t%s", s->factor[f].words[level_of(s, combination, f)]);
-        printf("\t%.17g\t%.17g\t%.17g", main[c].log_likelihood, main[c].p_value, held[c].p_value);
-        for (size_t k = 0; k < s->n_claims; k++)
-            printf("\t%.17g\t%.17g", s->y[c * s->n_claims + k] / deg, s->se[c * s->n_claims + k] / deg);
+        putchar('\t');
+        rp_table_numbers(stdout, 3, (double[]){main[c].log_likelihood, main[c].p_value, held[c].p_value});
+        for (size_t k = 0; k < s->n_claims; k++) {
+            putchar('\t');
+            rp_table_numbers(stdout, 2,
+                             (double[]){s->y[c * s->n_claims + k] / deg, s->se[c * s->n_claims + k] / deg});
+        }
         printf("\t%s\n", verdict(&main[c]));
     }
 }
@@ -357,8 +361,9 @@ static void print_levels(const study *s, const stats_agreement *a)
                 passed += a[c].complete && !a[c].excluded;
                 if (a[c].complete) share += exp(a[c].log_likelihood - top) / total;
             }
-            printf("%s\t%s\t%zu\t%zu\t%zu\t%.17g\n", f < s->n_factors ? s->name[f] : "surface",
-                   f < s->n_factors ? s->factor[f].words[l] : variants[l], tested, complete, passed, share);
+            printf("%s\t%s\t%zu\t%zu\t%zu\t", f < s->n_factors ? s->name[f] : "surface",
+                   f < s->n_factors ? s->factor[f].words[l] : variants[l], tested, complete, passed);
+            rp_table_row(stdout, 1, &share);
         }
     }
 }
@@ -368,8 +373,10 @@ static void print_levels(const study *s, const stats_agreement *a)
 static void print_effect(const char *claim, const char *factor, const char *level, const char *reference,
                          const stats_effect *e, size_t n, double residual)
 {
-    printf("%s\t%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%zu\t%.17g\n", claim, factor, level, reference,
-           e->effect / deg, e->se / deg, e->lo / deg, e->hi / deg, e->p_value, n, residual / deg);
+    const double numbers[] = {e->effect / deg, e->se / deg, e->lo / deg,   e->hi / deg,
+                              e->p_value,      (double)n,   residual / deg};
+    printf("%s\t%s\t%s\t%s\t", claim, factor, level, reference);
+    rp_table_row(stdout, N_OF(numbers), numbers);
 }
 
 /* Main effects on claim k, the surface read as by default; y, level: work space. */

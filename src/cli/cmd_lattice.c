@@ -48,7 +48,7 @@ static void print(long k, double alpha, double theta, const an_force force[], do
     double base = an_lattice_base(disks, theta, alpha);
     cli_table(stdout);
     rp_table_note(stdout, "disks", "%.0f", disks);
-    rp_table_note(stdout, "B", "%.17g sigma, the base of the triangle of equal weight", base);
+    rp_table_note_number(stdout, "B", base, "sigma, the base of the triangle of equal weight");
     rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
     for (long i = 1; i <= k; i++) {
         an_force f = force[i - 1];

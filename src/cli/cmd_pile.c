@@ -206,7 +206,7 @@ static void write_means(const options *o, const sweep_outline *h, size_t solved,
     const size_t piles = (size_t)o->own.piles;
     cli_table(stdout);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
-    rp_table_note(stdout, "B", "%.17g sigma", h->B);
+    rp_table_note_number(stdout, "B", h->B, "sigma");
     rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
     rp_table_header(stdout,
                     "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "

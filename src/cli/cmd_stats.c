@@ -61,15 +61,16 @@ enum { MOST_COLUMNS = 1024 };
 
 static void print_selected_header(const rp_table *t, size_t n, const int columns[])
 {
-    static char units[MOST_COLUMNS][32];
+    static char units[MOST_COLUMNS][32], numbers[MOST_COLUMNS][12];
     static const char *header[MOST_COLUMNS][2];
     for (size_t c = 0; c < n; c++) {
         cli_column_unit(t, columns[c], units[c]);
-        header[c][0] = t->names[columns[c]];
+        snprintf(numbers[c], sizeof numbers[c], "%d", columns[c] + 1);
+        header[c][0] = t->names[columns[c]] ? t->names[columns[c]] : numbers[c];
         header[c][1] = units[c];
     }
     cli_provenance(stdout);
-    if (t->names[0]) rp_table_columns(stdout, n, (const char *const(*)[2])header);
+    rp_table_columns(stdout, n, (const char *const(*)[2])header);
 }
 
 static rp_status select_of_table(rp_table *t, void *options)

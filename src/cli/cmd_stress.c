@@ -158,7 +158,7 @@ static rp_status print_base(void *values)
     stress_floor *floor = cli_memory(cells, sizeof *floor);
     status = stress_floor_forces(n, piles, size, o->g, cells, floor);
     if (!status) {
-        rp_table_note(stdout, "theta_r_deg", "%.17g", theta / deg);
+        rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
         rp_table_header(stdout,
                         "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
                         "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");

@@ -7,8 +7,7 @@
 
 rp_status cli_find_column(const rp_table *table, const char *name, int *column)
 {
-    *column = rp_table_column(table, name);
-    return *column >= 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, name);
+    return rp_table_find(table, name, name, column);
 }
 
 const char *cli_text(const rp_table *table, size_t row, int column)
@@ -18,12 +17,15 @@ const char *cli_text(const rp_table *table, size_t row, int column)
 
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
+    char header[1024];
     *n = 0;
+    snprintf(header, sizeof header, "%s", names);
+    for (char *comma = header; (comma = strchr(comma, ','));) *comma = ' ';
     for (const char *name = names; *name; name += strcspn(name, ","), name += *name == ',') {
         char word[64];
         if (*n == most) return rp_fail(RP_BAD_INPUT, "\"%s\": at most %zu columns", names, most);
         snprintf(word, sizeof word, "%.*s", (int)strcspn(name, ","), name);
-        rp_status status = cli_find_column(table, word, &columns[(*n)++]);
+        rp_status status = rp_table_find(table, word, header, &columns[(*n)++]);
         if (status) return status;
     }
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);

@@ -209,6 +209,19 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
     return rp_params_set(param, values, &v);
 }
 
+const char *rp_number_text(double v, int digits, char *buffer, size_t size)
+{
+    if (isnan(v)) { /* printf writes "-nan" for some */
+        snprintf(buffer, size, "nan");
+        return buffer;
+    }
+    for (; digits <= 17; digits++) {
+        snprintf(buffer, size, "%.*g", digits, v);
+        if (strtod(buffer, NULL) == v) break;
+    }
+    return buffer;
+}
+
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size)
 {
     const char *field = (const char *)values + param->offset;
@@ -219,13 +232,8 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
         numeric_range range = parse_range(param->range);
         if (isinf(v) || (v == -1.0 && !in_range(&range, v)))
             spelling(range.words, !isinf(v), buffer, size);
-        else {
-            /* the shortest form that reads back exactly */
-            for (int digits = 6; digits <= 17; digits++) {
-                snprintf(buffer, size, "%.*g", digits, v);
-                if (strtod(buffer, NULL) == v) break;
-            }
-        }
+        else
+            rp_number_text(v, 6, buffer, size);
         break;
     }
     case RP_INT: {

@@ -9,6 +9,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 typedef enum {
     RP_REAL,   /* double */
     RP_INT,    /* long */
@@ -64,6 +66,11 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
  * Errors: RP_BAD_INPUT. */
 rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
 
+/* The shortest decimal form of at least `digits` significant digits that reads back to the same bits, or
+ * "nan". Numbers of up to `digits` digits before the point have no exponent. At most 24 bytes; returns
+ * `buffer`. */
+const char *rp_number_text(double v, int digits, char *buffer, size_t size);
+
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 
@@ -75,5 +82,7 @@ XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b);
 
 /* 32 hexadecimal digits and NUL. */
 void rp_hash_digits(XXH128_hash_t hash, char digits[33]);
+
+RP_C_END
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <gsl/gsl_rng.h>
 
+#include "core/status.h"
+
+RP_C_BEGIN
+
 /* Purpose of a stream; a new purpose is a new line, never a reused one. */
 typedef enum {
     RP_PURPOSE_RADII = 1,
@@ -27,5 +31,7 @@ gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpo
  * accepted with probability exp(-z^2/2) by von Neumann's comparison method (Forsythe 1972). The distribution
  * is truncated at 8 standard deviations. width = 0 gives the mean. */
 double rp_random_cut_normal(gsl_rng *r, double mean, double width, double lo, double hi);
+
+RP_C_END
 
 #endif

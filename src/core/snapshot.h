@@ -11,6 +11,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 enum { RP_SNAPSHOT_FORMAT = 1, RP_SNAPSHOT_OWNER = 40 };
 
 typedef struct {
@@ -48,5 +50,7 @@ void rp_snapshot_free(rp_snapshot *s);
 
 /* Sync a folder, so that a file renamed in it survives a power cut. Errors: RP_IO. */
 rp_status rp_sync_folder_of(const char *path);
+
+RP_C_END
 
 #endif

@@ -5,6 +5,17 @@
 #ifndef RP_STATUS_H
 #define RP_STATUS_H
 
+/* Public headers stand between these, for programs in C++. */
+#ifdef __cplusplus
+#define RP_C_BEGIN extern "C" {
+#define RP_C_END   }
+#else
+#define RP_C_BEGIN
+#define RP_C_END
+#endif
+
+RP_C_BEGIN
+
 /* One list: name, exit status of the program, meaning. */
 #define RP_STATUS_LIST(X)                                                                                    \
     X(RP_OK, 0, "success")                                                                                   \
@@ -34,5 +45,7 @@ rp_status rp_check_range(const char *name, double value, double lo, double hi, c
 
 /* Message of the last failure in this thread; empty if there was none. */
 const char *rp_message(void);
+
+RP_C_END
 
 #endif

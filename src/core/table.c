@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/params.h"
 #include "core/version.h"
 
 void rp_table_provenance(FILE *out, const char *command)
@@ -35,11 +36,18 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...)
     fprintf(out, "# %s: %s\n", key, text);
 }
 
+void rp_table_note_number(FILE *out, const char *key, double value, const char *text)
+{
+    char number[32];
+    rp_table_note(out, key, "%s%s%s", rp_number_text(value, 15, number, sizeof number), *text ? " " : "",
+                  text);
+}
+
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
 {
     fputs("# units: ", out);
     for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", *columns[i][1] ? columns[i][1] : "1");
-    fputs("\n# ", out);
+    fputc('\n', out);
     for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
     fputc('\n', out);
 }
@@ -47,7 +55,7 @@ void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
 void rp_table_header(FILE *out, const char *columns)
 {
     for (int names = 0; names < 2; names++) {
-        fputs(names ? "# " : "# units: ", out);
+        if (!names) fputs("# units: ", out);
         for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
             end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
             const char *unit = memchr(c, '[', (size_t)(end - c));
@@ -61,24 +69,22 @@ void rp_table_header(FILE *out, const char *columns)
     }
 }
 
-static void write_cells(FILE *out, size_t n, const double values[])
+void rp_table_numbers(FILE *out, size_t n, const double values[])
 {
+    char text[32];
     for (size_t i = 0; i < n; i++)
-        if (isnan(values[i])) /* printf writes "-nan" for some */
-            fprintf(out, "%snan", i ? "\t" : "");
-        else
-            fprintf(out, "%s%.17g", i ? "\t" : "", values[i]);
+        fprintf(out, "%s%s", i ? "\t" : "", rp_number_text(values[i], 15, text, sizeof text));
 }
 
 void rp_table_row(FILE *out, size_t n, const double values[])
 {
-    write_cells(out, n, values);
+    rp_table_numbers(out, n, values);
     fputc('\n', out);
 }
 
 void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word)
 {
-    write_cells(out, n, values);
+    rp_table_numbers(out, n, values);
     fprintf(out, "%s%s\n", n ? "\t" : "", word);
 }
 
@@ -177,6 +183,13 @@ rp_status rp_file_read(const char *path, char **text)
     return status;
 }
 
+/* What separates the cells of a line: tabs alone where cells hold blanks, commas where there is no tab. */
+static const char *blanks_of(const char *line, bool texts)
+{
+    if (!strchr(line, '\t') && strchr(line, ',')) return texts ? ",\r" : ", \r";
+    return texts ? "\t\r" : " \t\r";
+}
+
 static size_t count_cells(const char *line, const char *blanks)
 {
     size_t n = 0;
@@ -194,54 +207,142 @@ static void split_cells(char *line, const char *blanks, char **cells)
         *cells++ = cell;
 }
 
-static rp_status read_table(const char *path, const char *blanks, rp_table *table)
+static bool as_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end;
+}
+
+static bool holds_number(const char *line, const char *blanks)
+{
+    char word[64];
+    double value;
+    for (line += strspn(line, blanks); *line; line += strspn(line, blanks)) {
+        const size_t n = strcspn(line, blanks);
+        snprintf(word, sizeof word, "%.*s", (int)n, line);
+        if (n < sizeof word && as_number(word, &value)) return true;
+        line += n;
+    }
+    return false;
+}
+
+/* A table while it is read. */
+typedef struct {
+    rp_table *table;
+    bool texts;
+    const char *blanks; /* between the cells of a row */
+    char *above;        /* the last line with # before the first row */
+    bool units_above;   /* the line before this one holds the units */
+    size_t most_rows, most_cells;
+} reading;
+
+/* The names of the columns, if the line has one for each of them. */
+static rp_status take_names(reading *r, char *line)
+{
+    rp_table *t = r->table;
+    const char *blanks = blanks_of(line, r->texts);
+    if (t->n_columns == 0) t->n_columns = count_cells(line, blanks);
+    free(t->names);
+    t->names = calloc(t->n_columns + 1, sizeof *t->names);
+    if (!t->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    if (count_cells(line, blanks) == t->n_columns) split_cells(line, blanks, t->names);
+    return RP_OK;
+}
+
+/* Column names have a line of their own. In older tables they are the last line with #, below the units or
+ * with tabs; and a first row with a number is no header. */
+static bool is_header(const reading *r, const char *line, size_t n)
+{
+    if (r->above && strncmp(r->above, "units: ", 7) == 0) return true;
+    const bool older = r->above && (r->units_above || strchr(r->above, '\t')) &&
+                       count_cells(r->above, blanks_of(r->above, r->texts)) == n;
+    return !older && !holds_number(line, r->blanks);
+}
+
+/* Between commas; tabs and blanks may be several. */
+static bool has_empty_cell(const char *line, const char *blanks, size_t n)
+{
+    size_t commas = 0;
+    for (; *line; line++) commas += *line == ',';
+    return strchr(blanks, ',') && commas + 1 != n;
+}
+
+/* In tables that were joined, the names stand again. */
+static bool is_names(const rp_table *t, char *const cells[])
+{
+    size_t i = 0;
+    while (t->names && i < t->n_columns && strcmp(t->names[i], cells[i]) == 0) i++;
+    return t->names && i == t->n_columns;
+}
+
+static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
+{
+    rp_table *t = r->table;
+    if (!t->cells) {
+        t->n_columns = t->names ? t->n_columns : n;
+        const size_t most =
+            r->most_rows < r->most_cells / t->n_columns ? r->most_rows * t->n_columns : r->most_cells;
+        t->cells = calloc(most, sizeof *t->cells);
+        if (!t->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    }
+    if (n != t->n_columns)
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", t->path, line_number, n,
+                       t->n_columns);
+    if (has_empty_cell(line, r->blanks, n))
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
+    split_cells(line, r->blanks, t->cells + t->n_rows * n);
+    if (is_names(t, t->cells + t->n_rows * n)) return RP_OK;
+    t->lines[t->n_rows++] = line_number;
+    return RP_OK;
+}
+
+static rp_status take_line(reading *r, char *line, size_t line_number)
+{
+    rp_table *t = r->table;
+    if (*line == '#') {
+        if (t->cells || t->names) return RP_OK;
+        r->units_above = r->above && strncmp(r->above, "units: ", 7) == 0;
+        r->above = line + 1 + strspn(line + 1, " ");
+        return RP_OK;
+    }
+    if (!r->blanks && strspn(line, " \t\r,") < strlen(line)) r->blanks = blanks_of(line, r->texts);
+    const size_t n = r->blanks ? count_cells(line, r->blanks) : 0;
+    if (n == 0) return RP_OK;
+    if (!t->cells && !t->names && is_header(r, line, n)) return take_names(r, line);
+    return take_row(r, line, n, line_number);
+}
+
+static rp_status read_table(const char *path, bool texts, rp_table *table)
 {
     *table = (rp_table){.path = path};
+    reading r = {.table = table, .texts = texts, .most_rows = 1};
     rp_status status = rp_file_read(path, &table->text);
     if (status) return status;
-    size_t n_lines = 1;
-    for (const char *p = table->text; *p; p++) n_lines += *p == '\n';
-    const size_t most_cells = strlen(table->text) / 2 + 1;
-    char *header = NULL;
-    size_t line_number = 0;
-    table->lines = calloc(n_lines, sizeof *table->lines);
+    if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
+        memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
+    for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
+    r.most_cells = strlen(table->text) / 2 + 1;
+    table->lines = calloc(r.most_rows, sizeof *table->lines);
     if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    for (char *next = table->text, *line; (line = next);) {
+    size_t line_number = 0;
+    for (char *next = table->text, *line; (line = next) && !status;) {
         next = strchr(line, '\n');
         if (next) *next++ = '\0';
-        line_number++;
-        if (*line == '#') {
-            if (!table->cells) header = line + 1 + strspn(line + 1, " ");
-            continue;
-        }
-        size_t n = count_cells(line, blanks);
-        if (n == 0) continue;
-        if (!table->cells) {
-            table->n_columns = n;
-            table->cells = calloc(n_lines < most_cells / n ? n_lines * n : most_cells, sizeof *table->cells);
-            if (!table->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-        }
-        if (n != table->n_columns)
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", path, line_number, n,
-                           table->n_columns);
-        split_cells(line, blanks, table->cells + table->n_rows * n);
-        table->lines[table->n_rows++] = line_number;
+        status = take_line(&r, line, ++line_number);
     }
-    if (header && table->n_columns == 0) table->n_columns = count_cells(header, blanks);
-    table->names = calloc(table->n_columns + 1, sizeof *table->names);
-    if (!table->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-    if (header && count_cells(header, blanks) == table->n_columns) split_cells(header, blanks, table->names);
-    return RP_OK;
+    static char none[] = "";
+    return status || table->names ? status : take_names(&r, r.above ? r.above : none);
 }
 
 rp_status rp_table_read(const char *path, rp_table *table)
 {
-    return read_table(path, " \t\r", table);
+    return read_table(path, false, table);
 }
 
 rp_status rp_table_read_texts(const char *path, rp_table *table)
 {
-    return read_table(path, "\t\r", table);
+    return read_table(path, true, table);
 }
 
 void rp_table_free(rp_table *table)
@@ -260,6 +361,20 @@ int rp_table_column(const rp_table *table, const char *name)
     return -1;
 }
 
+rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+{
+    char found[256] = "";
+    *column = rp_table_column(table, name);
+    if (*column >= 0) return RP_OK;
+    for (size_t i = 0, used = 0; table->names && table->names[0] && i < table->n_columns; i++) {
+        if (used < sizeof found)
+            used += (size_t)snprintf(found + used, sizeof found - used, " %s", table->names[i]);
+        if (used >= sizeof found) strcpy(found + sizeof found - 5, " ...");
+    }
+    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"; expected header: %s; found:%s", table->path, name,
+                   expected, *found ? found : " none");
+}
+
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
@@ -270,13 +385,6 @@ const char *rp_table_find_note(const rp_table *table, const char *key)
             strncmp(line + 2 + n, ": ", 2) == 0)
             return line + n + 4;
     return NULL;
-}
-
-static bool as_number(const char *text, double *value)
-{
-    char *end;
-    *value = strtod(text, &end);
-    return end != text && !*end;
 }
 
 /* Does `cell` meet the comparison with `value`? */

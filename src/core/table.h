@@ -1,6 +1,6 @@
-/* Tables: tab-separated text. Header lines start with '#': provenance, then the units, and last the names of
- * the columns. Numbers carry 17 significant digits; "nan" marks a missing result, and the status column gives
- * the reason. */
+/* Tables: tab-separated text. Lines that start with '#' hold the provenance and, last, the units. The names
+ * of the columns follow in a line of their own. Numbers have the shortest form that reads back to the same
+ * bits; "nan" marks a missing result, and the status column gives the reason. */
 #ifndef RP_TABLE_H
 #define RP_TABLE_H
 
@@ -9,17 +9,25 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 /* Header lines: program, version, commit, compiler, libraries, and the command (may be NULL). */
 void rp_table_provenance(FILE *out, const char *command);
 
 /* One more header line, "# key: text", of at most 8191 bytes; the end of a line becomes a blank. */
 void rp_table_note(FILE *out, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* The last two header lines. `columns` holds n pairs name, unit. */
+/* The header line "# key: value text", the number in its shortest form; `text` is its unit. */
+void rp_table_note_number(FILE *out, const char *key, double value, const char *text);
+
+/* The line of units and the names of the columns. `columns` holds n pairs name, unit. */
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2]);
 
 /* The same lines from a list "name, name [unit], ...". */
 void rp_table_header(FILE *out, const char *columns);
+
+/* The cells of n numbers, without the end of the line. */
+void rp_table_numbers(FILE *out, size_t n, const double values[]);
 
 /* One row of n numbers. */
 void rp_table_row(FILE *out, size_t n, const double values[]);
@@ -51,17 +59,23 @@ typedef struct {
     const char *path; /* borrowed */
 } rp_table;
 
-/* Read `path` ("-": standard input). The names come from the last header line; a table without header
- * has columns "1", "2", ... Free with rp_table_free, also after an error.
- * Errors: RP_BAD_INPUT (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
+/* Read `path` ("-": standard input). Tabs, blanks or commas separate the cells. The names stand in the first
+ * line, or in the last line with '#' above a first row with numbers, as older tables have it; a table without
+ * names has columns "1", "2", ... A row that repeats the names is left out. Free with rp_table_free, also
+ * after an error. Errors: RP_BAD_INPUT (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
 
-/* The same for a table whose cells hold blanks: only tabs separate them. */
+/* The same for a table whose cells hold blanks: only tabs separate them, or commas in a table without
+ * tabs. */
 rp_status rp_table_read_texts(const char *path, rp_table *table);
 void rp_table_free(rp_table *table);
 
 /* Index of a column, or -1. */
 int rp_table_column(const rp_table *table, const char *name);
+
+/* The same; the message of the error shows the names that are `expected`, as "x y r", and those that the
+ * table has. Errors: RP_BAD_INPUT. */
+rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column);
 
 /* The text of the header line "# key: text", or NULL. Only for tables with rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
@@ -74,5 +88,7 @@ rp_status rp_table_where(rp_table *table, const char *condition);
 /* A cell as a number; "nan" and "infinite" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
  * line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);
+
+RP_C_END
 
 #endif

@@ -2,6 +2,10 @@
 #ifndef RP_VERSION_H
 #define RP_VERSION_H
 
+#include "core/status.h"
+
+RP_C_BEGIN
+
 #define RP_VERSION "0.1.0"
 
 /* Version of the physics: a result stored under another number is never reused. Raise it whenever the
@@ -9,5 +13,7 @@
 #define RP_MODEL_VERSION 3
 
 extern const char rp_build_commit[], rp_build_compiler[], rp_build_libraries[];
+
+RP_C_END
 
 #endif

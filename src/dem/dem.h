@@ -17,6 +17,8 @@
 #include "dem/laws.h"
 #include "dem/physics.h"
 
+RP_C_BEGIN
+
 /* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
     X(DEM_VERLET, verlet)                                                                                    \
@@ -359,5 +361,7 @@ rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double 
  */
 rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
                          double restitution, double *gamma_n);
+
+RP_C_END
 
 #endif

@@ -5,6 +5,10 @@
 
 #include <stdbool.h>
 
+#include "core/status.h"
+
+RP_C_BEGIN
+
 /* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring and of the
  * dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor that not every law has. */
 #define DEM_NORMAL_LAWS(X)                                                                                   \
@@ -85,5 +89,7 @@ extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
  * tension to 1e-15 or so of it. */
 double dem_restitution(bool tension, double damping_ratio);
 double dem_damping_ratio_of(bool tension, double restitution);
+
+RP_C_END
 
 #endif

@@ -219,12 +219,13 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
 {
     enum { N = sizeof particle_schema / sizeof *particle_schema - 1 };
     int columns[N];
+    static const char *const numbers[N] = {"1", "2", "3", "4", "5", "6", "7", "8", "9"};
     const bool named = table->n_columns > 0 && table->names[0];
     for (int c = 0; c < N; c++) {
         const char *name = particle_schema[c].name;
-        columns[c] = named ? rp_table_column(table, name) : c < (int)table->n_columns ? c : -1;
-        if (columns[c] < 0 && !particle_schema[c].fallback)
-            return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, name);
+        const rp_status found = rp_table_find(table, named ? name : numbers[c],
+                                              "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
+        if (found && !particle_schema[c].fallback) return found;
     }
     rp_status status = alloc_grains(file, table->n_rows);
     for (size_t i = 0; i < table->n_rows && !status; i++) {

@@ -7,6 +7,8 @@
 #include "core/params.h"
 #include "dem/dem.h"
 
+RP_C_BEGIN
+
 typedef struct {
     dem_definition def; /* its grains are the scene's, or NULL with a fill */
     bool has_fill;
@@ -50,5 +52,7 @@ void dem_write_energy(const dem_sim *sim, FILE *out);
 /* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
  * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
 void dem_write_notes(const dem_sim *sim, FILE *out);
+
+RP_C_END
 
 #endif

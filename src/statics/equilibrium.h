@@ -17,6 +17,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 typedef struct {
     double x, y, r; /* sigma; on the ground where y = r */
     double weight;  /* m g */
@@ -141,5 +143,7 @@ typedef struct {
 
 /* *contacts is a new array of result.contacts (free it). Errors: RP_NO_MEMORY. */
 rp_status statics_contacts(const statics_pile *pile, statics_contact **contacts, size_t *n);
+
+RP_C_END
 
 #endif

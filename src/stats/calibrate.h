@@ -13,6 +13,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 enum {
     STATS_MAX_PARAMS = 2,
     STATS_MAX_ANGLES = 2,
@@ -158,5 +160,7 @@ rp_status stats_calibration_planted(const stats_calibration *c, const stats_ense
  * that of one half, and a point drawn at random gives the measurement by its other half. Errors: as above. */
 rp_status stats_calibration_holdout(const stats_ensemble *piles, size_t n_cases, gsl_rng *rng,
                                     stats_case cases[]);
+
+RP_C_END
 
 #endif

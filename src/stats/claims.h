@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "core/status.h"
+
+RP_C_BEGIN
+
 typedef enum {
     STATS_REPRODUCED,
     STATS_NOT_REPRODUCED,
@@ -76,5 +80,7 @@ stats_number stats_quotient(stats_number a, stats_number b);
 
 /* How many of each verdict. */
 void stats_count_verdicts(size_t n, const stats_verdict verdicts[], size_t counts[STATS_VERDICTS]);
+
+RP_C_END
 
 #endif

@@ -8,6 +8,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 /* One published statement about a number y that a model predicts. */
 typedef struct {
     enum { STATS_CLAIM_VALUE, STATS_CLAIM_SIGN } kind;
@@ -51,5 +53,7 @@ typedef struct {
  * indistinguishable factors, RP_NO_MEMORY. */
 rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
                         const double y[], stats_effect effects[], double *residual_sd);
+
+RP_C_END
 
 #endif

@@ -9,6 +9,8 @@
 
 #include "core/status.h"
 
+RP_C_BEGIN
+
 /* ---- ensembles (ensemble.c) ---- */
 
 /* sd, se and the 95 % interval (Student's t) are NaN for n = 1. */
@@ -203,5 +205,7 @@ void stats_front(size_t n, stats_cost costs[]);
  * RP_NO_MEMORY. */
 rp_status stats_costs(size_t n, const stats_cost_run runs[], size_t n_settings, size_t reference,
                       stats_cost costs[]);
+
+RP_C_END
 
 #endif

@@ -9,6 +9,8 @@
 #include "core/status.h"
 #include "stats/stats.h"
 
+RP_C_BEGIN
+
 /* The force (fx, fy) on a grain with centre (x, y), by a grain with centre (x_b, y_b) or at that point of a
  * wall. */
 typedef struct {
@@ -175,5 +177,7 @@ rp_status stress_dip_ensemble(size_t n, const double profiles[], const double wi
 /* dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
  * peak_within_margin if both; undecided. */
 const char *stress_dip_word(const stress_dips *dips, double level);
+
+RP_C_END
 
 #endif

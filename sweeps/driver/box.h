@@ -11,6 +11,9 @@
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/protocol.h"
 
+/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
+#pragma GCC diagnostic ignored "-Woverride-init"
+
 enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */

@@ -9,12 +9,12 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
 {
     const statics_result *r = &s->r;
     rp_table_note(out, "n_disks", "%zu", s->h->n);
-    rp_table_note(out, "B", "%.17g sigma", s->h->B);
+    rp_table_note_number(out, "B", s->h->B, "sigma");
     rp_table_note(out, "status", "%s", statics_fault_texts[r->fault]);
     rp_table_note(out, "load", "%g of the weight; %zu jumps to another branch before", r->load, r->jumps);
     if (r->fault)
         rp_table_note(out, "state", "no equilibrium: the last state of the solve, at eps = %g", r->eps);
-    rp_table_note(out, "energy", "%.17g m g eps sigma", r->energy);
+    rp_table_note_number(out, "energy", r->energy, "m g eps sigma");
     if (!isnan(r->released))
         rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
     rp_table_note(out, "residual", "%.3g m g", r->residual);

@@ -10,6 +10,8 @@
 #include "core/params.h"
 #include "stress/stress.h"
 
+RP_C_BEGIN
+
 enum { SWEEP_MAX_OUTPUTS = 64 };
 
 /* One number that a run yields, a column of the store. */
@@ -28,9 +30,6 @@ typedef struct {
 #define SWEEP_BIN_INDEX(k) OUT_n_##k,
 #define SWEEP_BIN_ROW(k)                                                                                     \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
-
-/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
-#pragma GCC diagnostic ignored "-Woverride-init"
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
@@ -112,5 +111,7 @@ void sweep_results_digits(size_t n, const sweep_result results[], const sweep_ou
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)
 #undef X
+
+RP_C_END
 
 #endif

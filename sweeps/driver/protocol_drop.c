@@ -30,6 +30,9 @@
 #include "dem/scene.h"
 #include "sweeps/driver/box.h"
 
+/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
+#pragma GCC diagnostic ignored "-Woverride-init"
+
 typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
     double damping_shear, rest_speed, rest_force, x_limit;

@@ -27,6 +27,8 @@
 
 #include "sweeps/driver/protocol.h"
 
+RP_C_BEGIN
+
 /* Every protocol of the program, ended by NULL. */
 extern const sweep_protocol *const sweep_protocols[];
 
@@ -149,5 +151,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
  * *result. Errors: RP_BAD_INPUT (the file, a row it does not have), RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
+
+RP_C_END
 
 #endif

@@ -121,7 +121,7 @@ header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
 rows=$build/tables/mutate.tsv
 {
     echo "$header"
-    printf '# -\t-\t-\t-\t-\t-\t-\ts\n# file\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
+    printf '# units: -\t-\t-\t-\t-\t-\t-\ts\nfile\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
     seq $((from - 1)) | sed "s|^|$work/result_|" | xargs cat | paste "$work/list" - | head -n $((from - 1)) |
         sed -e '/\tbroken\t-\t[0-9]*$/d' -e 's/\t[a-z]*\tkilled\t\([^\t]*\t[0-9]*\)$/\tkilled\t\1/' \
             -e 's/\tsurvived\t-\(\t[0-9]*\)$/\t-\1/'
@@ -135,8 +135,8 @@ summary() {
 }
 {
     echo "$header"
-    printf '# -\t1\t1\t1\t1\t%%\t%%\n# file\tmutants\tkilled\tequivalent\tsurvived\tkilled_percent\tkilled_of_all_percent\n'
-    for file in $(grep -v '^#' "$rows" | cut -f 1 | sort -u) all; do
+    printf '# units: -\t1\t1\t1\t1\t%%\t%%\nfile\tmutants\tkilled\tequivalent\tsurvived\tkilled_percent\tkilled_of_all_percent\n'
+    for file in $(grep -v '^#' "$rows" | sed 1d | cut -f 1 | sort -u) all; do
         summary "$(echo "$file" | sed 's/^all$/.*/')"
         printf '%s\t%d\t%d\t%d\t%d\t%s\t%s\n' "$file" $((killed + equivalent + survived)) "$killed" "$equivalent" \
             "$survived" "$seen" "$seen_of_all"

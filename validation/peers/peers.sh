@@ -119,7 +119,7 @@ if ! command -v liggghts >/dev/null; then echo "# liggghts: not installed"; else
     programs="$programs liggghts"
 fi
 printf '# units: \t\t\t\t1e6/s\t1e6/s\t\t\t\t1e6/s\t\t\t\n'
-printf '# state\tgrains\tsteps\tpairs\trepose\tlammps\tlammps_ratio\tlammps_min\tlammps_max'
+printf 'state\tgrains\tsteps\tpairs\trepose\tlammps\tlammps_ratio\tlammps_min\tlammps_max'
 printf '\tliggghts\tliggghts_ratio\tliggghts_min\tliggghts_max\n'
 for n in $(printf '%s\n' $settled $flowing | sort -un); do
     settle "$n"

@@ -14,7 +14,7 @@ joined() {
     local i
     settle 100000
     {
-        printf '# x\ty\tr\n'
+        printf 'x\ty\tr\n'
         for i in $(seq 0 9); do
             columns x y r <settled_100000.tsv |
                 awk -v i="$i" -v W="$(width 100000)" '{ printf "%.17g\t%s\t%s\n", (i % 2 ? W * (i + 1) - $1 : W * i + $1), $2, $3 }'
@@ -37,7 +37,7 @@ scaling() { # sizes
             xargs printf '# exponent: %.3f (of the time of a step at rest)\n'
     fi
     printf '# units: \t1e6/s\t1/grain\t1/grain\tB/grain\t1e6/s\n'
-    printf '# grains\tsettled\tcontacts\tpairs\tbytes\tflowing\n'
+    printf 'grains\tsettled\tcontacts\tpairs\tbytes\tflowing\n'
     cat scaling.rows
 }
 
@@ -62,7 +62,7 @@ S
     echo "$(cut -f 1 workers.rows | sort -g | head -1) $(cut -f 2 workers.rows | sort -g | head -1)" |
         awk '{ printf "# shortest: %.3g s by one, %.3g s by two, efficiency %.3f\n", $1, $2, $1 / (2 * $2) }'
     printf '# units: s\ts\t\t\n'
-    printf '# one\ttwo\tefficiency\tbusy\n'
+    printf 'one\ttwo\tefficiency\tbusy\n'
     cat workers.rows
 }
 
