@@ -1202,14 +1202,17 @@ static void test_output_folder(void)
     CU_ASSERT(t.n_rows == 1);
     rp_table_free(&t);
     t = read_table("new/d/contacts.tsv");
-    CU_ASSERT(t.n_rows == 1);
-    CHECK_NEAR(cell(&t, 0, "id_a"), 1.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "wall"), 1.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "normal_force"), weight, relative * weight);
+    CU_ASSERT(t.n_rows == 3);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
+        CHECK_NEAR(cell(&t, i, "id_a"), 1.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "wall"), 1.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
+    }
     rp_table_free(&t);
     t = read_table("new/d/walls.tsv");
-    CU_ASSERT(t.n_rows == 1);
-    CHECK_NEAR(cell(&t, 0, "fy"), -weight, relative * weight);
+    CU_ASSERT(t.n_rows == 3);
+    CHECK_NEAR(cell(&t, 2, "fy"), -weight, relative * weight);
     rp_table_free(&t);
     t = read_table("new/d/energy.tsv");
     CU_ASSERT(t.n_rows == 3);

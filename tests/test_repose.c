@@ -70,8 +70,9 @@ static const char *path_of(const char *name)
 
 static void clean(void)
 {
-    static const char *const files[] = {"filled_grains.tsv", "filled_contacts.tsv", "pile_grains.tsv",
-                                        "pile_contacts.tsv", "scene.cfg",           "energy.tsv"};
+    static const char *const files[] = {"filled_grains.tsv", "filled_contacts.tsv", "filled_walls.tsv",
+                                        "pile_grains.tsv",   "pile_contacts.tsv",   "pile_walls.tsv",
+                                        "scene.cfg",         "energy.tsv"};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) unlink(path_of(files[i]));
     CU_ASSERT(rmdir(folder) == 0);
 }

@@ -224,6 +224,23 @@ static void check_energy(checked *e, checked *s, const sums *sum)
     NEAR_RELATIVE(at(e, last, "elastic"), sum->elastic, RELATIVE);
 }
 
+/* Each frame has the contacts that its states count, at the centres that they have. */
+static void check_frames(checked *c, checked *s)
+{
+    int count[(STEPS + 1) * GRAINS] = {0};
+    for (size_t row = 0; row < c->t.n_rows; row++) {
+        const long step = lround(at(c, row, "step"));
+        CU_ASSERT_FATAL(step >= 0 && step <= STEPS);
+        const size_t a = row_of(step, at(c, row, "id_a"));
+        CHECK_NEAR(at(c, row, "t"), at(s, a, "t"), 0.0);
+        CHECK_NEAR(at(c, row, "x"), at(s, a, "x"), 0.0);
+        CHECK_NEAR(at(c, row, "y"), at(s, a, "y"), 0.0);
+        count[a]++;
+        if (at(c, row, "id_b") > 0.0) count[row_of(step, at(c, row, "id_b"))]++;
+    }
+    for (size_t row = 0; row < s->t.n_rows; row++) CHECK_NEAR(at(s, row, "contacts"), count[row], 0.0);
+}
+
 static void test_scene(void)
 {
     const double dt = 1e-5;
@@ -234,20 +251,65 @@ static void test_scene(void)
     checked s = checked_read("d/states.tsv"), c = checked_read("d/contacts.tsv"),
             w = checked_read("d/walls.tsv"), e = checked_read("d/energy.tsv");
     CU_ASSERT_FATAL(s.t.n_rows == (STEPS + 1) * GRAINS);
-    CU_ASSERT(c.t.n_rows == 5); /* 1-2, 1-3, and three with walls */
-    for (size_t row = 0; row < c.t.n_rows; row++) check_contact(&c, row, &s, dt, &sum);
+    check_frames(&c, &s);
+    const size_t end = c.t.n_rows - 5; /* 1-2, 1-3, and three with walls */
+    CU_ASSERT(at(&c, end, "step") == STEPS && at(&c, end - 1, "step") == STEPS - 1);
+    for (size_t row = end; row < c.t.n_rows; row++) check_contact(&c, row, &s, dt, &sum);
     check_states(&s, &sum, dt);
     check_energy(&e, &s, &sum);
-    CU_ASSERT(w.t.n_rows == 2);
-    for (size_t k = 0; k < 2; k++) {
-        CHECK_NEAR(at(&w, k, "wall"), (double)k + 1.0, 0.0);
-        NEAR_RELATIVE(at(&w, k, "fx"), sum.wall[k + 1][0], RELATIVE);
-        NEAR_RELATIVE(at(&w, k, "fy"), sum.wall[k + 1][1], RELATIVE);
+    CU_ASSERT(w.t.n_rows == 2 * (STEPS + 1));
+    for (size_t row = 0; row < w.t.n_rows; row++) {
+        const int wall = 1 + (int)(row % 2);
+        CHECK_NEAR(at(&w, row, "step"), (double)(row / 2), 0.0);
+        CHECK_NEAR(at(&w, row, "t"), (double)(row / 2) * dt, 1e-15);
+        CHECK_NEAR(at(&w, row, "wall"), wall, 0.0);
+        CHECK_NEAR(at(&w, row, "x"), 0.0, 0.0);
+        CHECK_NEAR(at(&w, row, "y"), 0.0, 0.0);
+        CHECK_NEAR(at(&w, row, "direction_x"), coefficients[wall].nx, 0.0);
+        CHECK_NEAR(at(&w, row, "direction_y"), coefficients[wall].ny, 0.0);
+        CU_ASSERT(at(&w, row, "from") == -INFINITY && at(&w, row, "to") == INFINITY);
+        if (row / 2 < STEPS) continue;
+        NEAR_RELATIVE(at(&w, row, "fx"), sum.wall[wall][0], RELATIVE);
+        NEAR_RELATIVE(at(&w, row, "fy"), sum.wall[wall][1], RELATIVE);
     }
     checked_end(&s);
     checked_end(&c);
     checked_end(&w);
     checked_end(&e);
+    leave();
+}
+
+/* Walls where they are in each frame: one rises at 20 cm/s from step 40, one vanishes at step 60, and all
+ * turn with the box. An open wall ends where it begins. */
+static void test_walls(void)
+{
+    const double dt = 5e-5, turn = 0.01 * M_PI / 180.0;
+    enter();
+    write_text(
+        "scene.cfg",
+        "dt = 5.0e-5; steps = 100; box_turn_deg_per_step = 0.01;\n"
+        "walls = ( { point = [3.0, 0.5]; direction = [-1.0, 0.0]; extent = [-0.5, 9.0]; open_at_step = 40; "
+        "open_speed = 20.0; },\n"
+        "  { point = [0.0, 0.0]; direction = [0.6, 0.8]; extent = [-2.0, 2.5]; open_at_step = 60; } );\n"
+        "particles = ( { x = 0.0; y = 5.0; r = 0.1; } );\n");
+    GOOD("run scene.cfg --every 20 -o d");
+    rp_table w = read_table("d/walls.tsv");
+    CU_ASSERT_FATAL(w.n_rows == 12);
+    for (size_t row = 0; row < w.n_rows; row++) {
+        const double step = 20.0 * (double)(row / 2), c = cos(turn * step), s = sin(turn * step);
+        const bool first = row % 2 == 0, vanished = !first && step >= 60.0;
+        const double px = first ? 3.0 : 0.0, py = first ? 0.5 : 0.0, nx = first ? -1.0 : 0.6,
+                     ny = first ? 0.0 : 0.8;
+        CHECK_NEAR(cell(&w, row, "step"), step, 0.0);
+        CHECK_NEAR(cell(&w, row, "x"), c * px + s * py, 1e-13);
+        CHECK_NEAR(cell(&w, row, "y"), c * py - s * px, 1e-13);
+        CHECK_NEAR(cell(&w, row, "direction_x"), c * nx + s * ny, 1e-13);
+        CHECK_NEAR(cell(&w, row, "direction_y"), c * ny - s * nx, 1e-13);
+        CHECK_NEAR(cell(&w, row, "from"),
+                   first ? -0.5 + 20.0 * dt * fmax(step - 40.0, 0.0) : (vanished ? 2.5 : -2.0), 1e-13);
+        CHECK_NEAR(cell(&w, row, "to"), first ? 9.0 : 2.5, 0.0);
+    }
+    rp_table_free(&w);
     leave();
 }
 
@@ -257,8 +319,8 @@ static void test_units(void)
     static const struct {
         const char *table, *units;
     } lists[] = {{"d/states.tsv", "1\ts\t1\tcm\tcm\trad\tcm/s\tcm/s\trad/s\tdyn\tdyn\tcm\tg\t1"},
-                 {"d/contacts.tsv", "1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
-                 {"d/walls.tsv", "1\tdyn\tdyn"},
+                 {"d/contacts.tsv", "1\ts\t1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
+                 {"d/walls.tsv", "1\ts\t1\tcm\tcm\t1\t1\tcm\tcm\tdyn\tdyn"},
                  {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};
     enter();
     write_scene("");
@@ -858,6 +920,7 @@ static void test_fits(void)
 void suite_tables(void)
 {
     static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
+                                       {"walls that open and turn", test_walls},
                                        {"units", test_units},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},

@@ -18,7 +18,7 @@
 #define RUN_OPTIONS(X)                                                                                       \
     X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval of the states (of a sweep's run: energies) written; auto: the final state (energies: 100)")  \
+      "interval of the frames (of a sweep's run: energies) written; auto: the final frame (energies: 100)")  \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
@@ -32,7 +32,6 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
     long steps, every, snapshot;
-    size_t n_walls;
     bool ledger;
     XXH128_hash_t scene;
     char command[4096];
@@ -61,11 +60,13 @@ typedef struct {
 typedef struct {
     sweep_tables tables; /* no folder: standard output */
     bool resumable;      /* the growing tables are in `unfinished` */
-    sweep_file states, energy;
+    sweep_file file[CLI_GROWING];
     cli_unfinished unfinished;
 } outputs;
 
-static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv"};
+/* Every table gets rows of each frame. */
+enum { STATES, ENERGY, CONTACTS, WALLS };
+static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
 
 static uint64_t layout(void)
 {
@@ -82,8 +83,7 @@ static void keep_run(rp_snapshot *s, void *context)
 
 static void take_growing(outputs *o)
 {
-    o->states.out = o->unfinished.table[0].file;
-    o->energy.out = o->unfinished.table[1].file;
+    for (int k = 0; k < CLI_GROWING; k++) o->file[k].out = o->unfinished.table[k].file;
 }
 
 /* The growing tables, with the first lines of all tables. */
@@ -91,14 +91,14 @@ static rp_status open_growing(outputs *o)
 {
     rp_status status = rp_make_directory(o->tables.directory);
     if (!o->resumable) {
-        if (!status) status = sweep_table_open(&o->tables, growing[0], &o->states);
-        return status ? status : sweep_table_open(&o->tables, growing[1], &o->energy);
+        for (int k = 0; k < CLI_GROWING && !status; k++)
+            status = sweep_table_open(&o->tables, growing[k], &o->file[k]);
+        return status;
     }
     if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
     if (status) return status;
     take_growing(o);
-    cli_provenance(o->states.out);
-    cli_provenance(o->energy.out);
+    for (int k = 0; k < CLI_GROWING; k++) cli_provenance(o->file[k].out);
     return RP_OK;
 }
 
@@ -107,67 +107,44 @@ static rp_status outputs_open(outputs *o, const scene_run *r)
     if (*o->tables.directory) {
         rp_status status = open_growing(o);
         if (status) return status;
-        dem_write_energy_columns(r->plan.ledger, o->energy.out);
+        dem_write_energy_columns(r->plan.ledger, o->file[ENERGY].out);
+        dem_write_contact_columns(o->file[CONTACTS].out);
+        dem_write_wall_columns(o->file[WALLS].out);
     } else {
-        o->states = (sweep_file){"-", stdout};
+        o->file[STATES] = (sweep_file){"-", stdout};
         cli_provenance(stdout);
     }
-    dem_write_notes(r->sim, o->states.out);
-    dem_write_state_columns(o->states.out);
+    dem_write_notes(r->sim, o->file[STATES].out);
+    dem_write_state_columns(o->file[STATES].out);
     return RP_OK;
 }
 
 static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    if (o->energy.out) dem_write_energy(sim, o->energy.out);
-    return dem_write_states(sim, o->states.out);
+    rp_status status = dem_write_states(sim, o->file[STATES].out);
+    if (status || !*o->tables.directory) return status;
+    dem_write_energy(sim, o->file[ENERGY].out);
+    status = dem_write_contacts(sim, o->file[CONTACTS].out);
+    return status ? status : dem_write_walls(sim, o->file[WALLS].out);
 }
 
-static rp_status write_contacts(const sweep_tables *tables, const dem_sim *sim)
+/* Unless the run is whole, its tables say so in their last line. No table stays after one that failed. */
+static rp_status close_table(const sweep_file *file, const char *unfinished, rp_status before)
 {
-    sweep_file file;
-    rp_status status = sweep_table_open(tables, "contacts.tsv", &file);
-    return status ? status : sweep_table_close(&file, dem_write_contacts(sim, file.out));
-}
-
-static rp_status write_walls(const sweep_tables *tables, size_t n_walls, const dem_sim *sim)
-{
-    double forces[2 * DEM_MAX_WALLS];
-    sweep_file file;
-    rp_status status = sweep_table_open(tables, "walls.tsv", &file);
-    if (status) return status;
-    dem_wall_forces(sim, forces);
-    rp_table_header(file.out, "wall, fx [dyn], fy [dyn]");
-    for (size_t w = 0; w < n_walls; w++)
-        rp_table_row(file.out, 3, (double[]){(double)w + 1.0, forces[2 * w], forces[2 * w + 1]});
-    return sweep_table_close(&file, RP_OK);
-}
-
-/* Unless the run is whole, its tables say so in their last line. */
-static rp_status close_table(const sweep_file *file, rp_status run)
-{
-    if (run) rp_table_note(file->out, "unfinished", "%s", rp_message());
-    return sweep_table_close(file, RP_OK);
+    if (unfinished) rp_table_note(file->out, "unfinished", "%s", unfinished);
+    const rp_status status = sweep_table_close(file, before);
+    return before ? before : status;
 }
 
 /* What was computed before a failure is kept, apart from what was there. */
-static rp_status outputs_close(outputs *o, const scene_run *r, rp_status run)
+static rp_status outputs_close(outputs *o, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
-    const bool grown = o->states.out && !o->resumable,
-               all = *o->tables.directory && o->states.out && (!run || grown);
-    rp_status status = grown ? close_table(&o->states, run) : RP_OK,
-              closed = grown && o->energy.out ? close_table(&o->energy, run) : RP_OK;
-    if (!status) status = closed;
-    char folder[4096];
-    sweep_tables tables = o->tables;
-    snprintf(folder, sizeof folder, "%s/unfinished", tables.directory);
-    if (o->resumable) tables.directory = folder;
-    if (!status && all) status = write_contacts(&tables, r->sim);
-    if (!status && all) status = write_walls(&tables, r->plan.n_walls, r->sim);
-    static const char *const others[] = {"contacts.tsv", "walls.tsv", NULL};
-    if (!status && all && o->resumable) status = cli_unfinished_finish(&o->unfinished, others);
+    rp_status status = RP_OK;
+    for (int k = 0; k < CLI_GROWING && !o->resumable; k++)
+        if (o->file[k].out) status = close_table(&o->file[k], run ? why : NULL, status);
+    if (!run && o->resumable) status = cli_unfinished_finish(&o->unfinished);
     if (o->resumable) cli_unfinished_close(&o->unfinished);
     return run ? rp_fail(run, "%s", why) : status;
 }
@@ -265,8 +242,8 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 {
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
-    if (!status) growth_report(&r->energy, r->sim, out->states.out);
-    return outputs_close(out, r, status);
+    if (!status) growth_report(&r->energy, r->sim, out->file[STATES].out);
+    return outputs_close(out, status);
 }
 
 static rp_status run_scene(scene_run *r, const char *directory)
@@ -358,7 +335,6 @@ static rp_status run_file(const char *path, const run_options *o)
     rp_status status = read_scene(path, o, &scene);
     if (!status && o->snapshot > 0) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
-    r.plan.n_walls = scene.def.n_walls;
     r.plan.ledger = scene.def.ledger;
     snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
@@ -427,8 +403,10 @@ const cli_command cmd_run = {
     "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
-    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv. `repose params scene`\n"
-    "lists the keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
+    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
+    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
+    "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
     "only a whole result replaces the one in DIR.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "

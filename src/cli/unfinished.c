@@ -194,7 +194,7 @@ static void remove_folder(const cli_unfinished *u)
     rmdir(path);
 }
 
-rp_status cli_unfinished_finish(cli_unfinished *u, const char *const others[])
+rp_status cli_unfinished_finish(cli_unfinished *u)
 {
     char path[PATH_MAX];
     rp_status status = RP_OK;
@@ -202,7 +202,6 @@ rp_status cli_unfinished_finish(cli_unfinished *u, const char *const others[])
         status = rp_table_finish(u->table[k].file, u->table[k].name);
         if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
     }
-    for (; *others && !status; others++) status = move_table(u, *others);
     for (int k = 0; k < CLI_GROWING && !status; k++) status = move_table(u, u->table[k].name);
     if (!status) status = rp_sync_folder_of(path_of(u, true, "any", path));
     if (!status) remove_folder(u);

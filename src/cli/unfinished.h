@@ -7,7 +7,7 @@
 
 #include "core/snapshot.h"
 
-enum { CLI_GROWING = 2 };
+enum { CLI_GROWING = 4 };
 
 /* A table, and the XXH3-128 of its first bytes. */
 typedef struct {
@@ -40,9 +40,8 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
 /* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);
 
-/* Move the whole tables into DIR, with others that the caller has written into DIR/unfinished (ended by
- * NULL), and remove that folder. Errors: RP_IO. */
-rp_status cli_unfinished_finish(cli_unfinished *u, const char *const others[]);
+/* Move the whole tables into DIR, and remove the folder. Errors: RP_IO. */
+rp_status cli_unfinished_finish(cli_unfinished *u);
 void cli_unfinished_close(cli_unfinished *u);
 
 /* ---- Without snapshots */

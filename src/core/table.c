@@ -435,7 +435,7 @@ rp_status rp_table_number(const rp_table *table, size_t row, int column, int mis
         return RP_OK;
     }
     *value = strtod(cell, &end);
-    if (*end || (!isfinite(*value) && !(missing_ok && isnan(*value))))
+    if (*end || (!isfinite(*value) && !missing_ok))
         return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number", table->path,
                        table->lines[row], column + 1, table->names[column] ? " " : "",
                        table->names[column] ? table->names[column] : "", cell);

@@ -312,6 +312,14 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * forces[2 * wall + 1]. */
 void dem_wall_forces(const dem_sim *sim, double *forces);
 
+/* A wall as it is now, in the laboratory frame: the line through `point` with the unit normal `direction`,
+ * between two ends along the direction turned clockwise, from the point; an infinite end has none. Nothing of
+ * an open wall is left where both ends are equal. */
+typedef struct {
+    double point[2], direction[2], ends[2], force[2];
+} dem_wall_state;
+dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);
+
 /* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that
  * turns. */
 typedef struct {

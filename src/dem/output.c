@@ -3,6 +3,7 @@
 
 #include "core/table.h"
 #include "dem/scene.h"
+#include "dem/sim.h"
 
 void dem_write_state_columns(FILE *out)
 {
@@ -25,23 +26,45 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
     return status;
 }
 
+void dem_write_contact_columns(FILE *out)
+{
+    rp_table_header(out, "step, t [s], id_a, id_b, wall, x [cm], y [cm], x_b [cm], y_b [cm], overlap [cm], "
+                         "normal_force [dyn], shear_force [dyn], shear_spring [cm], rolling_torque [dyn cm], "
+                         "rolling_spring [cm]");
+}
+
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
 {
     dem_contact *contacts;
     size_t n;
     rp_status status = dem_contacts(sim, &contacts, &n);
-    rp_table_header(out, "id_a, id_b, wall, x [cm], y [cm], x_b [cm], y_b [cm], overlap [cm], "
-                         "normal_force [dyn], shear_force [dyn], shear_spring [cm], rolling_torque [dyn cm], "
-                         "rolling_spring [cm]");
     for (size_t k = 0; !status && k < n; k++) {
         const dem_contact *c = &contacts[k];
-        rp_table_row(out, 13,
-                     (double[]){c->id_a, c->id_b, c->wall + 1, c->x, c->y, c->x_b, c->y_b, c->overlap,
-                                c->normal_force, c->shear_force, c->shear_spring, c->rolling_torque,
-                                c->rolling_spring});
+        rp_table_row(out, 15,
+                     (double[]){(double)dem_step(sim), dem_time(sim), c->id_a, c->id_b, c->wall + 1, c->x,
+                                c->y, c->x_b, c->y_b, c->overlap, c->normal_force, c->shear_force,
+                                c->shear_spring, c->rolling_torque, c->rolling_spring});
     }
     free(contacts);
     return status;
+}
+
+void dem_write_wall_columns(FILE *out)
+{
+    rp_table_header(out, "step, t [s], wall, x [cm], y [cm], direction_x, direction_y, from [cm], to [cm], "
+                         "fx [dyn], fy [dyn]");
+}
+
+rp_status dem_write_walls(const dem_sim *sim, FILE *out)
+{
+    for (size_t k = 0; k < sim->def.n_walls; k++) {
+        const dem_wall_state w = dem_wall_now(sim, k);
+        rp_table_row(out, 11,
+                     (double[]){(double)dem_step(sim), dem_time(sim), (double)k + 1.0, w.point[0], w.point[1],
+                                w.direction[0], w.direction[1], w.ends[0], w.ends[1], w.force[0],
+                                w.force[1]});
+    }
+    return RP_OK;
 }
 
 /* Columns without a ledger, and its own. */

@@ -40,9 +40,15 @@ extern const dem_scene_group dem_scene_schemas[];
 void dem_write_state_columns(FILE *out);
 rp_status dem_write_states(const dem_sim *sim, FILE *out);
 
-/* Table of all contacts: id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring
- * rolling_torque rolling_spring. */
+/* Table rows: step t id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque
+ * rolling_spring, of all contacts. */
+void dem_write_contact_columns(FILE *out);
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
+
+/* Table rows: step t wall x y direction_x direction_y from to fx fy, of all walls, as dem_wall_now has them.
+ */
+void dem_write_wall_columns(FILE *out);
+rp_status dem_write_walls(const dem_sim *sim, FILE *out); /* RP_OK */
 
 /* Table rows: step t grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the
  * origin; kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. */

@@ -100,6 +100,23 @@ void dem_walls_turn(dem_sim *sim)
     }
 }
 
+dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
+{
+    const dem_wall *w = &sim->def.walls[wall];
+    const dem_vec point = sim->walls.line[wall].point, direction = sim->walls.line[wall].direction,
+                  force = sim->walls.force[wall];
+    double lo = w->extent[0];
+    const double hi = w->extent[1];
+    if (w->open_at_step >= 0 && sim->step >= w->open_at_step)
+        lo = isinf(w->open_speed)
+                 ? hi
+                 : fmin(lo + w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step), hi);
+    return (dem_wall_state){.point = {point[0], point[1]},
+                            .direction = {direction[0], direction[1]},
+                            .ends = {lo, hi},
+                            .force = {force[0], force[1]}};
+}
+
 bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
                     dem_vec *velocity)
 {

@@ -264,17 +264,24 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
 
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
 {
-    char name[64];
-    sweep_file f;
-    if (!tables) return RP_OK;
-    snprintf(name, sizeof name, "%s_grains.tsv", stage);
-    rp_status status = sweep_table_open(tables, name, &f);
-    if (status) return status;
-    dem_write_state_columns(f.out);
-    status = sweep_table_close(&f, dem_write_states(sim, f.out));
-    snprintf(name, sizeof name, "%s_contacts.tsv", stage);
-    if (!status) status = sweep_table_open(tables, name, &f);
-    return status ? status : sweep_table_close(&f, dem_write_contacts(sim, f.out));
+    static const struct {
+        const char *name;
+        void (*columns)(FILE *);
+        rp_status (*rows)(const dem_sim *, FILE *);
+    } list[] = {{"grains", dem_write_state_columns, dem_write_states},
+                {"contacts", dem_write_contact_columns, dem_write_contacts},
+                {"walls", dem_write_wall_columns, dem_write_walls}};
+    rp_status status = RP_OK;
+    for (size_t i = 0; tables && i < sizeof list / sizeof *list && !status; i++) {
+        char name[64];
+        sweep_file f;
+        snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
+        status = sweep_table_open(tables, name, &f);
+        if (status) return status;
+        list[i].columns(f.out);
+        status = sweep_table_close(&f, list[i].rows(sim, f.out));
+    }
+    return status;
 }
 
 static long count_grains(const sweep_box *box)

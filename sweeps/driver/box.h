@@ -155,7 +155,8 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
-/* Tables <stage>_grains.tsv and <stage>_contacts.tsv of the present state; none if `tables` is NULL. */
+/* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
+ * `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
 /* Check a box that is filled from W x 2 H: by N grains, or for N < 1 by as many as W H holds squares of the
