@@ -129,7 +129,7 @@ class Frame:
 def _by_step(table):
     """Tables of the rows with equal steps, by step, in order."""
     parts = {}
-    if table and len(table):
+    if table is not None and len(table):
         k = table.names.index("step")
         for row in table.rows:
             parts.setdefault(float(row[k]), []).append(row)
@@ -147,7 +147,7 @@ def read_frames(folder):
 
     def at(name, step):
         table = tables[name]
-        return parts[name].get(step, Table(table.names, [], table.units, table.notes)) if table else None
+        return parts[name].get(step, Table(table.names, [], table.units, table.notes)) if table is not None else None
 
     return [Frame(int(step), grains["t"][0], grains, at("contacts", step), at("walls", step))
             for step, grains in parts["states"].items()]

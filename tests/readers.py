@@ -93,7 +93,7 @@ def light_dump(states, contacts):
     for name in ("pile.lammpstrj", "pile.contacts.lammpstrj"):
         assert gzip.open(name + ".gz", "rt").read() == open(name).read(), name + ".gz"
     few = dump_frames("few.lammpstrj")
-    assert [f[0] for f in few] == [s for s in states if s >= 200], "--where"
+    assert [f[0] for f in few] == [s for s in states if s >= 500], "--where"
     assert list(few[0][3][0]) == ["id", "type", "x", "y", "z", "radius", "contacts"], "--columns"
 
 
@@ -185,7 +185,7 @@ def check_vtk(states, contacts, walls, read):
 
 
 def light_tables():
-    expected = table("out/states.tsv")
+    expected = table("pile/states.tsv")
     rows = list(csv.reader(open("pile.csv", newline="")))
     assert rows[0] == list(expected[0]) and rows[1:] == [list(row.values()) for row in expected], "csv"
     pile = json.load(open("pile.json"))
@@ -199,8 +199,8 @@ def light_tables():
 
 
 def light():
-    states, contacts, walls = (frames(f"out/{name}.tsv") for name in ("states", "contacts", "walls"))
-    assert len(states) == 5 and len(contacts) < 5 and len({len(rows) for rows in states.values()}) > 1, "the scene"
+    states, contacts, walls = (frames(f"pile/{name}.tsv") for name in ("states", "contacts", "walls"))
+    assert len(states) == 5 and 0 < len(contacts) < 5 and len({len(rows) for rows in states.values()}) > 1, "the scene"
     light_dump(states, contacts)
     light_xyz(states)
     check_vtk(states, contacts, walls, vtp)
@@ -214,10 +214,10 @@ def sweep():
     assert len(rows) == len(expected) == 4
     for row, wanted in zip(rows, expected):
         assert all(row[name] == cell for name, cell in wanted.items()), "a run"
-        assert float(row["W"]) == 0.8 and row["floor"] and len(row) > len(wanted), "parameters"
+        assert float(row["W"]) == 1 and row["floor"] and len(row) > len(wanted), "parameters"
     points = json.load(open("points.json"))["rows"]
     assert [p["mu"] for p in points] == [0.1, 0.3] and all(p["n"] + p["n_failed"] == 2 for p in points)
-    assert all(p["W"] == 0.8 for p in points)
+    assert all(p["W"] == 1 for p in points)
 
 
 # ---- other programs
@@ -238,21 +238,21 @@ def vtk():
         arrays = {}
         for k in range(data.GetNumberOfArrays()):
             values = vtk_to_numpy(data.GetArray(k))
-            arrays[data.GetArrayName(k)] = values.reshape(len(values), -1).tolist()
+            arrays[data.GetArrayName(k)] = values.reshape(len(values), -1).tolist() if len(values) else []
         return points, cells, arrays
 
-    check_vtk(*(frames(f"out/{name}.tsv") for name in ("states", "contacts", "walls")), read)
+    check_vtk(*(frames(f"pile/{name}.tsv") for name in ("states", "contacts", "walls")), read)
 
 
 def pandas():
     import pandas
 
-    expected = table("out/states.tsv")
+    expected = table("pile/states.tsv")
     for found in (pandas.read_csv("pile.csv"), pandas.DataFrame(json.load(open("pile.json"))["rows"])):
         assert list(found.columns) == list(expected[0]) and len(found) == len(expected)
         for name in found.columns:
-            # read_csv is off by the last bit at times; round_trip below is not
-            assert all(abs(a - number(row[name])) <= 1e-15 * abs(a) for a, row in zip(found[name], expected)), name
+            # the fast parser of read_csv is off by up to 3e-13 here; round_trip below is not
+            assert all(abs(a - number(row[name])) <= 1e-12 * abs(a) for a, row in zip(found[name], expected)), name
     exact = pandas.read_csv("pile.csv", float_precision="round_trip")
     assert all(exact[name][i] == number(row[name]) for i, row in enumerate(expected) for name in row)
     words = pandas.read_csv("words.csv")
@@ -260,7 +260,7 @@ def pandas():
     import_repose()
     import repose
 
-    frame = repose.read_frames("out")[-1].grains.dataframe()
+    frame = repose.read_frames("pile")[-1].grains.dataframe()
     assert list(frame.columns) == list(expected[0]) and frame["x"].iloc[-1] == float(expected[-1]["x"])
 
 
@@ -277,20 +277,20 @@ def lmp(text):
 
 def lammps():
     """read_dump of every frame, written again; and rerun, which takes them in turn."""
-    states = frames("out/states.tsv")
+    states = frames("pile/states.tsv")
     first, last = list(states)[0], list(states)[-1]
     text = ("units lj\ndimension 2\natom_style sphere\natom_modify map array\nboundary f f p\n"
             "region all block -99 99 -99 99 -1 1\ncreate_box 1 all\npair_style zero 1.0\npair_coeff * *\n")
     for step in states:
-        text += (f"read_dump pile.lammpstrj {step} x y z vx vy vz radius box yes trim yes replace yes add keep\n"
-                 f"write_dump all custom again.{step} id x y vx vy radius modify sort id format float %.17g\n")
+        text += (f"read_dump pile.lammpstrj {step} x y vx vy box yes purge yes replace no add keep\n"
+                 f"write_dump all custom again.{step} id x y vx vy modify sort id format float %.17g\n")
     text += (f"thermo_style custom step atoms\nthermo 1\n"
-             f"rerun pile.lammpstrj first {first} last {last} dump x y z box yes trim yes replace yes add keep\n")
+             f"rerun pile.lammpstrj first {first} last {last} dump x y box yes purge yes replace no add keep\n")
     said = lmp(text)
     for step, expected in states.items():
         lines = open(f"again.{step}").read().split("\n")
         at = next(i for i, line in enumerate(lines) if line.startswith("ITEM: ATOMS"))
-        names = ["id", "x", "y", "vx", "vy", "r"]
+        names = ["id", "x", "y", "vx", "vy"]
         rows = [dict(zip(names, map(float, line.split()))) for line in lines[at + 1:] if line]
         same_rows(rows, sorted(expected, key=lambda row: row["id"]), f"read_dump, step {step}")
     thermo = [line.split() for line in said[said.index("Step Atoms"):].split("\n")[1:1 + len(states)]]
@@ -331,8 +331,8 @@ def package():
     import_repose()
     import repose
 
-    states, contacts, walls = (frames(f"out/{name}.tsv") for name in ("states", "contacts", "walls"))
-    found = repose.read_frames("out")
+    states, contacts, walls = (frames(f"pile/{name}.tsv") for name in ("states", "contacts", "walls"))
+    found = repose.read_frames("pile")
     assert [f.step for f in found] == list(states)
     for frame in found:
         for part, expected in ((frame.grains, states), (frame.contacts, contacts), (frame.walls, walls)):
@@ -341,14 +341,14 @@ def package():
             same_rows([dict(zip(part.names, map(number, row))) for row in part.rows], rows, "a frame")
         same(frame.t, states[frame.step][0]["t"], "t")
     assert found[0].grains.units["vx"] not in ("", "1") and found[0].grains.notes["program"].startswith("repose")
-    again = repose.run("scene.cfg", "again", every=100, set={"tangential.mu": 0.1, "ledger": True})
+    again = repose.run("scene.cfg", "again", every=250, set={"tangential.mu": 0.1, "ledger": True})
     assert [f.step for f in again] == list(states)
     assert any(a != b for a, b in zip(again[-1].grains["x"], found[-1].grains["x"])), "set"
     runs, expected = repose.sweep("sweep.cfg", "s", workers=1), table("runs.tsv")
     assert list(runs["status"]) == [row["status"] for row in expected]
     assert [float(v) for v in runs["theta_r3_deg"]] == [number(row["theta_r3_deg"]) for row in expected] or any(
         v != v for v in runs["theta_r3_deg"])
-    assert list(runs["mu"]) == [0.1, 0.1, 0.3, 0.3] and list(runs["W"]) == 4 * [0.8]
+    assert list(runs["mu"]) == [0.1, 0.1, 0.3, 0.3] and list(runs["W"]) == 4 * [1]
     assert len(runs.where("mu", 0.3)) == 2
     tilt = repose.command("angle", "tilt", "--mu", 0.2, "--theta-r-deg", 18)
     assert abs(tilt["theta_t_deg"][0] - 4.834) < 1e-3 and tilt["status"] == ["ok"]

@@ -20,10 +20,11 @@ static void write_values(const cli_run_frames *run, size_t row, FILE *out)
 /* Head of a frame of `n` atoms or entries: box of all frames, open in x and y. */
 static void write_head(const cli_run_frames *run, size_t frame, const char *of, size_t n, FILE *out)
 {
-    fprintf(out, "ITEM: TIME\n%.17g\nITEM: TIMESTEP\n%.0f\nITEM: NUMBER OF %s\n%zu\n",
-            cli_frame_time(run, frame), cli_frame_step(run, frame), of, n);
-    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%.17g %.17g\n%.17g %.17g\n%.17g %.17g\n", run->box[0][0],
-            run->box[0][1], run->box[1][0], run->box[1][1], -run->largest, run->largest);
+    fprintf(out, "ITEM: TIME\n%s\nITEM: TIMESTEP\n%.0f\nITEM: NUMBER OF %s\n%zu\n",
+            CLI_SHORT(cli_frame_time(run, frame)), cli_frame_step(run, frame), of, n);
+    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", CLI_SHORT(run->box[0][0]),
+            CLI_SHORT(run->box[0][1]), CLI_SHORT(run->box[1][0]), CLI_SHORT(run->box[1][1]),
+            CLI_SHORT(-run->largest), CLI_SHORT(run->largest));
 }
 
 static rp_status write_grains(const cli_run_frames *run, const char *path)
@@ -89,7 +90,7 @@ rp_status cli_export_xyz(const cli_run_frames *run, const char *path)
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);
         for (size_t f = 0; f < run->n_fields; f++)
             fprintf(e.out, ":%s:R:%d", run->fields[f].xyz, run->fields[f].column[1] < 0 ? 1 : 3);
-        fprintf(e.out, " Time=%.17g step=%.0f pbc=\"F F F\"\n", cli_frame_time(run, k),
+        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", CLI_SHORT(cli_frame_time(run, k)),
                 cli_frame_step(run, k));
         for (size_t i = first; i < end; i++) {
             cli_frame_id(run, k, i, e.out);

@@ -9,8 +9,8 @@
 #include "dem/definition.h"
 #include "dem/scene.h"
 
-/* Hertz' k_n is the same for all radii here, and grows as sqrt(R_eff) in LAMMPS: each radius is a type, and for
- * walls a group, of which LAMMPS has 32. */
+/* Hertz' k_n is the same for all radii here, and grows as sqrt(R_eff) in LAMMPS: each radius is a type, and
+ * for walls a group, of which LAMMPS has 32. */
 enum { MOST_TYPES = 24 };
 
 typedef struct {
@@ -43,7 +43,7 @@ static rp_status check_walls(const dem_definition *def)
     for (size_t w = 0; w < def->n_walls && !status; w++) {
         const dem_wall *wall = &def->walls[w];
         char name[32];
-        snprintf(name, sizeof name, "walls[%zu].", w);
+        snprintf(name, sizeof name, "wall %zu: ", w + 1);
         if (isfinite(wall->extent[0]) || isfinite(wall->extent[1]))
             status = rp_fail(RP_BAD_INPUT, "%sextent: LAMMPS has whole planes only", name);
         else if (wall->open_at_step >= 0)
@@ -153,16 +153,18 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
 {
     fprintf(out, "# %s, written by repose export; columns: id type diameter density x y z\n\n", scene);
     fprintf(out, "%zu atoms\n%zu atom types\n", s->n, s->n_types);
-    fprintf(out, "%.17g %.17g xlo xhi\n%.17g %.17g ylo yhi\n%.17g %.17g zlo zhi\n\nAtoms # sphere\n\n",
-            s->box[0][0], s->box[0][1], s->box[1][0], s->box[1][1], -s->largest, s->largest);
+    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n", CLI_SHORT(s->box[0][0]),
+            CLI_SHORT(s->box[0][1]), CLI_SHORT(s->box[1][0]), CLI_SHORT(s->box[1][1]), CLI_SHORT(-s->largest),
+            CLI_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        fprintf(out, "%u %zu %.17g %.17g %.17g %.17g 0\n", p->id, type_of(s, p->r), 2.0 * p->r,
-                p->m / dem_mass(DEM_SPHERE, 1.0, p->r), p->x, p->y);
+        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type_of(s, p->r), CLI_SHORT(2.0 * p->r),
+                CLI_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), CLI_SHORT(p->x), CLI_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
     for (size_t i = 0; i < s->n; i++)
-        fprintf(out, "%u %.17g %.17g 0 0 0 0\n", s->grains[i].id, s->grains[i].vx, s->grains[i].vy);
+        fprintf(out, "%u %s %s 0 0 0 0\n", s->grains[i].id, CLI_SHORT(s->grains[i].vx),
+                CLI_SHORT(s->grains[i].vy));
 }
 
 /* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
@@ -170,12 +172,14 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
 {
     const bool hertz = def->normal == DEM_HERTZ;
     const double damping = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0;
-    fprintf(out, "%s %.17g %.17g tangential ", hertz ? "hertz" : "hooke",
-            hertz ? m->k_n / sqrt(r_eff) : m->k_n, m->gamma_n);
+    fprintf(out, "%s %s %s tangential ", hertz ? "hertz" : "hooke",
+            CLI_SHORT(hertz ? m->k_n / sqrt(r_eff) : m->k_n), CLI_SHORT(m->gamma_n));
     switch (def->tangential) {
     case DEM_NONE: fputs("linear_nohistory 0 0", out); break;
-    case DEM_SPRING: fprintf(out, "linear_history %.17g %.17g %.17g", m->k_s, damping, m->mu); break;
-    case DEM_SLIP_ROLL: fprintf(out, "linear_nohistory %.17g %.17g", damping, m->mu); break;
+    case DEM_SPRING:
+        fprintf(out, "linear_history %s %s %s", CLI_SHORT(m->k_s), CLI_SHORT(damping), CLI_SHORT(m->mu));
+        break;
+    case DEM_SLIP_ROLL: fprintf(out, "linear_nohistory %s %s", CLI_SHORT(damping), CLI_SHORT(m->mu)); break;
     }
     fprintf(out, " damping mass_velocity%s", def->tension ? "" : " limit_damping");
 }
@@ -213,8 +217,8 @@ static void write_walls(const lammps_scene *s, FILE *out)
         fprintf(out, "group type%zu type %zu\n", k + 1, k + 1);
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &def->walls[w];
-        fprintf(out, "region wall%zu plane %.17g %.17g 0 %.17g %.17g 0\n", w + 1, wall->point[0],
-                wall->point[1], wall->direction[0], wall->direction[1]);
+        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, CLI_SHORT(wall->point[0]),
+                CLI_SHORT(wall->point[1]), CLI_SHORT(wall->direction[0]), CLI_SHORT(wall->direction[1]));
         for (size_t k = 0; k < s->n_types; k++) {
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
@@ -237,7 +241,8 @@ static void write_motion(const lammps_scene *s, FILE *out)
     if (any) fputs("fix hold fixed freeze\n", out);
     fputs(any ? "group mobile subtract all fixed\n" : "group mobile union all\n", out);
     if (magnitude > 0.0)
-        fprintf(out, "fix gravity mobile gravity %.17g vector %.17g %.17g 0\n", magnitude, g[0], g[1]);
+        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", CLI_SHORT(magnitude), CLI_SHORT(g[0]),
+                CLI_SHORT(g[1]));
     fputs("fix move mobile nve\nfix flat all enforce2d\n", out);
 }
 
@@ -259,8 +264,8 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
             write_law(&s->def, &s->def.material, a * b / (a + b), out);
             fputc('\n', out);
         }
-    fprintf(out, "neighbor %.17g bin\nneigh_modify every 1 delay 0 check yes\ntimestep %.17g\n\n",
-            0.5 * s->largest, s->def.dt);
+    fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
+            CLI_SHORT(0.5 * s->largest), CLI_SHORT(s->def.dt));
     write_motion(s, out);
     write_walls(s, out);
     fputs("\ndump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz\n"

@@ -136,7 +136,7 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
         }
         for (int end = 0; end < 2; end++) {
             const double s = isinf(v[4 + end]) ? reach[end] : v[4 + end];
-            fprintf(out, "%.17g %.17g 0\n", v[0] + s * tangent[0], v[1] + s * tangent[1]);
+            fprintf(out, "%s %s 0\n", CLI_SHORT(v[0] + s * tangent[0]), CLI_SHORT(v[1] + s * tangent[1]));
         }
     }
     write_line_data(p, 6, columns, out);
@@ -174,9 +174,9 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
         status = cli_export_open(path, &e);
         if (status) return status;
         status = cli_export_close(&e, parts[i].write(run, &p, e.out));
-        fprintf(collection,
-                "<DataSet timestep=\"%.17g\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                cli_frame_time(run, k), i, parts[i].name, slash ? slash + 1 : folder, parts[i].name, k);
+        fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
+                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, slash ? slash + 1 : folder,
+                parts[i].name, k);
     }
     return status;
 }

@@ -135,15 +135,21 @@ static rp_status write_columns(const table *t)
     return RP_OK;
 }
 
+/* A list of words is joined by +: commas separate the cells of other formats. */
+static void write_parameter(FILE *out, const rp_param *param, const void *values)
+{
+    char text[256];
+    rp_params_text(param, values, text, sizeof text);
+    for (char *c = text; param->type == RP_FLAGS && (c = strchr(c, ','));) *c = '+';
+    fprintf(out, "%s\t", *text ? text : "-");
+}
+
 static void write_parameters(const table *t, size_t point)
 {
     const void *values = sweep_plan_point(t->plan, point);
-    char text[256];
-    for (size_t a = 0; a < t->plan->n_axes; a++)
-        fprintf(t->out, "%s\t", rp_params_text(t->plan->axes[a].param, values, text, sizeof text));
+    for (size_t a = 0; a < t->plan->n_axes; a++) write_parameter(t->out, t->plan->axes[a].param, values);
     for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
-        if (!is_axis(t->plan, p))
-            fprintf(t->out, "%s\t", *rp_params_text(p, values, text, sizeof text) ? text : "-");
+        if (!is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
 static rp_status write_run(const sweep_row *row, void *context)
