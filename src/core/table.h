@@ -85,8 +85,8 @@ const char *rp_table_find_note(const rp_table *table, const char *key);
  * above a number. Errors: RP_BAD_INPUT (no such column, no operator, an order of words). */
 rp_status rp_table_where(rp_table *table, const char *condition);
 
-/* A cell as a number; "nan", "infinite", "inf" and "-inf" are allowed only if `missing_ok`. Errors: RP_BAD_INPUT with file,
- * line, column. */
+/* A cell as a number; "nan", "infinite", "inf" and "-inf" are allowed only if `missing_ok`. Errors:
+ * RP_BAD_INPUT with file, line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);
 
 RP_C_END
