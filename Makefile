@@ -13,8 +13,9 @@ CFLAGS  := -std=c11 -O3 -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedant
 CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
-PACKAGES := pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core clang-format
+PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
+            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core \
+            clang-format python3 python3-pandas lammps
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
@@ -34,7 +35,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check test validate mutate check-slurm check-readers asan fuzz analyze drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -53,7 +54,7 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 
 # The commit is part of every table's provenance: rebuild that one file when it changes.
 $(B)/commit: FORCE
-	@mkdir -p $(@D); c=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always --dirty 2>/dev/null || echo unknown); \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
@@ -104,6 +105,10 @@ mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures lin
 
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
 	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
+
+check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
+	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+	@REPOSE=$(REPOSE) $(B)/check export
 
 # ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.
@@ -188,6 +193,7 @@ $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
+include install.mk
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made
 	rm -rf $(B)

@@ -39,6 +39,7 @@
     X(suite_drill)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
+    X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_export)                                                                                          \
     X(suite_golden)                                                                                          \

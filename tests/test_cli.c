@@ -37,10 +37,11 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",   "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
-    "--pair ",   "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
-    "--linear ", "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--profile ",
-    "--resume ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
+    "--help ",    "--study ",  "--where ",      "--bare ",      "--set ",     "--reduce ",
+    "--base ",    "--pair ",   "--successive ", "-o ",          "--runs ",    "--missing ",
+    "--outline ", "--disks ",  "--linear ",     "--set-again ", "--summary ", "--threshold ",
+    "--map ",     "--ledger ", "--profile ",    "--resume ",    "--man ",     "--completion ",
+    "--shard ",   "--start ",  "--variants ",   "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -117,7 +118,9 @@ static void test_help(void)
         check_help(commands[i]);
     }
     GOOD("angle slope --help");
-    CU_ASSERT(strstr(out, "width W of the box, from x = 0, cm; (0, inf) (required)") != NULL);
+    CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);
+    GOOD("stress base --help");
+    CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
     GOOD("--version");
     CU_ASSERT(strncmp(out, "repose ", 7) == 0);
     CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
@@ -499,6 +502,41 @@ static void test_angles(void)
     leave();
 }
 
+/* An outline of 25 degrees in whole pixels, as traced from a photograph: every pixel, or 21 points. */
+static void test_outline(void)
+{
+    for (int step = 1; step <= 20; step += 19) {
+        char path[256];
+        path_of("outline.csv", path);
+        FILE *file = fopen(path, "w");
+        fputs("x,y\n", file);
+        for (int x = 0; x <= 400; x += step + (step > 1 && x % 3 == 0))
+            fprintf(file, "%d,%.0f\n", x, round(220.0 - tan(25.0 * deg) * x));
+        fclose(file);
+        GOOD("angle slope outline.csv --width 401");
+        rp_table t = read_table("out");
+        for (size_t i = 0; i < t.n_rows; i++) {
+            CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0, 3.0 * cell(&t, i, "theta_se_deg"));
+            CU_ASSERT(cell(&t, i, "theta_se_deg") < 1.0 &&
+                      cell(&t, i, "n_occupied") == cell(&t, i, "n_cells"));
+        }
+        rp_table_free(&t);
+    }
+    CU_ASSERT(strstr(out, " from the spacing of the points\n") != NULL);
+    FAILS(1, "sparse: ", "angle slope outline.csv --width 401 --cell 0.2");
+    CU_ASSERT(strstr(out, "\n2\tnan\tnan\tnan\t2005\t") && strstr(out, "\tsparse\n"));
+    /* half of the cells is enough */
+    write_text("outline.csv", "x y\n0.5 9\n2.5 8\n4.5 7\n6.5 6\n8.5 5\n");
+    GOOD("angle slope outline.csv --width 10 --cell 1");
+    FAILS(1, "sparse: 5 of 11 cells", "angle slope outline.csv --width 11 --cell 1");
+    /* grains: their mean diameter, by name or in the third column */
+    write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
+    GOOD("angle slope outline.csv --width 5");
+    CU_ASSERT(strstr(out, "\n# cell: 1 mean diameter of the grains\n") != NULL);
+    write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
+    FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
+}
+
 /* A pile drawn with a ruler, and points on a line. */
 static void test_angle_tables(void)
 {
@@ -517,6 +555,7 @@ static void test_angle_tables(void)
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
     FAILS(1, "occupied", "angle slope pile.tsv --width 4");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
+    test_outline();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
     GOOD("stats fit line.tsv -x mu -y theta --se se");
     t = read_table("out");

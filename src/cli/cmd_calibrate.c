@@ -140,7 +140,7 @@ static rp_status open_source(const char *sweep, const char *folder, const char *
     if (table)
         snprintf(s->path, sizeof s->path, "%s", table);
     else
-        status = run_sweep(sweep, folder, o->j, s->path);
+        status = run_sweep(cli_data(sweep), folder, o->j, s->path);
     if (!status) status = cli_table_read(s->path, &s->table);
     return status ? status : read_piles(s, o->fit);
 }

@@ -293,7 +293,7 @@ static rp_status fill_file(report *r, const char *path)
 static rp_status fill_report(void *values)
 {
     const report_options *o = values;
-    report r = {.options = o, .template = cli_argument(0)};
+    report r = {.options = o, .template = cli_data(cli_argument(0))};
     rp_status status = cli_claims_read(o->claims, &r.claims);
     if (!status && (status = rp_file_open(o->o, &r.out)) == RP_OK)
         status = rp_file_close(o->o, r.out, fill_file(&r, r.template));

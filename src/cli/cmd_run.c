@@ -390,6 +390,7 @@ static rp_status run_any(void *values)
     bool sweep;
     if (*o->resume) return resume(o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
+    path = cli_data(path);
     rp_status status = is_sweep(path, &sweep);
     if (!status && sweep && o->snapshot > 0)
         status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);

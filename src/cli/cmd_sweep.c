@@ -32,8 +32,9 @@ static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                                     sweep_protocols, cli_watch(), &counts);
+    rp_status status =
+        sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                      sweep_protocols, cli_watch(), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -247,11 +248,11 @@ static void print_summary(const char *name, const sweep_counts *counts)
     fflush(stdout); /* before what the commands of tables write */
 }
 
-static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
+static rp_status make_runs(const make_options *o, const char *file, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    rp_status status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) status = cli_sweep_run(o->o, options, &counts);
@@ -265,9 +266,10 @@ static rp_status act_make(void *values)
 {
     const make_options *o = values;
     sweep_recipe recipe;
-    rp_status status = sweep_recipe_read(cli_argument(0), &recipe);
+    const char *file = cli_data(cli_argument(0));
+    rp_status status = sweep_recipe_read(file, &recipe);
     if (!status) status = rp_make_directory(o->tables);
-    if (!status && recipe.has_runs) status = make_runs(o, &recipe);
+    if (!status && recipe.has_runs) status = make_runs(o, file, &recipe);
     for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o->tables);
     sweep_recipe_free(&recipe);
     return status;

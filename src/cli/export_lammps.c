@@ -207,6 +207,11 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
     fprintf(
         out,
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
+    if (s->def.tangential == DEM_SPRING)
+        fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
+              "the first "
+              "half step\n",
+              out);
     fprintf(out, "# Every other setting of a scene is refused by repose export.\n\n");
 }
 

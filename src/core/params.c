@@ -1,4 +1,5 @@
 /* The parameter schema; see params.h. */
+#define XXH_INLINE_ALL /* so that a program without sweeps needs no library for it */
 #include "core/params.h"
 
 #include <errno.h>
