@@ -153,7 +153,10 @@ static growth growth_of(const dem_scene *scene, const dem_sim *sim)
 {
     bool driven =
         scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
-    for (size_t w = 0; w < scene->def.n_walls; w++) driven |= scene->def.walls[w].open_at_step >= 0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
     return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
 }
 
@@ -369,7 +372,10 @@ static rp_status resume(const run_options *o)
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
     cli_on_stop(note_stop);
-    rp_status status = cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r);
+    bool done;
+    rp_status status =
+        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    if (!status && done) return RP_OK;
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
         cli_unfinished_close(&out.unfinished);
