@@ -246,8 +246,10 @@ static void test_refused(void)
         FAILS(65, refused[i].message, "export spring.cfg --to lammps-input -o a.in --set %s", refused[i].set);
     static const char *const walls[][2] = {{"extent = [0.0, 1.0];", "wall 1: extent"},
                                            {"open_at_step = 5;", "wall 1: open_at_step = 5"},
+                                           {"velocity = [0.0, 1.0];", "wall 1: velocity"},
+                                           {"omega = 1.0;", "wall 1: omega"},
                                            {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
         write_text("w.cfg",
                    "particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
                    "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; };\n"

@@ -41,14 +41,18 @@ static rp_status check_walls(const dem_definition *def)
 {
     rp_status status = RP_OK;
     for (size_t w = 0; w < def->n_walls && !status; w++) {
-        const dem_wall *wall = &def->walls[w];
+        const dem_wall *wall = &dem_walls_of(def)[w];
         char name[32];
         snprintf(name, sizeof name, "wall %zu: ", w + 1);
         if (isfinite(wall->extent[0]) || isfinite(wall->extent[1]))
-            status = rp_fail(RP_BAD_INPUT, "%sextent: LAMMPS has whole planes only", name);
+            status = rp_fail(RP_BAD_INPUT,
+                             "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
         else if (wall->open_at_step >= 0)
             status = rp_fail(RP_BAD_INPUT, "%sopen_at_step = %ld: walls of the input stay", name,
                              wall->open_at_step);
+        else if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
+            status = rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
+                             wall->omega != 0.0 ? "omega" : "velocity");
         else
             status = check_material(def, &wall->material, name);
     }
@@ -221,7 +225,7 @@ static void write_walls(const lammps_scene *s, FILE *out)
     for (size_t k = 0; k < s->n_types && s->n_types > 1 && def->n_walls > 0; k++)
         fprintf(out, "group type%zu type %zu\n", k + 1, k + 1);
     for (size_t w = 0; w < def->n_walls; w++) {
-        const dem_wall *wall = &def->walls[w];
+        const dem_wall *wall = &dem_walls_of(def)[w];
         fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, CLI_SHORT(wall->point[0]),
                 CLI_SHORT(wall->point[1]), CLI_SHORT(wall->direction[0]), CLI_SHORT(wall->direction[1]));
         for (size_t k = 0; k < s->n_types; k++) {
@@ -308,6 +312,7 @@ rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, co
         if (status) rp_prefix(status, "%s: ", scene);
     }
     if (!status) status = write_files(&s, scene, path);
+    dem_physics_free(&s.def, &s.scene.def);
     dem_scene_free(&s.scene);
     return status;
 }

@@ -43,8 +43,10 @@ rp_status cli_export_csv(const rp_table *t, size_t n, const int columns[], FILE 
 
 /* ---- JSON ---- */
 
-static rp_status no_memory(const rp_table *t)
+/* A file that cannot be written is reported when it is closed. */
+static rp_status not_written(const rp_table *t, FILE *out)
 {
+    if (ferror(out)) return RP_OK;
     return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
 }
 
@@ -102,16 +104,16 @@ rp_status cli_export_json(const rp_table *t, size_t n, const int columns[], FILE
 {
     fputs("{", out);
     if (!write_object("notes", notes_of(t), out) || !write_object("units", units_of(t, n, columns), out))
-        return no_memory(t);
+        return not_written(t, out);
     fputs("\"rows\": [", out);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) {
             char name[128];
             name_of(t, columns[c], name);
             fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
-            if (!write_value(name, out)) return no_memory(t);
+            if (!write_value(name, out)) return not_written(t, out);
             fputs(": ", out);
-            if (!write_value(cli_text(t, i, columns[c]), out)) return no_memory(t);
+            if (!write_value(cli_text(t, i, columns[c]), out)) return not_written(t, out);
             if (c + 1 == n) fputs("}", out);
         }
     fputs("\n]}\n", out);
