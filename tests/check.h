@@ -40,6 +40,7 @@
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
     X(suite_cli)                                                                                             \
+    X(suite_view)                                                                                            \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
