@@ -26,6 +26,7 @@
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_snapshot)                                                                                        \
+    X(suite_walls)                                                                                           \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
     X(suite_helpers)                                                                                         \
@@ -37,8 +38,10 @@
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
     X(suite_drill)                                                                                           \
+    X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
+    X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_view)                                                                                            \
     X(suite_golden)                                                                                          \

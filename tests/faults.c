@@ -5,13 +5,18 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <sys/types.h>
+#include <sys/vfs.h>
+#include <unistd.h>
 
 static fault ordered;
 static long calls_left; /* before the one that fails, counted from 1; 0: no order */
 static bool all_fail, failing;
 
 time_t fault_wall_clock, fault_monotonic_clock;
+void (*fault_watch)(const char *call, int file, const char *from, const char *to);
+bool fault_shared_file_system;
 
 void fault_order(fault kind, long call, bool for_good)
 {
@@ -43,12 +48,32 @@ static bool fails(fault kind)
     }
 
 CAN_FAIL(FAULT_FORK, EAGAIN, pid_t, fork, (void), ())
-CAN_FAIL(FAULT_SYNC, EIO, int, fsync, (int file), (file))
 CAN_FAIL(FAULT_SYNC, EIO, int, fdatasync, (int file), (file))
 CAN_FAIL(FAULT_WRITE, ENOSPC, ssize_t, pwrite64, (int file, const void *bytes, size_t n, off64_t at),
          (file, bytes, n, at))
 CAN_FAIL(FAULT_SEND, ENOBUFS, ssize_t, send, (int to, const void *bytes, size_t n, int flags),
          (to, bytes, n, flags))
+
+int fsync(int file)
+{
+    static int (*real)(int);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "fsync");
+    if (fault_watch) fault_watch("fsync", file, NULL, NULL);
+    return fails(FAULT_SYNC) ? (errno = EIO, -1) : real(file);
+}
+
+#define WATCHED(name, parameters, arguments, to)                                                             \
+    int name parameters                                                                                      \
+    {                                                                                                        \
+        static int(*real) parameters;                                                                        \
+        if (!real) *(void **)&real = dlsym(RTLD_NEXT, #name);                                                \
+        if (fault_watch) fault_watch(#name, -1, path, to);                                                   \
+        return real arguments;                                                                               \
+    }
+
+WATCHED(rename, (const char *path, const char *to), (path, to), to)
+WATCHED(unlink, (const char *path), (path), NULL)
+WATCHED(rmdir, (const char *path), (path), NULL)
 
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
@@ -57,6 +82,15 @@ int clock_gettime(clockid_t clock, struct timespec *t)
     const int result = real(clock, t);
     if (clock == CLOCK_REALTIME) t->tv_sec += fault_wall_clock;
     if (clock == CLOCK_MONOTONIC) t->tv_sec += fault_monotonic_clock;
+    return result;
+}
+
+int statfs(const char *path, struct statfs *info)
+{
+    static int (*real)(const char *, struct statfs *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "statfs");
+    const int result = real(path, info);
+    if (fault_shared_file_system) info->f_type = 0x6969;
     return result;
 }
 

@@ -17,4 +17,10 @@ bool fault_possible(fault kind);
 /* By which the clocks are wrong, s. */
 extern time_t fault_wall_clock, fault_monotonic_clock;
 
+/* Called before each fsync (of a file), rename (from, to), unlink and rmdir (from). */
+extern void (*fault_watch)(const char *call, int file, const char *from, const char *to);
+
+/* Every file system is said to be one of several machines (NFS). */
+extern bool fault_shared_file_system;
+
 #endif

@@ -36,6 +36,7 @@ void enter(void)
         leave();
         CU_FAIL_FATAL("no program; REPOSE=path of the program");
     }
+    setenv("REPOSE_DATA", folder, 1); /* no file of the source by chance */
 }
 
 void path_of(const char *name, char path[256])

@@ -9,6 +9,7 @@
 #include <ftw.h>
 #include <gsl/gsl_rng.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -18,6 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "sweeps/driver/sweep.h"
@@ -26,15 +28,17 @@
 
 /* ---- A protocol that misbehaves, and its sweep */
 
-/* Conduct of run 7 of the sweep, and how often; shared with the workers. The others take some time. */
+/* Conduct of one run of the sweep, and how often; shared with the workers. The others take some time. */
 typedef enum { PLAIN, HANGS, SPINS, DIES, HUNGRY, ENDS_DRIVER } conduct;
 static struct {
     volatile conduct as;
     volatile long times;
     volatile useconds_t pace;
+    volatile double bad_x;
+    volatile unsigned long bad_run;
 } * shared;
 
-enum { RUNS = 80, BAD_RUN = 7 };
+enum { RUNS = 80 };
 
 static const rp_param schema[] = {{"x", "", RP_REAL, 0, "0.25", "[0, 10]", "shift"}, {0}};
 static const sweep_output outputs[] = {{"y", "", "x + noise"}, {0}};
@@ -81,7 +85,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     gsl_rng_free(r);
     strcpy(result->status, "ok");
     usleep(shared->pace);
-    return x == 1.0 && run % RUNS == BAD_RUN ? misbehave() : RP_OK;
+    return x == shared->bad_x && run == shared->bad_run ? misbehave() : RP_OK;
 }
 
 static const sweep_protocol protocol = {.name = "drill",
@@ -191,6 +195,8 @@ static void enter(void)
     shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(shared != MAP_FAILED);
     shared->pace = 1000;
+    shared->bad_x = 1.0;
+    shared->bad_run = 7;
     size_t n;
     CHECK_OK(plan());
     CHECK_OK(drive((sweep_options){.workers = 1}, NULL));
@@ -342,6 +348,76 @@ static void test_hung_and_hungry(void)
         clear();
         CHECK_OK(plan());
     }
+    leave();
+}
+
+/* Short runs go out in batches. The one that is bad, amid a batch, is blamed, and no other. */
+static void test_batches(void)
+{
+    const sweep_options impatient = {.patience = 0.6};
+    enter();
+    shared->pace = 0;
+    shared->bad_x = 2.0;
+    shared->bad_run = 20;
+    check_aborted(DIES, 99, impatient, "crashed");
+    check_aborted(HANGS, 99, (sweep_options){.time = 0.5}, "time_limit");
+    leave();
+}
+
+/* A run that takes far longer than the others is named; it ends when it is. */
+static void free_the_slow(void *context, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(context, 512, format, args);
+    va_end(args);
+    shared->as = PLAIN;
+}
+
+static void test_slow_run(void)
+{
+    char text[512] = "";
+    enter();
+    shared->pace = 0;
+    shared->as = SPINS;
+    shared->times = 1;
+    CHECK_OK(drive((sweep_options){.slow = 0.5, .report = free_the_slow, .context = text}, NULL));
+    CU_ASSERT(strncmp(text, "run 7 (x = 1): at work for ", 27) == 0);
+    CU_ASSERT(strstr(text, "the median of the others is ") != NULL);
+    check_whole();
+    leave();
+}
+
+/* A driver that has stored all runs but the bad one. */
+static pid_t start_and_wait(conduct as)
+{
+    sweep_counts c = {0};
+    shared->as = as;
+    shared->times = 99;
+    const pid_t driver = start_driver((sweep_options){0});
+    for (; c.stored < RUNS - 1; usleep(10000)) CHECK_OK(sweep_status(dir, protocols, &c));
+    return driver;
+}
+
+/* A stop waits for a run that ends soon. A second signal ends one that does not. */
+static void test_stops(void)
+{
+    enter();
+    pid_t driver = start_and_wait(SPINS);
+    kill(driver, SIGTERM);
+    usleep(200000);
+    shared->as = PLAIN;
+    CU_ASSERT(end_of(driver) == RP_OK);
+    check_whole();
+    clear();
+    CHECK_OK(plan());
+    driver = start_and_wait(HANGS);
+    const double begin = rp_clock();
+    kill(driver, SIGTERM);
+    kill(driver, SIGINT);
+    CU_ASSERT(end_of(driver) == RP_STOPPED);
+    CU_ASSERT(rp_clock() - begin < 9.0); /* one alone: ten seconds */
+    conclude();
     leave();
 }
 
@@ -565,6 +641,9 @@ void suite_drill(void)
     static const check_case cases[] = {{"kills", test_kills},
                                        {"failures of fork, fsync, write, send, malloc", test_faults},
                                        {"hung and hungry workers", test_hung_and_hungry},
+                                       {"batches of short runs", test_batches},
+                                       {"a slow run", test_slow_run},
+                                       {"stops", test_stops},
                                        {"a worker stopped for good", test_stopped_worker},
                                        {"a run that ends every driver", test_deadly_run},
                                        {"two drivers", test_doubled},

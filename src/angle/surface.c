@@ -3,6 +3,7 @@
  * Every slope is a linear combination of the heights, sum c_j h_j, so with independent scatter of variance
  * s^2 about the straight line its standard error is s sqrt(sum c_j^2). */
 #include <gsl/gsl_fit.h>
+#include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
@@ -39,13 +40,18 @@ static rp_status count_cells(double width, double diameter, size_t *n_cells)
     return RP_OK;
 }
 
+static bool within(double x, double width)
+{
+    return x >= 0.0 && x < width;
+}
+
 /* Highest value in each cell, -inf in an empty one. */
 static void raise_surface(ang_surface *s, size_t n, const double x[], const double y[], const double r[],
                           double width)
 {
     for (size_t j = 0; j < s->n_cells; j++) s->h[j] = -INFINITY;
     for (size_t i = 0; i < n; i++) {
-        if (!(x[i] >= 0.0 && x[i] < width)) continue;
+        if (!within(x[i], width)) continue;
         size_t j = (size_t)(x[i] / s->cell);
         if (j >= s->n_cells) j = s->n_cells - 1; /* round-off next to the right edge */
         s->h[j] = fmax(s->h[j], r ? y[i] + r[i] : y[i]);
@@ -94,6 +100,45 @@ void ang_surface_free(ang_surface *surface)
     free(surface->h);
     surface->column = NULL;
     surface->h = NULL;
+}
+
+/* From point i to the nearest that differs from it; infinity if there is none. */
+static double nearest(size_t i, size_t n, const double x[], const double y[], double width)
+{
+    double least = INFINITY;
+    for (size_t j = 0; j < n; j++) {
+        const double distance = hypot(x[j] - x[i], y[j] - y[i]);
+        if (within(x[j], width) && distance > 0.0) least = fmin(least, distance);
+    }
+    return least;
+}
+
+/* The widest step from a point to the next along x. */
+static double widest_gap(size_t n, const double x[], double width, double inside[])
+{
+    size_t m = 0;
+    double gap = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (within(x[i], width)) inside[m++] = x[i];
+    gsl_sort(inside, 1, m);
+    for (size_t i = 1; i < m; i++) gap = fmax(gap, inside[i] - inside[i - 1]);
+    return gap;
+}
+
+rp_status ang_cell_of_points(size_t n, const double x[], const double y[], double width, double *cell)
+{
+    enum { MOST = 1000 };
+    double distance[MOST];
+    size_t found = 0;
+    double *inside = malloc((n + 1) * sizeof *inside);
+    if (!inside) return rp_fail(RP_NO_MEMORY, "surface of %zu points: out of memory", n);
+    for (size_t i = 0; i < n; i += n / MOST + 1) {
+        const double d = within(x[i], width) ? nearest(i, n, x, y, width) : INFINITY;
+        if (isfinite(d)) distance[found++] = d;
+    }
+    *cell = found ? fmax(gsl_stats_median(distance, 1, found), widest_gap(n, x, width, inside)) : width;
+    free(inside);
+    return RP_OK;
 }
 
 /* The heights as the methods see them: x counts cells from the first. Lengths in cells until the end. */

@@ -81,6 +81,14 @@ typedef struct cli_command {
  * value, required option or argument), RP_BAD_INPUT (a value), and the action's own. */
 rp_status cli_run(const cli_command *command, int argc, char **argv);
 
+/* The options of a command as they are typed, until the next call or parse. Errors: RP_BROKEN. The text of
+ * one in help, meaning, unit, range and default; returns `text`. */
+rp_status cli_options_of(const cli_command *command, const rp_param **options);
+const char *cli_option_text(const rp_param *option, char *text, size_t size);
+
+/* The last word of a command's name, the one to type. */
+const char *cli_own_name(const cli_command *command);
+
 /* Of the command line that was parsed last: argument number i, NULL beyond their end; all of them; whether
  * option `name` was given. */
 const char *cli_argument(int i);
@@ -95,6 +103,16 @@ enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots o
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 
+/* May this run, or this sweep's file, write into the folder? Not over results of something else, unless by
+ * `force`. `run` is the header line `run` of its tables, "FILE, N steps, FRAMES, key DIGITS" or "FILE row N".
+ * Where a scene replaces its own results, `replaces` says which by which, else it is "". Errors:
+ * RP_BAD_INPUT; RP_IO. */
+enum { CLI_RUN_NOTE = 1024, CLI_REPLACES = 2 * CLI_RUN_NOTE };
+rp_status cli_claim_run(const char *directory, const char *run, bool force, char replaces[CLI_REPLACES]);
+rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
+#define CLI_FORCE(X)                                                                                         \
+    X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")
+
 /* For long preparations: progress on a terminal. */
 const sweep_watch *cli_watch(void);
 
@@ -108,6 +126,11 @@ void cli_command_line_set(const char *text);
  * since a mark by cli_release. Without memory the program ends. */
 void *cli_memory(size_t n, size_t size);
 gsl_rng *cli_random(long seed, unsigned long run);
+
+/* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
+ * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose beside the
+ * program, or the source that the program was built in. The name itself where there is no such file. */
+const char *cli_data(const char *name);
 
 rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
 rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
@@ -209,11 +232,16 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(forensics)                                                                                             \
     X(params)                                                                                                \
     X(bench)                                                                                                 \
-    X(report)
+    X(report)                                                                                                \
+    X(help)
 
 #define X(name) extern const cli_command cmd_##name;
 CLI_COMMANDS(X)
 #undef X
+
+/* The same as an array, ended by NULL, and what `repose --help` prints. */
+extern const cli_command *const cli_commands[];
+void cli_overview(FILE *out);
 
 /* Subcommands with a file of their own. */
 extern const cli_command cmd_sweep_merge, cmd_sweep_slurm, cmd_sweep_salvage, cmd_angle_slope,

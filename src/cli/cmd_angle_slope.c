@@ -1,12 +1,14 @@
 /* repose angle slope: the slope of a pile's surface. */
+#include <gsl/gsl_statistics_double.h>
 #include <string.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
 
 #define SLOPE_OPTIONS(X)                                                                                     \
-    X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
-    X(REAL, cell, "cm", "0.2", "(0, inf)", "nominal diameter d of a grain; round(W/d) cells")                \
+    X(REAL, width, "", NULL, "(0, inf)", "width W of the box from x = 0, in the unit of FILE")               \
+    X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
+      "nominal diameter d of a grain, in the unit of FILE; round(W/d) cells; auto: see above")               \
     X(CHOICE, height, "", "centre", ANG_HEIGHT_WORDS,                                                        \
       "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point")               \
     X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty cells have height 0, or are left out")              \
@@ -16,18 +18,20 @@
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
-/* Columns by name, if the table has one of the names, else the first ones. */
-static rp_status read_grains(rp_table *t, bool with_r, double **block)
+/* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
+ * them, if they are `useful`. */
+static rp_status read_grains(rp_table *t, bool needs_r, bool useful, bool *with_r, double **block)
 {
     static char *first[] = {"x", "y", "r"};
-    const size_t n = with_r ? 3 : 2;
     bool named = false;
     for (size_t c = 0; c < N_OF(first); c++) named |= rp_table_column(t, first[c]) >= 0;
+    *with_r = needs_r || (useful && (named ? rp_table_column(t, "r") >= 0 : t->n_columns >= 3));
+    const size_t n = *with_r ? 3 : 2;
     if (!named && t->n_columns < n)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
-                       with_r ? "x y r" : "x y");
+                       *with_r ? "x y r" : "x y");
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
-    return cli_read_columns(t, with_r ? "x,y,r" : "x,y", block);
+    return cli_read_columns(t, *with_r ? "x,y,r" : "x,y", block);
 }
 
 /* A table of states may hold a pile at several times. */
@@ -43,16 +47,36 @@ static rp_status refuse_several_steps(const rp_table *table)
 }
 
 /* Without slopes: rows without result. */
-static void print_slopes(const ang_surface *surface, const ang_slope *slopes)
+static void print_slopes(const ang_surface *surface, const ang_slope *slopes, const char *word, double cell,
+                         const char *origin)
 {
     cli_table(stdout);
+    rp_table_note_number(stdout, "cell", cell, origin);
     rp_table_header(stdout,
                     "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     for (int i = 0; i < ANG_N_METHODS; i++) {
         ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
-        CLI_ROW_WORD(slopes ? "ok" : "no_pile", i + 1, s.slope, s.theta / deg, s.theta_se / deg,
-                     (double)surface->n_cells, (double)surface->n_occupied);
+        CLI_ROW_WORD(word, i + 1, s.slope, s.theta / deg, s.theta_se / deg, (double)surface->n_cells,
+                     (double)surface->n_occupied);
     }
+}
+
+/* The nominal diameter of a grain, and where it is from. */
+static rp_status choose_cell(const slope_options *o, const rp_table *t, const double *block, bool with_r,
+                             double *cell, const char **origin)
+{
+    const size_t n = t->n_rows;
+    const double *r = block + 2 * n;
+    *cell = o->cell;
+    *origin = "by --cell";
+    if (o->cell > 0.0) return RP_OK;
+    for (size_t i = 0; i < n && with_r; i++)
+        if (!(r[i] > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->path,
+                           t->lines[i], r[i]);
+    *origin = with_r ? "mean diameter of the grains" : "from the spacing of the points";
+    *cell = with_r ? 2.0 * gsl_stats_mean(r, 1, n) : NAN;
+    return with_r ? RP_OK : ang_cell_of_points(n, block, block + n, o->width, cell);
 }
 
 static rp_status slope_of_table(rp_table *table, void *values)
@@ -63,17 +87,28 @@ static rp_status slope_of_table(rp_table *table, void *values)
     ang_options options = {o->cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
     ang_surface surface = {0};
     ang_slope slopes[ANG_N_METHODS];
+    const char *origin = "", *word = "no_pile";
+    bool with_r = false;
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
     rp_status status = refuse_several_steps(table);
-    if (!status) status = read_grains(table, options.height == ANG_TOP, &block);
+    if (!status) status = read_grains(table, options.height == ANG_TOP, !(o->cell > 0.0), &with_r, &block);
+    if (!status) status = choose_cell(o, table, block, with_r, &options.diameter, &origin);
     if (!status) {
-        status = ang_surface_make(n, block, block + n, options.height == ANG_TOP ? block + 2 * n : NULL,
-                                  o->width, &options, &surface);
+        status = ang_surface_make(n, block, block + n, with_r ? block + 2 * n : NULL, o->width, &options,
+                                  &surface);
         if (status) rp_prefix(status, "%s: ", table->path);
+    }
+    if (!status && 2 * surface.n_occupied < surface.n_cells) {
+        word = "sparse";
+        status = rp_fail(RP_NO_RESULT,
+                         "%s: sparse: %zu of %zu cells hold a point; a larger --cell than %g is needed, or a "
+                         "smaller --width",
+                         table->path, surface.n_occupied, surface.n_cells, options.diameter);
     }
     if (!status)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-    if (!status || status == RP_NO_RESULT) print_slopes(&surface, status ? NULL : slopes);
+    if (!status || status == RP_NO_RESULT)
+        print_slopes(&surface, status ? NULL : slopes, status ? word : "ok", options.diameter, origin);
     ang_surface_free(&surface);
     return status;
 }
@@ -86,7 +121,10 @@ const cli_command cmd_angle_slope = {
     "Herrmann 1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The\n"
     "standard error is propagated from the scatter of h about its straight line.\n"
     "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r\n"
-    "is needed for --height top only. Fewer than 5 occupied cells: no_pile, exit status 1.",
+    "is needed for --height top only. By default a cell is as wide as the mean diameter of the grains.\n"
+    "Without r it is as wide as the widest gap along x between neighbouring points, so that no cell is\n"
+    "empty, or as the median distance from a point to its nearest one, where that is larger.\n"
+    "Fewer than 5 filled cells: no_pile; fewer than half of the cells: sparse; both have exit status 1.",
     "repose angle slope pile.tsv --width 4",
     slope_params,
     .on_table = slope_of_table};

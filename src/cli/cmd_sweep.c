@@ -24,7 +24,8 @@ void cli_print_counts(const sweep_counts *counts)
 
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
-    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file")
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
@@ -32,8 +33,10 @@ static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                                     sweep_protocols, cli_watch(), &counts);
+    rp_status status = cli_claim_sweep(o->o, cli_argument(0), o->force);
+    if (!status)
+        status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                               sweep_protocols, cli_watch(), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -43,10 +46,10 @@ static rp_status act_plan(void *values)
 static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
-    "FILE -o DIR [--replicas N]",
+    "FILE -o DIR [--replicas N] [--force]",
     "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-    "after a change, or for more replicas, keeps all stored runs and reuses those that match. The file\n"
-    "(libconfig syntax):\n"
+    "after a change, or for more replicas, keeps all stored runs and reuses those that match. A folder with\n"
+    "a sweep of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
     "\n"
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
@@ -97,7 +100,8 @@ static const cli_command run = {
     "DIR [-j N] [--mem MB] [--time S] [--shard I/N] [--snapshot S]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
     "stop, even by SIGKILL, the same command resumes. Long runs go on from their last snapshots (all\n"
-    "protocols but pile), with the same bits. Exit status 0 if every run is stored with its outcome; 75 if\n"
+    "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends\n"
+    "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if\n"
     "stopped; 1 while runs are aborted, which the same command tries again: status crashed (its worker died\n"
     "or hung, three times), no_memory, time_limit.\n"
     "With --shard, machines that share the folder, or have copies of it, each make a part; `sweep merge`\n"
@@ -222,7 +226,8 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     CLI_WORKERS(X)                                                                                           \
     LIMITS(X)                                                                                                \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")
+    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
@@ -246,11 +251,12 @@ static void print_summary(const char *name, const sweep_counts *counts)
     fflush(stdout); /* before what the commands of tables write */
 }
 
-static rp_status make_runs(const make_options *o, const sweep_recipe *recipe)
+static rp_status make_runs(const make_options *o, const char *file, const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(cli_argument(0), o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    rp_status status = cli_claim_sweep(o->o, file, o->force);
+    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) status = cli_sweep_run(o->o, options, &counts);
@@ -264,9 +270,10 @@ static rp_status act_make(void *values)
 {
     const make_options *o = values;
     sweep_recipe recipe;
-    rp_status status = sweep_recipe_read(cli_argument(0), &recipe);
+    const char *file = cli_data(cli_argument(0));
+    rp_status status = sweep_recipe_read(file, &recipe);
     if (!status) status = rp_make_directory(o->tables);
-    if (!status && recipe.has_runs) status = make_runs(o, &recipe);
+    if (!status && recipe.has_runs) status = make_runs(o, file, &recipe);
     for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o->tables);
     sweep_recipe_free(&recipe);
     return status;
@@ -275,7 +282,7 @@ static rp_status act_make(void *values)
 static const cli_command make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
-    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study]",
+    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--force]",
     "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
     "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
     "\n"

@@ -10,10 +10,6 @@
 #include "core/random.h"
 #include "core/version.h"
 
-#define X(name) &cmd_##name,
-static const cli_command *const commands[] = {CLI_COMMANDS(X)};
-#undef X
-
 static char command_line[4096];
 
 const char *cli_command_line(void)
@@ -24,17 +20,6 @@ const char *cli_command_line(void)
 void cli_command_line_set(const char *text)
 {
     snprintf(command_line, sizeof command_line, "%s", text);
-}
-
-static void print_overview(FILE *out)
-{
-    fprintf(out,
-            "Repose %s: forces in and under piles of grains, and the angles at which piles are stable and "
-            "fail.\n\n"
-            "usage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
-            RP_VERSION);
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
 }
 
 /* What is freed after the subcommand, the latest first. */
@@ -116,19 +101,18 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc && used < sizeof command_line; i++)
         used += (size_t)snprintf(command_line + used, sizeof command_line - used, " %s", argv[i]);
     if (argc < 2) {
-        print_overview(stderr);
+        cli_overview(stderr);
         return RP_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        print_overview(stdout);
+    if (strcmp(argv[1], "--help") == 0) {
+        cli_overview(stdout);
         return finish("", RP_OK);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (strcmp(argv[1], commands[i]->name) == 0)
-            return finish(argv[1], cli_run(commands[i], argc - 1, argv + 1));
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        if (strcmp(argv[1], (*c)->name) == 0) return finish(argv[1], cli_run(*c, argc - 1, argv + 1));
     return finish("", rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", argv[1]));
 }

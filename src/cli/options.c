@@ -27,20 +27,25 @@ static const char *dashes(const rp_param *option)
     return strlen(option->name) == 1 ? "-" : "--";
 }
 
+const char *cli_option_text(const rp_param *p, char *text, size_t size)
+{
+    const bool range = p->range && *p->range, known = p->fallback && *p->fallback && p->type != RP_BOOL;
+    snprintf(text, size, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, range ? "; " : "",
+             range ? p->range : "",
+             known         ? " (default "
+             : p->fallback ? ""
+                           : " (required",
+             known ? p->fallback : "", known || !p->fallback ? ")" : "");
+    return text;
+}
+
 static void print_help(const cli_command *c)
 {
     printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
     for (const rp_param *p = line.options; p->name; p++) {
-        char flag[40];
+        char flag[40], text[1024];
         snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
-        printf("  %-22s %s", flag, p->meaning);
-        if (*p->unit) printf(", %s", p->unit);
-        if (p->range && *p->range) printf("; %s", p->range);
-        if (!p->fallback)
-            printf(" (required)");
-        else if (*p->fallback && p->type != RP_BOOL)
-            printf(" (default %s)", p->fallback);
-        putchar('\n');
+        printf("  %-22s %s\n", flag, cli_option_text(p, text, sizeof text));
     }
     printf("  %-22s this text\n\nexample:\n  %s\n", "--help", c->example);
 }
@@ -60,6 +65,15 @@ static rp_status add_options(const rp_param *schema, size_t offset)
         line.options[n].offset += offset;
     }
     return RP_OK;
+}
+
+rp_status cli_options_of(const cli_command *command, const rp_param **options)
+{
+    memset(&line, 0, sizeof line);
+    line.command = command;
+    *options = line.options;
+    rp_status status = add_options(command->protocol, 0);
+    return !status && command->options ? add_options(command->options(), command->protocol_size) : status;
 }
 
 static rp_status set_option(size_t i, const char *text)
@@ -102,11 +116,9 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
     char shorts[3 * MAX_OPTIONS] = ":";
-    memset(&line, 0, sizeof line);
+    const rp_param *options;
+    rp_status status = cli_options_of(command, &options);
     optind = 0; /* reset the parser (glibc) */
-    line.command = command;
-    rp_status status = add_options(command->protocol, 0);
-    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
     if (status) return status;
     for (size_t n = 0; n < line.n_options; n++) {
         const rp_param *p = &line.options[n];
@@ -209,8 +221,7 @@ static rp_status act_on_table(const cli_command *command)
     return status ? status : command->on_table(table, line.values);
 }
 
-/* The last word of a command's name is the one to type. */
-static const char *own_name(const cli_command *c)
+const char *cli_own_name(const cli_command *c)
 {
     const char *blank = strrchr(c->name, ' ');
     return blank ? blank + 1 : c->name;
@@ -220,13 +231,13 @@ static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 {
     if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
     for (const cli_command *const *c = group->group; *c; c++)
-        if (strcmp(argv[1], own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
+        if (strcmp(argv[1], cli_own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
     if (strcmp(argv[1], "--help") != 0)
         return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group->name);
     printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
            group->name);
     for (const cli_command *const *c = group->group; *c; c++)
-        printf("  %-10s %s\n", own_name(*c), (*c)->summary);
+        printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);
     return RP_OK;
 }
 

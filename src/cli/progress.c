@@ -22,6 +22,9 @@ static const char *clock_text(double seconds, char *buffer, size_t size)
 /* One line, redrawn in place, in plain text. */
 static void draw(const sweep_progress *p, void *context)
 {
+    static double next;
+    if (p->stored < p->planned && rp_clock() < next) return;
+    next = rp_clock() + 0.1;
     *(bool *)context = true;
     static const char bar[] = "##############################";
     char elapsed[32], left[32], line[160];

@@ -2,7 +2,6 @@
 #include "cli/unfinished.h"
 
 #include <dirent.h>
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -17,10 +16,10 @@
 
 static const char OWNER[] = "repose run";
 
-/* A file of the unfinished run, or of the finished one. */
-static const char *path_of(const cli_unfinished *u, bool finished, const char *name, char path[PATH_MAX])
+/* A file of the unfinished run. */
+static const char *path_of(const cli_unfinished *u, const char *name, char path[PATH_MAX])
 {
-    snprintf(path, PATH_MAX, "%s/%s%s", u->directory, finished ? "" : "unfinished/", name);
+    snprintf(path, PATH_MAX, "%s/unfinished/%s", u->directory, name);
     return path;
 }
 
@@ -50,25 +49,96 @@ static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout
         XXH3_128bits_reset(u->table[k].hash);
     }
     if (strlen(directory) > PATH_MAX - 64) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
-    return take_lock(directory, path_of(u, false, "", path), &u->lock);
+    return take_lock(directory, path_of(u, "", path), &u->lock);
 }
 
-/* Move the files of folder `from` into `to`, or without `to` remove them. */
-static rp_status move_files(const char *from, const char *to)
+static rp_status move_file(const char *from, const char *to)
 {
-    char old[4400], new[4400];
+    return rename(from, to) == 0 ? RP_OK : rp_fail(RP_IO, "%s: cannot move: %s", from, strerror(errno));
+}
+
+static rp_status remove_file(const char *path, const char *other)
+{
+    (void)other;
+    return unlink(path) == 0 || errno == ENOENT
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: cannot remove: %s", path, strerror(errno));
+}
+
+static rp_status remove_other(const char *path, const char *other)
+{
+    return remove_file(other, path);
+}
+
+/* For each file of a folder, its path and that of the same name in another one. */
+static rp_status each_file(const char *folder, const char *other,
+                           rp_status (*act)(const char *, const char *))
+{
+    char first[4400], second[4400];
     rp_status status = RP_OK;
-    DIR *folder = opendir(from);
-    if (!folder) return rp_fail(RP_IO, "%s: cannot read: %s", from, strerror(errno));
-    for (const struct dirent *e; !status && (e = readdir(folder));) {
+    DIR *files = opendir(folder);
+    if (!files) return rp_fail(RP_IO, "%s: cannot read: %s", folder, strerror(errno));
+    for (const struct dirent *e; !status && (e = readdir(files));) {
         if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
-        snprintf(old, sizeof old, "%s/%s", from, e->d_name);
-        if (to) snprintf(new, sizeof new, "%s/%s", to, e->d_name);
-        if ((to ? rename(old, new) : unlink(old)) != 0)
-            status = rp_fail(RP_IO, "%s: cannot %s: %s", old, to ? "move" : "remove", strerror(errno));
+        snprintf(first, sizeof first, "%s/%s", folder, e->d_name);
+        snprintf(second, sizeof second, "%s/%s", other, e->d_name);
+        status = act(first, second);
     }
-    closedir(folder);
+    closedir(files);
     return status;
+}
+
+static rp_status empty_folder(const char *folder)
+{
+    return each_file(folder, "", remove_file);
+}
+
+/* ---- A whole result takes its place
+ *
+ * One step decides: the folder "unfinished" is renamed "unfinished.moving". From then on the older tables are
+ * removed, and only then the new ones move. So DIR never holds tables of two runs, whenever the process is
+ * killed; whoever comes next moves the rest. */
+
+/* Snapshots, and temporary files of processes that were killed, are no tables. */
+static rp_status remove_own(const char *path, const char *other)
+{
+    const char *name = strrchr(path, '/') + 1;
+    return strncmp(name, "snapshot", 8) == 0 || strstr(name, ".tmp") ? remove_file(path, other) : RP_OK;
+}
+
+static rp_status move_rest(const char *directory, const char *folder)
+{
+    rp_status status = each_file(folder, directory, remove_own);
+    if (!status) status = each_file(folder, directory, remove_other);
+    if (!status) status = rp_sync_folder_of(folder);
+    if (!status) status = each_file(folder, directory, move_file);
+    if (!status && rmdir(folder) != 0) status = failed(folder);
+    return status ? status : rp_sync_folder_of(folder);
+}
+
+/* Complete a move that another process began. *moved: there was one. */
+static rp_status complete_move(const char *directory, bool *moved)
+{
+    char folder[4400];
+    int lock = -1;
+    snprintf(folder, sizeof folder, "%s/unfinished.moving", directory);
+    *moved = access(folder, F_OK) == 0;
+    if (!*moved) return RP_OK;
+    rp_status status = take_lock(directory, folder, &lock);
+    if (!status) status = move_rest(directory, folder);
+    if (lock >= 0) close(lock);
+    return status;
+}
+
+/* The whole and synced tables of "unfinished" become the result. `lock` is that folder's. */
+static rp_status publish(const char *directory, int lock)
+{
+    char from[4400], to[4400];
+    snprintf(from, sizeof from, "%s/unfinished", directory);
+    snprintf(to, sizeof to, "%s/unfinished.moving", directory);
+    rp_status status = fsync(lock) == 0 ? move_file(from, to) : failed(from);
+    if (!status) status = rp_sync_folder_of(to);
+    return status ? status : move_rest(directory, to);
 }
 
 /* A run that can go on is not thrown away. */
@@ -76,7 +146,7 @@ static rp_status check_vacant(const char *directory)
 {
     char path[PATH_MAX];
     const cli_unfinished u = {.directory = directory};
-    return access(path_of(&u, false, "snapshot", path), F_OK) != 0
+    return access(path_of(&u, "snapshot", path), F_OK) != 0
                ? RP_OK
                : rp_fail(RP_BAD_INPUT, "%s: an unfinished run; go on with --resume %s, or remove the folder",
                          path, directory);
@@ -86,13 +156,15 @@ rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_
                                const char *const names[CLI_GROWING])
 {
     char path[PATH_MAX];
+    bool moved;
     *u = (cli_unfinished){.directory = directory, .lock = -1};
-    rp_status status = rp_make_directory(path_of(u, false, "", path));
+    rp_status status = complete_move(directory, &moved);
+    if (!status) status = rp_make_directory(path_of(u, "", path));
     if (!status) status = enter(u, directory, layout, names);
     if (!status) status = check_vacant(directory);
-    if (!status) status = move_files(path_of(u, false, "", path), NULL);
+    if (!status) status = empty_folder(path_of(u, "", path));
     for (int k = 0; k < CLI_GROWING && !status; k++)
-        if (!(u->table[k].file = fopen(path_of(u, false, names[k], path), "w+e"))) status = failed(path);
+        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) status = failed(path);
     return status;
 }
 
@@ -120,12 +192,11 @@ static void keep_table(rp_snapshot *s, cli_growing *t, long *length, XXH128_hash
     RP_KEEP(s, *hash);
 }
 
-/* Cut a table back to its length at the snapshot. A run that was killed while it finished has moved it. */
+/* Cut a table back to its length at the snapshot. */
 static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_hash_t hash)
 {
-    char path[PATH_MAX], moved[PATH_MAX];
-    path_of(u, false, t->name, path);
-    if (access(path, F_OK) != 0) rename(path_of(u, true, t->name, moved), path);
+    char path[PATH_MAX];
+    path_of(u, t->name, path);
     if (!(t->file = fopen(path, "r+e")))
         return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
     rp_status status = hash_to(t, length);
@@ -136,14 +207,18 @@ static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_h
 }
 
 rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
-                                const char *const names[CLI_GROWING], cli_keep *keep, void *context)
+                                const char *const names[CLI_GROWING], cli_keep *keep, void *context,
+                                bool *done)
 {
     char path[PATH_MAX];
     long length[CLI_GROWING];
     XXH128_hash_t hash[CLI_GROWING];
     rp_snapshot s = {0};
-    rp_status status = enter(u, directory, layout, names);
-    if (!status) status = rp_snapshot_read(&s, path_of(u, false, "snapshot", path), OWNER, layout);
+    *u = (cli_unfinished){.lock = -1};
+    rp_status status = complete_move(directory, done);
+    if (status || *done) return status;
+    status = enter(u, directory, layout, names);
+    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot", path), OWNER, layout);
     if (!status) {
         for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
         keep(&s, context);
@@ -163,49 +238,27 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
         cli_growing *t = &u->table[k];
         long length;
         XXH128_hash_t hash;
-        status = rp_table_finish(t->file, path_of(u, false, t->name, path));
+        status = rp_table_finish(t->file, path_of(u, t->name, path));
         if (!status) status = hash_to(t, ftell(t->file));
         if (!status && fsync(fileno(t->file)) != 0) status = failed(path);
         keep_table(&s, t, &length, &hash);
     }
     if (!status) {
         keep(&s, context);
-        status = rp_snapshot_write(&s, path_of(u, false, "snapshot", path), OWNER, u->layout);
+        status = rp_snapshot_write(&s, path_of(u, "snapshot", path), OWNER, u->layout);
     }
     rp_snapshot_free(&s);
     return status;
 }
 
-static rp_status move_table(const cli_unfinished *u, const char *name)
-{
-    char from[PATH_MAX], to[PATH_MAX];
-    return rename(path_of(u, false, name, from), path_of(u, true, name, to)) == 0 ? RP_OK : failed(to);
-}
-
-/* The folder with what is left in it: the snapshot, and files of a process that was killed. */
-static void remove_folder(const cli_unfinished *u)
-{
-    char path[PATH_MAX];
-    DIR *files = opendir(path_of(u, false, "", path));
-    if (!files) return;
-    for (struct dirent *f; (f = readdir(files));)
-        if (*f->d_name != '.') unlinkat(dirfd(files), f->d_name, 0);
-    closedir(files);
-    rmdir(path);
-}
-
 rp_status cli_unfinished_finish(cli_unfinished *u)
 {
-    char path[PATH_MAX];
     rp_status status = RP_OK;
     for (int k = 0; k < CLI_GROWING && !status; k++) {
         status = rp_table_finish(u->table[k].file, u->table[k].name);
         if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
     }
-    for (int k = 0; k < CLI_GROWING && !status; k++) status = move_table(u, u->table[k].name);
-    if (!status) status = rp_sync_folder_of(path_of(u, true, "any", path));
-    if (!status) remove_folder(u);
-    return status;
+    return status ? status : publish(u->directory, u->lock);
 }
 
 void cli_unfinished_close(cli_unfinished *u)
@@ -228,11 +281,13 @@ rp_status cli_stage_open(const char *directory, char stage[4096])
 {
     if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
+    bool moved;
     rp_status status = rp_make_directory(directory);
+    if (!status) status = complete_move(directory, &moved);
     if (!status) status = rp_make_directory(stage);
     if (!status) status = take_lock(directory, stage, &stage_lock);
     if (!status) status = check_vacant(directory);
-    return status ? status : move_files(stage, NULL);
+    return status ? status : empty_folder(stage);
 }
 
 rp_status cli_stage_close(const char *directory, const char *stage, rp_status run)
@@ -243,8 +298,8 @@ rp_status cli_stage_close(const char *directory, const char *stage, rp_status ru
         snprintf(why, sizeof why, "%s", rp_message());
         return rp_fail(run, "%s; the tables so far are in %s", why, stage);
     }
-    rp_status status = move_files(stage, directory);
-    rmdir(stage);
+    cli_on_stop(SIG_IGN); /* the tables are no longer where the message says */
+    rp_status status = publish(directory, stage_lock);
     close(stage_lock);
     return status;
 }

@@ -1,5 +1,7 @@
 /* The folder DIR/unfinished of a run: its tables, and with snapshots the one that it goes on from. A finished
- * result in DIR stays until the new one is whole. */
+ * result in DIR stays until the new one is whole. A process that is killed while the new tables take their
+ * place leaves the folder DIR/unfinished.moving; the next run or --resume in DIR moves the rest. DIR never
+ * holds tables of two results. */
 #ifndef UNFINISHED_H
 #define UNFINISHED_H
 
@@ -32,10 +34,12 @@ typedef void cli_keep(rp_snapshot *s, void *context);
 rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING]);
 
-/* The same with the tables as they were at the snapshot, after the caller's part has been read. Errors: also
- * RP_BAD_INPUT for a snapshot or a table that does not fit. */
+/* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the
+ * run was whole, its result is now in DIR, and nothing is left to do. Errors: also RP_BAD_INPUT for a
+ * snapshot or a table that does not fit. */
 rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
-                                const char *const names[CLI_GROWING], cli_keep *keep, void *context);
+                                const char *const names[CLI_GROWING], cli_keep *keep, void *context,
+                                bool *done);
 
 /* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);

@@ -1,4 +1,5 @@
 /* The parameter schema; see params.h. */
+#define XXH_INLINE_ALL /* so that a program without sweeps needs no library for it */
 #include "core/params.h"
 
 #include <errno.h>
@@ -300,5 +301,7 @@ XXH128_hash_t rp_hash_add(XXH128_hash_t a, XXH128_hash_t b)
 
 void rp_hash_digits(XXH128_hash_t hash, char digits[33])
 {
-    snprintf(digits, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+    const uint64_t halves[] = {hash.high64, hash.low64};
+    for (int i = 0; i < 32; i++) digits[i] = "0123456789abcdef"[halves[i / 16] >> (60 - 4 * (i % 16)) & 15];
+    digits[32] = '\0';
 }

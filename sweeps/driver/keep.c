@@ -22,12 +22,13 @@ static double processor_time(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, char *why,
+void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, bool look, char *why,
                       size_t size)
 {
     *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = processor_time() + interval};
     if (size > 0) *why = '\0';
-    if (access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, layout()) == RP_OK) return;
+    if (!look || access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, layout()) == RP_OK)
+        return;
     snprintf(why, size, "%s", rp_message());
     rp_snapshot_free(&k->source);
 }
@@ -92,11 +93,12 @@ rp_status sweep_keep_look(sweep_keep *k)
     if (k->source.status) return k->source.status;
     if (sweep_keep_resumes(k))
         return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
-    if (processor_time() < k->next) return RP_OK;
+    const bool stops = k->stop && *k->stop;
+    if (!stops && processor_time() < k->next) return RP_OK;
     rp_snapshot s = {0};
     for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
     rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
     rp_snapshot_free(&s);
     k->next = processor_time() + k->interval;
-    return status;
+    return !status && stops ? rp_fail(RP_STOPPED, "stopped") : status;
 }

@@ -13,8 +13,9 @@
 enum { SWEEP_KEEP_MOST = 32 };
 
 typedef struct sweep_keep {
-    const char *path, *key; /* file; of the run */
-    double interval, next;  /* processor time, s: from one snapshot to the next; of the next */
+    const char *path, *key;    /* file; of the run */
+    double interval, next;     /* processor time, s: from one snapshot to the next; of the next */
+    const volatile bool *stop; /* NULL, or of which true asks for a snapshot now, and for the run's end */
     rp_snapshot source; /* that is resumed from; its data have been used up once its run is at its place */
     size_t n;
     struct {
@@ -23,9 +24,10 @@ typedef struct sweep_keep {
     } entered[SWEEP_KEEP_MOST];
 } sweep_keep;
 
-/* Prepare for a run: read its snapshot if there is a good one, else the run starts anew. `why` gets the
- * reason why one was refused, or "". sweep_keep_end follows; it removes the file if the run is done. */
-void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, char *why,
+/* Prepare for a run: with `look`, read its snapshot if there is a good one, else the run starts anew. `why`
+ * gets the reason why one was refused, or "". sweep_keep_end follows; it removes the file if the run is done.
+ */
+void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, bool look, char *why,
                       size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
@@ -42,8 +44,8 @@ bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim);
 void sweep_keep_leave(sweep_keep *k, size_t n);
 #define SWEEP_ENTER(k, variable) sweep_keep_enter(k, &(variable), sizeof(variable))
 
-/* Between two pieces of work: write a snapshot if one is due. Errors: those of rp_snapshot_write, and of the
- * values that were to be restored. */
+/* Between two pieces of work: write a snapshot if one is due. Errors: RP_STOPPED (asked to stop; the snapshot
+ * is written), those of rp_snapshot_write, and of the values that were to be restored. */
 rp_status sweep_keep_look(sweep_keep *k);
 
 #endif

@@ -1,21 +1,29 @@
-/* The pool: worker processes, forked once, each with a socket on which the parent sends the number of a run
- * and the worker sends back one record. The parent is the only one that writes. Determinism: a run depends
- * on its parameters, the seed and its pile only, never on the worker or the order.
+/* The pool: worker processes, forked once, each with a socket on which the parent sends runs to make and the
+ * worker sends back records. The parent is the only one that writes. Determinism: a run depends on its
+ * parameters, the seed and its pile only, never on the worker or the order.
+ *
+ * Runs of less than a few milliseconds go to and fro in batches, because each message wakes a process. A
+ * page of memory that all share says how far a worker is in its batch.
  *
  * A worker that dies, or that has used no processor time for a minute, is replaced, and its run goes to the
- * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why. */
+ * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why.
+ *
+ * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
+ * them. */
 #include "core/clock.h"
 #include "core/table.h"
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 
 #include <errno.h>
+#include <glob.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
@@ -23,32 +31,48 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MOST_TRIES = 3 };
-static const double TICK = 0.25, PATIENCE = 60.0; /* s */
+enum { MOST_TRIES = 3, BATCH = 32, LEARNT = 16, SAMPLES = 63 };
+/* s; a batch takes less than BATCH SHORT, and a row waits in a worker no longer than FLUSH */
+static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SHORT = 3e-3, FLUSH = 1e-2;
+static const double MANY = 100.0; /* times the median run: worth a line */
+
+typedef struct {
+    size_t run;
+    unsigned char tries; /* that failed */
+    bool kept;           /* there may be a snapshot of an earlier try or drive */
+} task;
+
+/* What workers and parent share. */
+typedef struct {
+    volatile bool stop;
+    volatile size_t made[]; /* of each worker: runs that it has ended, whether or not they have been sent */
+} board;
 
 typedef struct {
     pid_t pid;
     int socket; /* -1: no process */
-    bool busy;
-    size_t run;            /* that it is busy with */
-    unsigned char tries;   /* of this run, that failed */
-    double start, elapsed; /* of the run; s */
-    double cpu, idle;      /* processor time so far, and since when it has been the same; s */
+    task tasks[BATCH];
+    size_t n, sent;   /* of the tasks, the first is the next to come back; rows that came back in all */
+    size_t seen;      /* runs that it had ended when it was looked at last */
+    bool reported;    /* as slow */
+    double elapsed;   /* of the run that it is busy with, to a tick; s */
+    double cpu, idle; /* processor time so far, and since when it has been the same; s */
 } worker;
 
 typedef struct {
     const sweep_plan *plan;
     sweep_store *store;
-    /* The queue is a ring: `waiting` runs from todo[next] on, and the tries of each that failed. */
-    size_t *todo;
-    unsigned char *tries;
+    /* The queue is a ring: `waiting` tasks from todo[next] on. */
+    task *todo;
     size_t n_todo, next, waiting, finished;
     bool careful; /* after a drive that failed, each row is committed by itself */
     const sweep_options *options;
     sweep_progress progress;
     double start, last_tick;
+    double pace, samples[SAMPLES]; /* s a run: lately, and of the last ones */
     worker *workers;
     size_t n_workers;
+    board *board;
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
@@ -59,11 +83,12 @@ static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096]
     snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
 }
 
-/* A stored run needs no snapshot, once its row is committed. */
-static rp_status remove_snapshot(const pool *p, size_t run)
+/* A stored run needs no snapshot, once its row is committed. A shorter one has never written any. */
+static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
 {
     char key[33], path[4096];
-    snapshot_of(p, run, key, path);
+    if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
+    snapshot_of(p, t->run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
     rp_status status = sweep_store_commit(p->store);
     if (!status) sweep_keep_remove(path);
@@ -71,16 +96,18 @@ static rp_status remove_snapshot(const pool *p, size_t run)
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
-static rp_status make(const pool *p, size_t run, sweep_result *result)
+static rp_status make(const pool *p, const task *t, sweep_result *result)
 {
     const sweep_plan *plan = p->plan;
+    const size_t run = t->run;
     char key[33], path[4096], why[sizeof result->message] = "";
     sweep_keep keep;
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->options->snapshots != NULL;
     if (keeps) {
         snapshot_of(p, run, key, path);
-        sweep_keep_begin(&keep, path, key, p->options->snapshot, why, sizeof why);
+        sweep_keep_begin(&keep, path, key, p->options->snapshot, t->kept, why, sizeof why);
+        keep.stop = &p->board->stop;
     }
     const sweep_stream stream = sweep_plan_stream(plan, run);
     rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
@@ -101,19 +128,49 @@ static void limit_memory(double mb)
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 }
 
-/* The life of a worker. It ends when the parent does. */
-static void work(const pool *p, int socket)
+static bool give_back(int socket, sweep_row rows[], size_t *n)
 {
-    if (p->options->memory > 0.0 && isfinite(p->options->memory)) limit_memory(p->options->memory);
-    for (size_t run; recv(socket, &run, sizeof run, 0) == sizeof run;) {
-        sweep_row row = {.run = run};
-        sweep_result_clear(&row.result);
-        double start = rp_clock();
-        row.status = make(p, run, &row.result);
-        row.seconds = rp_clock() - start;
-        if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
-        if (send(socket, &row, sizeof row, MSG_NOSIGNAL) != sizeof row) break;
+    const size_t bytes = *n * sizeof *rows;
+    *n = 0;
+    return bytes == 0 || send(socket, rows, bytes, MSG_NOSIGNAL) == (ssize_t)bytes;
+}
+
+/* Make the runs of a batch; false if that is this worker's end. */
+static bool make_batch(const pool *p, size_t index, int socket, const task tasks[], size_t n)
+{
+    static sweep_row rows[BATCH];
+    size_t n_rows = 0;
+    double sent = rp_clock();
+    for (size_t i = 0; i < n; i++) {
+        sweep_row *row = &rows[n_rows++];
+        *row = (sweep_row){.run = tasks[i].run};
+        sweep_result_clear(&row->result);
+        const double start = rp_clock();
+        row->status = make(p, &tasks[i], &row->result);
+        const double now = rp_clock();
+        row->seconds = now - start;
+        if (row->status == RP_STOPPED) {
+            n_rows--;
+            give_back(socket, rows, &n_rows);
+            return false;
+        }
+        if (row->status) snprintf(row->result.message, sizeof row->result.message, "%s", rp_message());
+        p->board->made[index]++;
+        if (i + 1 < n && !row->status && now - sent < FLUSH && !p->board->stop) continue;
+        if (!give_back(socket, rows, &n_rows) || p->board->stop) return false;
+        sent = now;
     }
+    return true;
+}
+
+/* The life of a worker. It ends when the parent does. */
+static void work(const pool *p, size_t index, int socket)
+{
+    task tasks[BATCH];
+    ssize_t n;
+    if (p->options->memory > 0.0 && isfinite(p->options->memory)) limit_memory(p->options->memory);
+    while ((n = recv(socket, tasks, sizeof tasks, 0)) > 0)
+        if (!make_batch(p, index, socket, tasks, (size_t)n / sizeof *tasks)) break;
     _exit(0);
 }
 
@@ -122,6 +179,7 @@ static rp_status start_worker(const pool *p, worker *w)
 {
     int pair[2];
     pid_t parent = getpid();
+    const size_t made = p->board->made[w - p->workers];
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
         return rp_fail(RP_IO, "cannot start a worker: %s", strerror(errno));
     w->pid = fork();
@@ -131,7 +189,7 @@ static rp_status start_worker(const pool *p, worker *w)
         /* the lock, the store and the others' sockets are none of its business */
         if (pair[1] > 3) close_range(3, (unsigned)pair[1] - 1, 0);
         close_range((unsigned)pair[1] + 1, ~0u, 0);
-        work(p, pair[1]);
+        work(p, (size_t)(w - p->workers), pair[1]);
     }
     int why = errno;
     close(pair[1]);
@@ -139,7 +197,7 @@ static rp_status start_worker(const pool *p, worker *w)
         close(pair[0]);
         return rp_fail(RP_IO, "cannot start a worker: %s", strerror(why));
     }
-    *w = (worker){.pid = w->pid, .socket = pair[0]};
+    *w = (worker){.pid = w->pid, .socket = pair[0], .sent = made, .seen = made};
     return RP_OK;
 }
 
@@ -154,20 +212,39 @@ static int end_worker(worker *w)
     return wait_status;
 }
 
+/* Give an idle worker a run, or a batch of short ones: at most its share of what is left. */
 static rp_status hand_out(pool *p, worker *w)
 {
-    if (w->busy || p->waiting == 0) return RP_OK;
-    w->run = p->todo[p->next];
-    w->tries = p->tries[p->next];
-    w->start = rp_clock();
+    const size_t share = p->waiting / p->n_workers,
+                 most = p->careful || p->finished < LEARNT || p->pace > SHORT || share < 1 ? 1
+                        : share < BATCH                                                    ? share
+                                                                                           : BATCH;
+    if (w->n > 0 || p->waiting == 0) return RP_OK;
+    if (w->socket < 0) {
+        rp_status status = start_worker(p, w);
+        if (status) return status;
+    }
+    while (w->n < most && p->waiting > 0) {
+        w->tasks[w->n++] = p->todo[p->next];
+        p->next = (p->next + 1) % p->n_todo;
+        p->waiting--;
+    }
     w->elapsed = w->idle = 0.0;
-    w->busy = true;
-    p->next = (p->next + 1) % p->n_todo;
-    p->waiting--;
+    w->reported = false;
     /* a dead worker is noticed by its closed socket */
-    if (send(w->socket, &w->run, sizeof w->run, MSG_NOSIGNAL) < 0 && errno != EPIPE && errno != ECONNRESET)
-        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->run, strerror(errno));
+    if (send(w->socket, w->tasks, w->n * sizeof *w->tasks, MSG_NOSIGNAL) < 0 && errno != EPIPE &&
+        errno != ECONNRESET)
+        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->tasks->run, strerror(errno));
     return RP_OK;
+}
+
+static void show(pool *p)
+{
+    if (!p->options->watch) return;
+    p->progress.elapsed = rp_clock() - p->start;
+    p->progress.left =
+        p->finished ? p->progress.elapsed * (double)(p->n_todo - p->finished) / (double)p->finished : NAN;
+    p->options->watch(&p->progress, p->options->context);
 }
 
 static rp_status store_row(pool *p, const sweep_row *row)
@@ -175,9 +252,11 @@ static rp_status store_row(pool *p, const sweep_row *row)
     rp_status status = sweep_store_insert(p->store, p->plan, row);
     if (!status && p->careful) status = sweep_store_commit(p->store);
     if (status) return status;
-    p->finished++;
+    p->samples[p->finished++ % SAMPLES] = row->seconds;
+    p->pace += (row->seconds - p->pace) / LEARNT;
     p->progress.stored++;
     if (!sweep_is_result(row->result.status)) p->progress.failed++;
+    show(p);
     return RP_OK;
 }
 
@@ -190,29 +269,45 @@ static const char *name_run(const pool *p, size_t run, char *buffer, size_t size
     return buffer;
 }
 
-/* A run failed, and by no fault of physics: its worker is replaced, and the run is tried again after all
- * others, or stored as `word`. */
+static void put_back(pool *p, task t)
+{
+    p->todo[(p->next + p->waiting++) % p->n_todo] = t;
+}
+
+/* The task that a worker is at: those before are made, but their rows have not come back. */
+static size_t at_task(const pool *p, const worker *w)
+{
+    const size_t ahead = p->board->made[w - p->workers] - w->sent;
+    return ahead < w->n ? ahead : w->n - 1;
+}
+
+/* A run failed, and by no fault of physics: its worker is ended, and the run is tried again after all
+ * others, or stored as `word`. So are the other runs of its batch. */
 static rp_status give_up(pool *p, worker *w, const char *word, const char *cause)
 {
-    const bool again = strcmp(word, "crashed") == 0 && w->tries + 1 < MOST_TRIES;
+    const size_t failed = at_task(p, w);
+    task t = w->tasks[failed];
+    const bool again = strcmp(word, "crashed") == 0 && t.tries + 1 < MOST_TRIES;
     char name[320];
-    sweep_row row = {.run = w->run, .seconds = w->elapsed};
+    sweep_row row = {.run = t.run, .seconds = w->elapsed};
     if (w->socket >= 0) end_worker(w);
-    w->busy = false;
+    for (size_t i = 0; i < w->n; i++)
+        if (i != failed) put_back(p, w->tasks[i]);
+    w->n = 0;
     if (p->options->report)
-        p->options->report(p->options->context, "%s: %s; %s", name_run(p, w->run, name, sizeof name), cause,
+        p->options->report(p->options->context, "%s: %s; %s", name_run(p, t.run, name, sizeof name), cause,
                            again ? "goes to the end of the queue" : word);
     rp_status status = RP_OK;
     if (again) {
-        const size_t end = (p->next + p->waiting++) % p->n_todo;
-        p->todo[end] = w->run;
-        p->tries[end] = w->tries + 1;
+        t.tries++;
+        t.kept = true;
+        put_back(p, t);
     } else {
         sweep_result_clear(&row.result);
         sweep_conclude(&row.result, word, "%s", cause);
         status = store_row(p, &row);
     }
-    return status || p->waiting == 0 ? status : start_worker(p, w);
+    return status;
 }
 
 static rp_status crashed(pool *p, worker *w)
@@ -227,19 +322,39 @@ static rp_status crashed(pool *p, worker *w)
     return give_up(p, w, "crashed", cause);
 }
 
-/* A busy worker has spoken or died: store the run. */
+/* One row has come back. */
+static rp_status take_row(pool *p, worker *w, sweep_row *row)
+{
+    char name[320];
+    if (row->status == RP_NO_MEMORY) {
+        end_worker(w); /* which may be at the next run */
+        p->board->made[w - p->workers] = w->sent;
+        return give_up(p, w, "no_memory", row->result.message);
+    }
+    const task t = w->tasks[0];
+    memmove(w->tasks, w->tasks + 1, --w->n * sizeof *w->tasks);
+    w->sent++;
+    if (row->status)
+        return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
+    rp_status status = store_row(p, row);
+    return status || !p->options->snapshots ? status : remove_snapshot(p, &t, row->seconds);
+}
+
+/* A busy worker has spoken or died: store its runs. */
 static rp_status collect(pool *p, worker *w)
 {
-    sweep_row row;
-    char name[320];
-    w->elapsed = rp_clock() - w->start;
-    if (recv(w->socket, &row, sizeof row, 0) != sizeof row) return crashed(p, w);
-    if (row.status == RP_NO_MEMORY) return give_up(p, w, "no_memory", row.result.message);
-    w->busy = false;
-    if (row.status)
-        return rp_fail(row.status, "%s: %s", name_run(p, row.run, name, sizeof name), row.result.message);
-    rp_status status = store_row(p, &row);
-    return status || !p->options->snapshots ? status : remove_snapshot(p, row.run);
+    static sweep_row rows[BATCH];
+    const ssize_t bytes = recv(w->socket, rows, sizeof rows, 0);
+    if (bytes <= 0) {
+        if (!p->board->stop) return crashed(p, w);
+        end_worker(w);
+        w->n = 0;
+        return RP_OK;
+    }
+    rp_status status = RP_OK;
+    for (size_t i = 0; !status && i < (size_t)bytes / sizeof *rows && w->n > 0; i++)
+        status = take_row(p, w, &rows[i]);
+    return status;
 }
 
 /* Time that a process has had on a processor, s. */
@@ -249,6 +364,48 @@ static double cpu_time(pid_t pid)
     struct timespec t = {0};
     if (clock_getcpuclockid(pid, &clock) == 0) clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Of the last runs; NaN before any. */
+static double median(const pool *p)
+{
+    double sorted[SAMPLES];
+    const size_t n = p->finished < SAMPLES ? p->finished : SAMPLES;
+    memcpy(sorted, p->samples, n * sizeof *sorted);
+    qsort(sorted, n, sizeof *sorted, compare);
+    return n > 0 ? sorted[n / 2] : NAN;
+}
+
+/* A run far beyond the others may never end: that is said once, and left to the user. */
+static void report_slow(const pool *p, worker *w)
+{
+    char name[320];
+    const double least = p->options->slow > 0.0 ? p->options->slow : SLOW;
+    if (w->reported || !p->options->report || !(w->elapsed > least) || !(w->elapsed > MANY * median(p)))
+        return;
+    w->reported = true;
+    p->options->report(p->options->context,
+                       "%s: at work for %.3g s, the median of the others is %.3g s; a limit (--time) ends "
+                       "such runs",
+                       name_run(p, w->tasks[at_task(p, w)].run, name, sizeof name), w->elapsed, median(p));
+}
+
+/* How long the worker has been at its run, and how long without processor time. */
+static void measure(const pool *p, worker *w, double passed)
+{
+    const double cpu = cpu_time(w->pid);
+    const size_t made = p->board->made[w - p->workers];
+    w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
+    w->cpu = cpu;
+    w->elapsed = made == w->seen ? w->elapsed + passed : 0.0;
+    if (made != w->seen) w->reported = false;
+    w->seen = made;
 }
 
 /* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
@@ -262,11 +419,9 @@ static rp_status look_after(pool *p)
     if (passed < TICK) return RP_OK;
     p->last_tick = now;
     for (worker *w = p->workers; !status && w < p->workers + p->n_workers; w++) {
-        if (!w->busy) continue;
-        const double cpu = cpu_time(w->pid);
-        w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
-        w->cpu = cpu;
-        w->elapsed += fmin(passed, now - w->start);
+        if (w->n == 0) continue;
+        measure(p, w, passed);
+        report_slow(p, w);
         if (p->options->time > 0.0 && w->elapsed > p->options->time) {
             snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,
                      p->options->time);
@@ -279,53 +434,67 @@ static rp_status look_after(pool *p)
     return status;
 }
 
-static void show(pool *p)
+/* Wait for workers or a stop signal, and take in what arrived. *signals: how many came. */
+static rp_status serve(pool *p, struct pollfd *polled, int *signals)
 {
-    if (!p->options->watch) return;
-    p->progress.elapsed = rp_clock() - p->start;
-    p->progress.left =
-        p->finished ? p->progress.elapsed * (double)(p->n_todo - p->finished) / (double)p->finished : NAN;
-    p->options->watch(&p->progress, p->options->context);
-}
-
-/* Wait for workers or a stop signal, and take in what arrived. */
-static rp_status serve(pool *p, struct pollfd *polled)
-{
+    struct signalfd_siginfo seen;
     for (size_t i = 0; i < p->n_workers; i++)
-        polled[i] = (struct pollfd){.fd = p->workers[i].busy ? p->workers[i].socket : -1, .events = POLLIN};
+        polled[i] = (struct pollfd){.fd = p->workers[i].n > 0 ? p->workers[i].socket : -1, .events = POLLIN};
     polled[p->n_workers] = (struct pollfd){.fd = p->signals, .events = POLLIN};
     if (poll(polled, p->n_workers + 1, (int)(1000.0 * TICK)) < 0 && errno != EINTR)
         return rp_fail(RP_IO, "cannot wait for the workers: %s", strerror(errno));
-    rp_status written = sweep_store_tick(p->store);
-    if (written) return written;
-    if (polled[p->n_workers].revents)
-        return rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
-                       p->progress.planned);
-    rp_status status = RP_OK;
+    rp_status status = sweep_store_tick(p->store);
+    while (!status && read(p->signals, &seen, sizeof seen) > 0) ++*signals;
     for (size_t i = 0; !status && i < p->n_workers; i++)
         if (polled[i].revents) status = collect(p, &p->workers[i]);
-    return status ? status : look_after(p);
+    return status;
+}
+
+static bool is_busy(const pool *p)
+{
+    for (size_t i = 0; i < p->n_workers; i++)
+        if (p->workers[i].n > 0) return true;
+    return false;
+}
+
+/* Let the workers end by themselves: a run that is nearly done ends with its row, a long one with a snapshot.
+ */
+static rp_status stop(pool *p, struct pollfd *polled, int signals)
+{
+    const double begin = rp_clock();
+    rp_status status = RP_OK;
+    p->board->stop = true;
+    while (!status && signals < 2 && is_busy(p) && rp_clock() - begin < GRACE)
+        status = serve(p, polled, &signals);
+    return status || p->finished == p->n_todo
+               ? status
+               : rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
+                         p->progress.planned);
 }
 
 static rp_status run_all(pool *p)
 {
     struct pollfd *polled = calloc(p->n_workers + 1, sizeof *polled);
+    const size_t size = sizeof *p->board + p->n_workers * sizeof *p->board->made;
+    int signals = 0;
     p->workers = calloc(p->n_workers, sizeof *p->workers);
-    p->tries = calloc(p->n_todo, sizeof *p->tries);
-    rp_status status =
-        polled && p->workers && p->tries ? RP_OK : rp_fail(RP_NO_MEMORY, "workers: out of memory");
+    p->board = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    rp_status status = polled && p->workers && p->board != MAP_FAILED
+                           ? RP_OK
+                           : rp_fail(RP_NO_MEMORY, "workers: out of memory");
     for (size_t i = 0; p->workers && i < p->n_workers; i++) p->workers[i].socket = -1;
     for (size_t i = 0; !status && i < p->n_workers; i++) status = start_worker(p, &p->workers[i]);
     show(p);
     while (!status && p->finished < p->n_todo) {
         for (size_t i = 0; !status && i < p->n_workers; i++) status = hand_out(p, &p->workers[i]);
-        if (!status) status = serve(p, polled);
+        if (!status) status = serve(p, polled, &signals);
+        if (!status) status = signals ? stop(p, polled, signals) : look_after(p);
         show(p);
     }
     for (size_t i = 0; p->workers && i < p->n_workers; i++)
         if (p->workers[i].socket >= 0) end_worker(&p->workers[i]);
+    if (p->board != MAP_FAILED) munmap(p->board, size);
     free(p->workers);
-    free(p->tries);
     free(polled);
     return status;
 }
@@ -347,17 +516,31 @@ static void end_drive(int lock, rp_status status)
     if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0);
 }
 
-rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *todo, size_t n, int lock,
+/* A snapshot may be there of any run if there is one at all. free. */
+static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
+{
+    task *tasks = calloc(n, sizeof *tasks);
+    glob_t left = {0};
+    char pattern[4096 + 8];
+    snprintf(pattern, sizeof pattern, "%s/*", snapshots ? snapshots : "");
+    const bool kept = snapshots && glob(pattern, 0, NULL, &left) == 0;
+    globfree(&left);
+    for (size_t i = 0; tasks && i < n; i++) tasks[i] = (task){.run = runs[i], .kept = kept};
+    return tasks;
+}
+
+rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t todo[], size_t n, int lock,
                          const sweep_options *options, const sweep_counts *counts)
 {
     pool p = {.plan = plan,
               .store = store,
-              .todo = todo,
+              .todo = make_tasks(todo, n, options->snapshots),
               .n_todo = n,
               .waiting = n,
               .options = options,
               .start = rp_clock()};
     p.last_tick = p.start;
+    if (!p.todo) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
     begin_drive(&p, lock);
     p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
     p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
@@ -375,6 +558,7 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *tod
     close(p.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);
     end_drive(lock, status);
+    free(p.todo);
     return status;
 }
 

@@ -57,6 +57,8 @@ typedef struct {
     double committed, beaten; /* rp_clock; 0: never */
     bool writes, pending;     /* rows that are not committed yet */
     char path[4096];
+    size_t point; /* of the parameters, the texts of the latest row */
+    char program[256], parameters[8192];
 } sweep_store;
 
 enum { SWEEP_FORMAT = 3 }; /* of a store */
@@ -181,9 +183,9 @@ rp_status sweep_store_pace(sweep_store *store, double *seconds);
 /* Copy the whole rows of a damaged store, and number them. *n is how many there are. Errors: RP_IO. */
 rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const char *damaged, size_t *n);
 
-/* Make the runs todo[0..n) and store them; `todo` is left in another order. `lock` is the lock file, in
- * which drives that failed are counted, `counts` what was stored before. */
-rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, size_t *todo, size_t n, int lock,
+/* Make the runs todo[0..n) and store them. `lock` is the lock file, in which drives that failed are counted,
+ * `counts` what was stored before. */
+rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t todo[], size_t n, int lock,
                          const sweep_options *options, const sweep_counts *counts);
 
 /* A sweep's folder, opened for reading or, under a lock, for writing. */

@@ -115,13 +115,19 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
     if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     snprintf(s->path, sizeof s->path, "%s", path);
     s->writes = access != SWEEP_READ;
-    const int flags = SQLITE_OPEN_READWRITE | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
+    const int flags =
+        SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
     if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
     sqlite3_busy_handler(s->db, wait_for_others, NULL);
     rp_status status = check_format(s);
+    /* EXTRA: the removal of a rollback journal, which is the commit, reaches the disk too. Keys come in no
+     * order: 64 MB hold the index of a million rows, and the log is copied into the file at the same size. */
     if (!status && s->writes)
-        status = sweep_sql(s, "write the store", "PRAGMA journal_mode = %s; PRAGMA synchronous = FULL",
-                           is_shared(path) ? "DELETE" : "WAL");
+        status =
+            sweep_sql(s, "write the store",
+                      "PRAGMA journal_mode = %s; PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000; "
+                      "PRAGMA wal_autocheckpoint = 16000",
+                      is_shared(path) ? "DELETE" : "WAL");
     return status;
 }
 
@@ -354,28 +360,38 @@ static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_v
     for (size_t i = 0; i < n_values; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
 }
 
+/* The texts that all rows of a point have. */
+static void describe(sweep_store *s, const sweep_plan *plan, size_t point)
+{
+    if (!*s->program)
+        snprintf(s->program, sizeof s->program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
+                 rp_build_compiler);
+    else if (point == s->point)
+        return;
+    s->point = point;
+    sweep_plan_parameters(plan, point, s->parameters, sizeof s->parameters);
+}
+
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
     if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
         return sweep_sql_fail(s, "write the store");
     rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
-    char key[33], program[256], parameters[8192];
+    char key[33];
     const sweep_stream stream = sweep_plan_stream(plan, row->run);
     sweep_plan_key(plan, row->run, key);
-    snprintf(program, sizeof program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
-             rp_build_compiler);
-    const record r = {
-        .key = key,
-        .status = row->result.status,
-        .message = row->result.message,
-        .program = program,
-        .parameters = sweep_plan_parameters(plan, row->run / plan->replicas, parameters, sizeof parameters),
-        .seconds = row->seconds,
-        .seed = (sqlite3_int64)stream.seed,
-        .model = RP_MODEL_VERSION,
-        .pile = (sqlite3_int64)stream.pile,
-        .values = row->result.values};
+    describe(s, plan, row->run / plan->replicas);
+    const record r = {.key = key,
+                      .status = row->result.status,
+                      .message = row->result.message,
+                      .program = s->program,
+                      .parameters = s->parameters,
+                      .seconds = row->seconds,
+                      .seed = (sqlite3_int64)stream.seed,
+                      .model = RP_MODEL_VERSION,
+                      .pile = (sqlite3_int64)stream.pile,
+                      .values = row->result.values};
     s->pending = true;
     bind_record(s->insert, &r, row->run, count_outputs(plan->protocol));
     if (sqlite3_step(s->insert) != SQLITE_DONE)

@@ -83,6 +83,19 @@ void sweep_folder_close(sweep_folder *folder)
     if (folder->lock >= 0) close(folder->lock);
 }
 
+rp_status sweep_source(const char *dir, char file[256])
+{
+    char path[4096];
+    sweep_store *store = NULL;
+    *file = '\0';
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    if (access(path, F_OK) != 0) return RP_OK;
+    rp_status status = sweep_store_open(path, SWEEP_READ, &store);
+    if (!status) status = sweep_store_note(store, "main", "file", file, 256);
+    sweep_store_close(store);
+    return status;
+}
+
 rp_status sweep_check_output(const char *dir, const char *path)
 {
     static const char *const names[] = {
@@ -192,6 +205,18 @@ static rp_status open_shard(const char *dir, const sweep_options *options, sweep
     return status ? status : sweep_store_write_plan(f->store, &f->plan, file, NULL);
 }
 
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. */
+static void remove_snapshots(const char *folder)
+{
+    char pattern[4096 + 8];
+    glob_t left = {0};
+    snprintf(pattern, sizeof pattern, "%s/*", folder);
+    if (glob(pattern, 0, NULL, &left) == 0)
+        for (size_t i = 0; i < left.gl_pathc; i++) unlink(left.gl_pathv[i]);
+    globfree(&left);
+    rmdir(folder);
+}
+
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts)
 {
@@ -222,7 +247,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status && whole) rmdir(snapshots);                  /* unless some are left, of runs that crashed */
+    if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(snapshots);
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
     if (!status) status = sweep_check_aborted(counts);
     free(todo);

@@ -65,7 +65,8 @@ typedef struct {
     void *context;
     double memory, time; /* of one run: MB (1e6 bytes) and s; 0 or infinite: no limit */
     double patience;     /* s without progress after which a worker is replaced; 0: a minute */
-    /* One line on a run that failed, when it does; may be NULL. */
+    double slow; /* s after which a run is reported if the others take less than 1 % of it; 0: ten minutes */
+    /* One line on a run that failed, or that is slow, when it is; may be NULL. */
     void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
     double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
     const char *snapshots; /* set by sweep_run */
@@ -101,7 +102,8 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a
  * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries
- * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: RP_STOPPED. RP_OK when every row is stored
+ * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: runs in progress have ten seconds to end or to
+ * write a snapshot, a second signal ends them at once: RP_STOPPED. RP_OK when every row is stored
  * with an outcome, whatever it is. Errors: RP_BAD_INPUT, RP_IO (also: another process runs this sweep),
  * RP_NO_MEMORY, or a protocol's own. */
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
@@ -128,6 +130,10 @@ rp_status sweep_check_aborted(const sweep_counts *counts);
 
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
+
+/* Name of the sweep file that the folder was planned by, as it was given; "" for a folder without a sweep.
+ * Errors: RP_BAD_INPUT, RP_IO. */
+rp_status sweep_source(const char *dir, char file[256]);
 
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);

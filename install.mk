@@ -1,0 +1,27 @@
+# Installation, the archive of the source, and the Debian package; see docs/install.md.
+PREFIX  ?= /usr/local
+TARGET   = $(or $(DESTDIR)$(PREFIX),/)
+VERSION := $(shell sed -n 's/^.define RP_VERSION "\(.*\)"/\1/p' src/core/version.h)
+
+.PHONY: install uninstall dist deb check-deb
+install: $(REPOSE) $(LIBRARY) ## program, library, headers, sweeps, manual pages, completion: make install PREFIX=/usr/local DESTDIR=
+	@sh install.sh $(B) $(TARGET) $(VERSION) $(foreach m,$(MODULES),$(call module,$(m)))
+	@echo "install $(TARGET)"
+
+uninstall: ## remove what `make install` put into PREFIX
+	@cd $(TARGET) && rm -rf bin/repose lib/librepose.a lib/pkgconfig/repose*.pc include/repose share/repose share/doc/repose \
+	  share/man/man1/repose.1 share/man/man1/repose-*.1 share/bash-completion/completions/repose
+
+# Of the last commit, whose name the archive carries in .commit.
+DIST := $(B)/repose-$(VERSION).tar.gz
+dist: ## the source of the last commit as build/repose-VERSION.tar.gz, which builds without git
+	@mkdir -p $(B) && git archive --prefix=repose-$(VERSION)/ -o $(DIST) HEAD && echo "dist    $(DIST)"
+
+deb: dist ## the Debian package, from that archive, into build
+	@rm -rf $(B)/deb && mkdir -p $(B)/deb && tar -xzf $(DIST) -C $(B)/deb
+	@cd $(B)/deb/repose-$(VERSION) && dpkg-buildpackage -us -uc -b
+	@mv $(B)/deb/*.deb $(B) && ls $(B)/*.deb
+
+check-deb: deb ## the suite `install` on the contents of that package, unpacked without root
+	@rm -rf $(B)/deb/root && dpkg-deb -x $(B)/repose_*.deb $(B)/deb/root
+	@RP_INSTALLED=$(abspath $(B))/deb/root/usr $(B)/check install

@@ -1,0 +1,60 @@
+#!/bin/sh
+# Install Repose, as `make install` does: install.sh BUILD FOLDER VERSION MODULE... FOLDER is DESTDIR and PREFIX. No path
+# is written into a file, so that the folder can be moved.
+set -e
+build=$1 to=$2 version=$3
+shift 3
+put() { # put MODE FOLDER FILE...
+    mode=$1 folder=$to/$2
+    shift 2
+    install -d "$folder" && install -m "$mode" "$@" "$folder"
+}
+
+put 755 bin "$build/repose"
+put 644 share/repose/figures figures/claims.tsv figures/paper-repro.md.in
+put 644 share/repose/figures/report figures/report/*.md
+put 644 share/repose/results results/*.tsv
+put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
+for folder in sweeps/*/ examples/ examples/*/; do
+    case $folder in
+    sweeps/driver/ | *\*/) ;;
+    sweeps/*) put 644 "share/repose/$folder" "$folder"*.cfg ;;
+    *) put 644 "share/doc/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
+    esac
+done
+"$build/repose" help --man "$to/share/man/man1"
+install -d "$to/share/bash-completion/completions"
+"$build/repose" help --completion >"$to/share/bash-completion/completions/repose"
+
+# Headers lie in one folder: #include <repose/dem.h>. The public ones stand between RP_C_BEGIN and RP_C_END, or hold
+# macros only.
+install -d "$to/include/repose" "$to/lib/pkgconfig"
+for header in $(grep -l '^RP_C_BEGIN' src/*/*.h analytic/*.h sweeps/driver/*.h) src/dem/physics.h; do
+    sed 's,^#include ".*/,#include ",' "$header" >"$to/include/repose/$(basename "$header")"
+done
+
+# One archive, of which a program links what it uses: repose-MODULE.pc names the libraries of a module, repose.pc all.
+rm -f "$to/lib/librepose.a"
+{
+    echo "create $to/lib/librepose.a"
+    for module; do echo "addlib $build/lib${module%%=*}.a"; done
+    printf 'save\nend\n'
+} | ar -M
+pc() { # pc NAME DESCRIPTION PACKAGES LIBRARIES
+    cat >"$to/lib/pkgconfig/$1.pc" <<EOF
+libdir=\${pcfiledir}/..
+includedir=\${libdir}/../include
+Name: $1
+Description: $2
+Version: $version
+Requires: $3
+Libs: -L\${libdir} -lrepose $4 -lm
+Cflags: -I\${includedir}
+EOF
+}
+pc repose "forces in and angles of granular piles" "gsl nlopt libconfig sqlite3 libxxhash" -lcholmod
+pc repose-analytic "lattice, continuum and tent models of piles"
+pc repose-dem "discrete-element simulator of grains" "gsl libconfig libxxhash" -lcholmod
+pc repose-statics "static equilibrium of soft disks" gsl -lcholmod
+pc repose-angle "angles of repose, tilting and marginal stability" "gsl nlopt"
+pc repose-stress "stress in piles, pressure on their base" gsl

@@ -1,0 +1,321 @@
+/* The installed tree: found from any folder, moved as a whole, used as a library. RP_INSTALLED names a prefix
+ * to be tested in place of a fresh installation, as of a package. */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "core/version.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+#define PASSES(...) CU_ASSERT(passes(__VA_ARGS__))
+
+/* An example prints what the program computes by the same operations, but for constants such as pi/6. */
+#define SAME 1e-12
+
+/* Run a line of shell in the folder of the test: $PREFIX is the tree, $SOURCE the source. */
+static int line_of(const char *text)
+{
+    static char line[4096];
+    snprintf(line, sizeof line, "exec >out 2>err; export PKG_CONFIG_PATH=$PREFIX/lib/pkgconfig; %s", text);
+    return shell(line);
+}
+
+static bool passes(const char *text)
+{
+    const int status = line_of(text);
+    if (status) fprintf(stderr, "%s: exit status %d\n%s%s", text, status, out, err);
+    return status == 0;
+}
+
+/* The tree is installed in one folder and used in another. */
+static void enter_installed(void)
+{
+    char source[PATH_MAX], build[PATH_MAX], prefix[300], name[256];
+    const char *given = getenv("RP_INSTALLED"), *program = getenv("REPOSE");
+    CU_ASSERT_FATAL(realpath(".", source) && realpath(program ? program : "build/repose", build));
+    *strrchr(build, '/') = '\0';
+    enter();
+    unsetenv("REPOSE_DATA");
+    path_of("moved", name);
+    snprintf(prefix, sizeof prefix, "%s", given ? given : name);
+    setenv("SOURCE", source, 1);
+    setenv("BUILD", build, 1);
+    setenv("PREFIX", prefix, 1);
+    setenv("SANITIZE", check_fast() ? "-fsanitize=address,undefined" : "", 1);
+    if (!given)
+        PASSES("to=$PWD; cd $SOURCE && sh install.sh $BUILD $to/first " RP_VERSION
+               " sweep analytic dem statics angle stress stats core && mv $to/first $PREFIX");
+}
+
+/* ---- program ---- */
+
+static void test_targets(void)
+{
+    enter_installed();
+    PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
+    CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep analytic dem statics angle stress stats core") != NULL);
+    if (!getenv("RP_INSTALLED")) {
+        PASSES("cp -r $PREFIX there && make -C $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall "
+               "&& find there ! -type d");
+        CU_ASSERT(out[0] == '\0' || strstr(out, "\nthere") == NULL);
+    }
+    PASSES("! grep -rIl -e $SOURCE -e $PWD $PREFIX"); /* no path of the build */
+    leave();
+}
+
+static void test_data(void)
+{
+    enter_installed();
+    PASSES("cmp $PREFIX/bin/repose $PREFIX/bin/repose && $PREFIX/bin/repose sweep plan "
+           "sweeps/studies/calibrate.cfg -o planned");
+    CU_ASSERT(strstr(out, "60 runs") != NULL);
+    PASSES("$PREFIX/bin/repose claims --paper li");
+    CU_ASSERT(strstr(out, "\treproduced\n") != NULL);
+    PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
+           "tables/tent_map_20.tsv");
+    PASSES("$PREFIX/bin/repose report figures/paper-repro.md.in -o report.md && grep -q '^## ' report.md");
+    leave();
+}
+
+/* A sweep of so many runs under a name of the program's own sweeps. */
+static void write_sweep(const char *folder, int replicas)
+{
+    char name[128];
+    CU_ASSERT(snprintf(name, sizeof name, "mkdir -p %s/sweeps/studies >out 2>err", folder) > 0 &&
+              shell(name) == 0);
+    snprintf(name, sizeof name, "%s/sweeps/studies/calibrate.cfg", folder);
+    write_text(name,
+               "protocol = \"repose\"; replicas = %d; seed = 7;\n"
+               "fixed = { W = 2.0; H = 2.0; stop = \"steps\"; fill_steps = 2500; relax_steps = 1500; };\n"
+               "grid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n",
+               replicas);
+}
+
+/* How many runs are planned of the sweep that is found. */
+static int planned(const char *program)
+{
+    int runs = -1;
+    char text[256];
+    snprintf(
+        text, sizeof text,
+        "rm -rf d; %s sweep plan sweeps/studies/calibrate.cfg -o d | sed 's/.*: \\([0-9]*\\) runs.*/\\1/'",
+        program);
+    PASSES(text);
+    CU_ASSERT(sscanf(out, "%d", &runs) == 1);
+    return runs;
+}
+
+/* Current folder; REPOSE_DATA, and then nothing else; beside the program; the source. */
+static void test_order(void)
+{
+    enter_installed();
+    write_sweep("tree/share/repose", 2);
+    write_sweep("source", 3);
+    write_sweep("mine", 4);
+    PASSES("mkdir -p tree/bin source/build source/build/asan && cp $PREFIX/bin/repose tree/bin && "
+           "cp $PREFIX/bin/repose source/build && cp $PREFIX/bin/repose source/build/asan");
+    CU_ASSERT_EQUAL(planned("tree/bin/repose"), 8);
+    CU_ASSERT_EQUAL(planned("source/build/repose"), 12);
+    CU_ASSERT_EQUAL(planned("source/build/asan/repose"), 12);
+    CU_ASSERT_EQUAL(planned("REPOSE_DATA=$PWD/mine tree/bin/repose"), 16);
+    CU_ASSERT_EQUAL(line_of("REPOSE_DATA=$PWD tree/bin/repose sweep plan sweeps/studies/calibrate.cfg -o d"),
+                    RP_BAD_INPUT);
+    CU_ASSERT(strstr(err, "sweeps/studies/calibrate.cfg: ") != NULL);
+    /* the whole command, by the piles that it finds */
+    CU_ASSERT_EQUAL(line_of("tree/bin/repose calibrate --theta-r-deg 20 --error-deg 5 --bootstrap 9") & ~1,
+                    0);
+    CU_ASSERT(strstr(out, "/tree/share/repose/sweeps/studies/calibrate.cfg, protocol repose, seed 7") &&
+              strstr(out, "8 piles used"));
+    write_sweep(".", 5);
+    CU_ASSERT_EQUAL(planned("REPOSE_DATA=$PWD/mine tree/bin/repose"), 20);
+    leave();
+}
+
+/* ---- library ---- */
+
+/* Each header alone, and a program in C++ against a function of each module. */
+static void test_headers(void)
+{
+    enter_installed();
+    PASSES("for h in $PREFIX/include/repose/*.h; do echo \"#include <repose/${h##*/}>\" >${h##*/}.c && "
+           "cp ${h##*/}.c ${h##*/}.cpp || exit 1; done; ls *.h.c | wc -l");
+    CU_ASSERT(atoi(out) >= 18);
+    PASSES("${CC:-gcc} -std=c11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
+           "*.h.c");
+    if (line_of("command -v g++")) {
+        fprintf(stderr, "install: no g++: headers in C++ are not checked\n");
+    } else {
+        PASSES("g++ -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
+               "*.h.cpp");
+        write_text("all.cpp",
+                   "#include <repose/analytic.h>\n#include <repose/sweep.h>\n#include <repose/angle.h>\n"
+                   "#include <repose/scene.h>\n#include <repose/equilibrium.h>\n"
+                   "int main()\n{\n    an_force f;\n    dem_definition d = dem_definition_default();\n"
+                   "    statics_definition s = statics_definition_default();\n"
+                   "    sweep_counts c;\n    ang_surface a{};\n    ang_surface_free(&a);\n"
+                   "    return an_continuum(0.5, 0.5, &f) || d.n_grains || s.n || \n"
+                   "           !sweep_status(\"nowhere\", sweep_protocols, &c) || !*rp_message();\n}\n");
+        PASSES("g++ -std=c++17 $SANITIZE all.cpp $(pkg-config --cflags --libs repose) -o all && ./all");
+    }
+    leave();
+}
+
+/* Rows of an example equal those of a table of the program in the columns named. */
+static void check_same(const char *example, const char *program, size_t n, const char *const columns[])
+{
+    rp_table a = read_table(example), b = read_table(program);
+    CU_ASSERT(a.n_rows > 2 && a.n_rows == b.n_rows);
+    for (size_t row = 0; row < a.n_rows && row < b.n_rows; row++)
+        for (size_t c = 0; c < n; c++)
+            CHECK_NEAR(cell(&a, row, columns[c]), cell(&b, row, columns[c]),
+                       SAME * (1.0 + fabs(cell(&b, row, columns[c]))));
+    rp_table_free(&a);
+    rp_table_free(&b);
+}
+
+#define COMPILE "${CC:-gcc} -std=c11 -Wall -Wextra -Wpedantic -Werror $SANITIZE $examples/"
+
+static void test_examples(void)
+{
+    enter_installed();
+    PASSES("examples=$PREFIX/share/doc/repose/examples; for e in profile run slope pile; do " COMPILE
+           "$e.c $(pkg-config --cflags --libs repose) -o $e || exit 1; done");
+    PASSES(
+        "./profile >profile.tsv && $PREFIX/bin/repose continuum --alpha-deg 30 --points 11 >continuum.tsv");
+    check_same("profile.tsv", "continuum.tsv", 3, (const char *const[]){"x/B", "N/(chi*g*B)", "H/(chi*g*B)"});
+    PASSES("./run box.cfg >run.tsv && $PREFIX/bin/repose run box.cfg >states.tsv");
+    check_same("run.tsv", "states.tsv", 3, (const char *const[]){"x", "y", "r"});
+    PASSES("./slope run.tsv 2 >slope.tsv && $PREFIX/bin/repose angle slope run.tsv --width 2 --cell 0.2 "
+           ">angle.tsv");
+    check_same("slope.tsv", "angle.tsv", 3, (const char *const[]){"method", "theta_deg", "theta_se_deg"});
+    PASSES("./pile >pile.tsv && $PREFIX/bin/repose pile --base 7 --eps 1e-3 >base.tsv");
+    check_same("pile.tsv", "base.tsv", 3, (const char *const[]){"i", "N/mg", "H/mg"});
+    /* a module needs the libraries of its own .pc alone; also with --static */
+    PASSES("examples=$PREFIX/share/doc/repose/examples; for e in profile=analytic run=dem slope=angle "
+           "pile=statics; "
+           "do " COMPILE
+           "${e%=*}.c $(pkg-config --static --cflags --libs repose-${e#*=}) -o a || exit 1; done");
+    PASSES("pkg-config --libs repose-analytic");
+    CU_ASSERT(strstr(out, "-lrepose -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
+    leave();
+}
+
+/* ---- manual and completion ---- */
+
+/* Each option of a command in its page and in the completion. */
+static void check_pages(const cli_command *c, const char *completion)
+{
+    char page[128], text[256];
+    const rp_param *p;
+    if (c->group) {
+        for (const cli_command *const *g = c->group; *g; g++) check_pages(*g, completion);
+        return;
+    }
+    snprintf(page, sizeof page, "pages/repose-%s.1", c->name);
+    for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
+    static char manual[1 << 17];
+    slurp(page, manual, sizeof manual);
+    CHECK_OK(cli_options_of(c, &p));
+    snprintf(text, sizeof text, "    '%s '*) words='", c->name);
+    const char *words = strstr(completion, text);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(words);
+    for (; p->name; p++) {
+        const char *dashes = strlen(p->name) == 1 ? "-" : "--";
+        char plain[64], *to = text + sprintf(text, ".TP\n.B ");
+        snprintf(plain, sizeof plain, "%s%s ", dashes, p->name);
+        for (const char *s = plain; *s && *s != ' '; s++) to += sprintf(to, *s == '-' ? "\\-" : "%c", *s);
+        strcpy(to, "\n");
+        const char *at = strstr(words, plain);
+        const bool there = strstr(manual, text) && at && at < strchr(words, '\n');
+        if (!there) fprintf(stderr, "%s: not in the page or completion of %s\n", plain, c->name);
+        CU_ASSERT(there);
+    }
+}
+
+/* Words typed, and the word that follows. */
+static void check_completion(void)
+{
+    static const char *const typed[][2] = {{"la", "lattice"},
+                                           {"sweep pl", "plan"},
+                                           {"sweep plan --rep", "--replicas"},
+                                           {"lattice --method r", "recursion"},
+                                           {"lattice --layers 3 --me", "--method"},
+                                           {"help swe", "sweep"},
+                                           {"lattice --layers ", ""},
+                                           {"sweep plan sweeps/l", ""}};
+    for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
+        char text[512], expected[64];
+        snprintf(text, sizeof text,
+                 "bash -c 'source $PREFIX/share/bash-completion/completions/repose; words=\"repose %s\"; "
+                 "COMP_WORDS=($words); [ \"${words%% }\" = \"$words\" ] || COMP_WORDS+=(\"\"); "
+                 "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _repose; echo \"${COMPREPLY[*]}\"'",
+                 typed[i][0]);
+        snprintf(expected, sizeof expected, "%s\n", typed[i][1]);
+        PASSES(text);
+        CU_ASSERT_STRING_EQUAL(out, expected);
+    }
+}
+
+static void test_manual(void)
+{
+    enter_installed();
+    PASSES("mkdir pages && cp $PREFIX/share/man/man1/* pages && (gunzip -q pages/*.gz; true) && "
+           "cat $PREFIX/share/bash-completion/completions/repose");
+    char *completion = strdup(out);
+    for (const cli_command *const *c = cli_commands; *c; c++) check_pages(*c, completion);
+    free(completion);
+    PASSES("grep -q '^.B mu_roll$' pages/repose-params.1 && grep -q 'REPOSE_DATA' pages/repose.1");
+    if (line_of("command -v groff"))
+        fprintf(stderr, "install: no groff: the form of the manual pages is not checked\n");
+    else
+        PASSES("for f in pages/*; do groff -man -ww -z -Tutf8 $f || exit 1; done; test ! -s err");
+    check_completion();
+    leave();
+}
+
+static void test_help_command(void)
+{
+    enter();
+    GOOD("help angle slope");
+    CU_ASSERT(strncmp(out, "usage: repose angle slope FILE", 30) == 0);
+    GOOD("help sweep");
+    CU_ASSERT(strncmp(out, "usage: repose sweep COMMAND", 27) == 0);
+    FAILS(RP_USAGE, "unknown command \"nothing\"", "help nothing");
+    FAILS(RP_USAGE, "unknown command \"more\"", "help lattice more");
+    leave();
+}
+
+/* ---- package ---- */
+
+/* Version and libraries stand in debian/ a second time. */
+static void test_debian(void)
+{
+    enter_installed();
+    PASSES("head -1 $SOURCE/debian/changelog");
+    CU_ASSERT(strncmp(out, "repose (" RP_VERSION ") ", strlen("repose (" RP_VERSION ") ")) == 0);
+    PASSES("grep '^version: ' $SOURCE/CITATION.cff");
+    CU_ASSERT_STRING_EQUAL(out, "version: " RP_VERSION "\n");
+    PASSES("for p in $(sed -n '/^PACKAGES/,/[^\\\\]$/p' $SOURCE/Makefile); do case $p in libcunit*) ;; "
+           "lib*-dev|pkg-config) "
+           "grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; done");
+    leave();
+}
+
+void suite_install(void)
+{
+    static const check_case cases[] = {{"targets", test_targets},
+                                       {"files of the program", test_data},
+                                       {"order of the data folders", test_order},
+                                       {"headers alone, C11 and C++17", test_headers},
+                                       {"examples", test_examples},
+
+                                       {"manual pages and completion", test_manual},
+
+                                       {"help of a command", test_help_command},
+                                       {"Debian package", test_debian},
+                                       {0}};
+    check_register("install", cases);
+}
