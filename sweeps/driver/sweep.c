@@ -97,11 +97,16 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
+static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch,
+                              size_t *undamped)
 {
+    const rp_param *damping = rp_params_find(plan->protocol->schema, "gamma_n");
     rp_status status = RP_OK;
+    *undamped = 0;
     for (size_t i = 0; !status && i < plan->n_points; i++) {
         status = sweep_plan_check_point(plan, file, i);
+        const char *values = sweep_plan_point(plan, i);
+        *undamped += damping && *(const double *)(values + damping->offset) == 0.0;
         if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
     }
     return status;
@@ -114,9 +119,10 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     sweep_folder f = {.lock = -1};
     char path[4096];
     FILE *out = NULL;
+    size_t undamped = 0;
     rp_status status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
-    if (!status) status = check_points(&f.plan, file, watch);
+    if (!status) status = check_points(&f.plan, file, watch, &undamped);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = lock_folder(dir, &f.lock);
     snprintf(path, sizeof path, "%s/store.sqlite", dir);
@@ -129,6 +135,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         status = rp_file_close(path, out, RP_OK);
     }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    counts->undamped = undamped;
     sweep_folder_close(&f);
     return status;
 }
