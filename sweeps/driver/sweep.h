@@ -149,7 +149,8 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
- * *result. Errors: RP_BAD_INPUT (the file, a row it does not have), RP_IO, the protocol's. */
+ * *result. With tables->snapshot the run goes on from there. Errors: RP_BAD_INPUT (the file, a row it does
+ * not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
 
