@@ -26,6 +26,7 @@
     X(suite_midpoint)                                                                                        \
     X(suite_ledger)                                                                                          \
     X(suite_snapshot)                                                                                        \
+    X(suite_walls)                                                                                           \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
     X(suite_helpers)                                                                                         \

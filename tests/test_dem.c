@@ -307,7 +307,7 @@ static dem_sim *start_in_chunks(const dem_definition *def, size_t chunk)
 
 static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 {
-    double f[2 * DEM_MAX_WALLS] = {0}, g[2 * DEM_MAX_WALLS] = {0};
+    double f[2 * DEM_FEW_WALLS] = {0}, g[2 * DEM_FEW_WALLS] = {0};
     dem_wall_forces(a, f);
     dem_wall_forces(b, g);
     return memcmp(f, g, sizeof f) == 0;

@@ -199,7 +199,7 @@ static void test_solved_pile(void)
     CHECK_OK(dem_states(sim, states));
     double fy = 0.0, floor = 0.0;
     for (size_t i = 0; i < pile.n; i++) fy += states[i].fy;
-    double forces[2 * DEM_MAX_WALLS] = {0};
+    double forces[2 * DEM_FEW_WALLS] = {0};
     dem_wall_forces(sim, forces);
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,

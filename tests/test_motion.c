@@ -395,7 +395,7 @@ static void box_against_gravity(void)
     const double angle = 0.1;
     const long steps = 20000;
     dem_state s[2][5];
-    double forces[2][2 * DEM_MAX_WALLS];
+    double forces[2][2 * DEM_FEW_WALLS];
     for (int k = 0; k < 2; k++) {
         dem_grain grains[5];
         for (int i = 0; i < 5; i++)
@@ -437,7 +437,7 @@ static void wall_ledger(void)
     dem_definition def = grains_box(N, 1.5, 5, &grains);
     dem_sim *sim = grains_start(&def);
     dem_state s[N];
-    double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_MAX_WALLS];
+    double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_FEW_WALLS];
     CHECK_OK(dem_run(sim, 3000));
     dem_box_turn(sim, 1e-4);
     for (int round = 0; round <= STEPS; round++) {

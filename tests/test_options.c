@@ -81,6 +81,7 @@ static const struct {
                   {"calibrate", "--sweep", "suite cli"},
                   {"calibrate", "-o", "suite cli"},
                   {"calibrate", "-j", "suite cli"},
+                  {"calibrate", "--force", "suite cli"},
                   {"calibrate", "--verify", "suite cli"},
                   {"calibrate", "--planted", "suite cli"},
                   {"bench", "--width", "times are not compared"},

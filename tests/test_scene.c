@@ -82,6 +82,12 @@ static void written_and_read(void)
         "ground = { mu_static = 0.4; a = 0.013; set = \"again\"; };\n"
         "hard = { restitution = 0.3; mu = \"infinite\"; };\n"
         "particles = ( { x = 0.0; y = 0.13; r = 0.1; vx = 9.0; }, { x = 0.3; y = 0.21; r = 0.1; } );\n",
+        "steps = 600; tangential = { law = \"spring\"; mu = 0.3; };\n"
+        "walls = ( { circle = [0.1, 0.2, 0.9]; sides = 23; omega = 4.0; mu = 0.7; velocity = [1.0, -2.0]; "
+        "},\n"
+        "          { polygon = ( [0.1, 0.7], [0.3, 0.9], [0.2, 0.95] ); closed = false; omega = -0.3;\n"
+        "            pivot = [0.1, 0.8]; } );\n"
+        "fill = { N = 5; W = 0.8; H = 0.6; x0 = -0.3; y0 = -0.3; };\n",
         "steps = 600; particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; },\n"
         "                           { x = 0.02; y = 0.21; r = 0.1; } );\n",
         "integrator = \"implicit\"; dt = 2e-4; steps = 300; normal = { law = \"linear\"; k_n = 1.0e5; };\n"
@@ -101,8 +107,8 @@ static void written_and_read(void)
         CHECK_OK(read_text(text, NULL, &back));
         CU_ASSERT_EQUAL(s.steps, back.steps);
         CU_ASSERT_EQUAL(s.def.integrator, back.def.integrator);
-        CU_ASSERT_EQUAL(back.def.integrator, k == 3 ? DEM_GEAR5 : k == 6 ? DEM_IMPLICIT : DEM_VERLET);
-        CU_ASSERT(k != 6 ||
+        CU_ASSERT_EQUAL(back.def.integrator, k == 3 ? DEM_GEAR5 : k == 7 ? DEM_IMPLICIT : DEM_VERLET);
+        CU_ASSERT(k != 7 ||
                   (back.def.implicit.solver == DEM_SOLVER_SOR && back.def.implicit.relaxation == 0.85 &&
                    back.def.implicit.tolerance == 3e-14 && back.def.implicit.max_iterations == 777));
         CU_ASSERT(s.def.box_turn_per_step == back.def.box_turn_per_step);
@@ -117,7 +123,7 @@ static void written_and_read(void)
         CHECK_OK(dem_states(a, p));
         CHECK_OK(dem_states(b, q));
         CU_ASSERT(memcmp(p, q, sizeof p) == 0);
-        CU_ASSERT(p[0].fixed == (k == 5) && !p[1].fixed);
+        CU_ASSERT(p[0].fixed == (k == 6) && !p[1].fixed);
         CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
         CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
         dem_free(a);
@@ -155,7 +161,8 @@ static void refused(void)
         {"tangential = { law = \"spring\"; mu = -0.3; };",
          ":2: mu = -0.3: out of range, allowed: [0, inf) | infinite"},
         {"walls = ( { point = [0.0, 0.0]; } );", "direction: missing"},
-        {"walls = ( { point = [0.0, 0.0]; direction = [1.0, 1.0]; } );", "a unit vector expected"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 0.0]; } );",
+         ":2: direction = [0, 0]: must not be 0"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.1; } );",
          ":2: mu = 0.1: needs a tangential law"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );",

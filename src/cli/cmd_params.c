@@ -42,8 +42,13 @@ static void print_scene(void)
                g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
         print_schema(g->schema);
     }
-    printf("# walls also take point = [x, y], direction = [nx, ny] (unit, into the grains), extent = [s0, "
-           "s1]\n");
+    printf(
+        "# a wall is one of: point = [x, y]; direction = [nx, ny] (into the grains, any length); extent = "
+        "[s0, s1] (from the point along the direction turned clockwise; without: a whole line)\n"
+        "#   polygon = ( [x, y], ... ) (the inside is on the left of the way from each point to the next); "
+        "circle = [x, y, radius]\n"
+        "# a wall may move: velocity = [vx, vy] (cm/s) of pivot = [x, y] (the origin; of a circle its "
+        "centre)\n");
 }
 
 static void print_protocol(const sweep_protocol *protocol)

@@ -114,21 +114,27 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     return RP_OK;
 }
 
-rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
+rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
 {
     const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
+    const char *const expected = n == 2 ? "two numbers [a, b] expected" : "three numbers [a, b, c] expected";
     if ((!config_setting_is_array(setting) && !config_setting_is_list(setting)) ||
-        config_setting_length(setting) != 2)
-        return rp_config_fail(setting, "%s: two numbers [a, b] expected", name);
-    for (unsigned i = 0; i < 2; i++) {
+        config_setting_length(setting) != n)
+        return rp_config_fail(setting, "%s: %s", name, expected);
+    for (int i = 0; i < n; i++) {
         rp_value value;
-        const config_setting_t *element = config_setting_get_elem(setting, i);
+        const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
         if (to_value(element, &value) != RP_OK || (value.kind != RP_V_INT && value.kind != RP_V_REAL))
-            return rp_config_fail(element, "%s: two numbers [a, b] expected", name);
-        pair[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
-        if (!isfinite(pair[i])) return rp_config_fail(element, "%s: finite numbers expected", name);
+            return rp_config_fail(element, "%s: %s", name, expected);
+        numbers[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
+        if (!isfinite(numbers[i])) return rp_config_fail(element, "%s: finite numbers expected", name);
     }
     return RP_OK;
+}
+
+rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
+{
+    return rp_config_numbers(setting, 2, pair);
 }
 
 void rp_config_write(FILE *out, const rp_param *schema, const void *values)

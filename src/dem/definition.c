@@ -67,7 +67,7 @@ static rp_status check_number(const char *name, double value, double lo, const c
 bool dem_has_rolling(const dem_definition *def)
 {
     bool rolling = def->material.mu_roll > 0.0;
-    for (size_t w = 0; w < def->n_walls; w++) rolling |= def->walls[w].material.mu_roll > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) rolling |= dem_walls_of(def)[w].material.mu_roll > 0.0;
     return rolling;
 }
 
@@ -98,6 +98,26 @@ rp_status dem_wall_check(const dem_wall *w)
         return rp_fail(RP_BAD_INPUT,
                        "open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end",
                        w->open_speed);
+    for (int end = 0; end < 2; end++)
+        if (w->joined[end] && !(isfinite(w->extent[end]) && fabs(w->corner[end]) < M_PI))
+            return rp_fail(RP_BAD_INPUT, "corner = %g at %g: a turn in (-pi, pi) at an end expected",
+                           w->corner[end], w->extent[end]);
+    if (!isfinite(w->velocity[0] + w->velocity[1] + w->omega + w->pivot[0] + w->pivot[1]))
+        return rp_fail(RP_BAD_INPUT, "velocity, omega and pivot must be finite");
+    if (w->open_at_step >= 0 && isfinite(w->open_speed) && dem_wall_moves(w))
+        return rp_fail(RP_BAD_INPUT, "open_speed = %g: a wall that moves can only open at once",
+                       w->open_speed);
+    return RP_OK;
+}
+
+/* How a wall may move in this scene. */
+static rp_status check_moving(const dem_definition *def, const dem_wall *wall)
+{
+    if (!dem_wall_moves(wall)) return RP_OK;
+    if (def->box_turn_per_step != 0.0)
+        return rp_fail(RP_BAD_INPUT, "velocity or omega: not in a box that turns");
+    if (!(fabs(wall->omega) * def->dt < 1.0))
+        return rp_fail(RP_BAD_INPUT, "omega = %g: must be below one radian a step", wall->omega);
     return RP_OK;
 }
 
@@ -105,8 +125,10 @@ static rp_status check_walls(const dem_definition *def)
 {
     rp_status status = RP_OK;
     for (size_t k = 0; k < def->n_walls && !status; k++) {
-        status = check_material(def, &def->walls[k].material);
-        if (!status) status = dem_wall_check(&def->walls[k]);
+        const dem_wall *wall = &dem_walls_of(def)[k];
+        status = check_material(def, &wall->material);
+        if (!status) status = dem_wall_check(wall);
+        if (!status) status = check_moving(def, wall);
         if (status) rp_prefix(status, "wall %zu: ", k + 1);
     }
     return status;
@@ -118,9 +140,10 @@ static rp_status check_ground(const dem_definition *def)
     if (g->wall == 0) return RP_OK;
     if (g->wall < 0 || (size_t)g->wall > def->n_walls)
         return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: there are %zu walls", g->wall, def->n_walls);
-    const dem_wall *w = &def->walls[g->wall - 1];
-    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]))
-        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens", g->wall);
+    const dem_wall *w = &dem_walls_of(def)[g->wall - 1];
+    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]) || dem_wall_moves(w))
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens or moves",
+                       g->wall);
     if (dem_has_spring(def->tangential))
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
@@ -212,10 +235,25 @@ rp_status dem_laws_check(const dem_definition *def)
     return RP_OK;
 }
 
+/* As fast as a grain may be: see check_grain in neighbours.c. */
+static rp_status check_wall_speeds(const dem_definition *def)
+{
+    double r_min = INFINITY;
+    for (size_t i = 0; i < def->n_grains; i++) r_min = fmin(r_min, def->grains[i].r);
+    for (size_t k = 0; k < def->n_walls; k++) {
+        const double travel = dem_wall_speed(def, &dem_walls_of(def)[k]) * def->dt;
+        if (travel > r_min)
+            return rp_fail(RP_BAD_INPUT, "wall %zu: moves %g in one step, the smallest radius is %g", k + 1,
+                           travel, r_min);
+    }
+    return RP_OK;
+}
+
 rp_status dem_definition_check(const dem_definition *def)
 {
     rp_status status = check_grain_values(def);
     if (!status) status = dem_laws_check(def);
+    if (!status) status = check_wall_speeds(def);
     if (status) return status;
     const char *what;
     double limit = dem_time_step_limit(def, &what);

@@ -12,12 +12,18 @@ rp_status dem_wall_check(const dem_wall *wall);
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *grain);
 rp_status dem_scheme_check(const dem_definition *def);
 
-/* Put in the gamma_n that a restitution asks for, and what follows from it. Errors: RP_BAD_INPUT,
- * RP_NO_MEMORY. */
-rp_status dem_physics_resolve(dem_definition *def);
+/* Put in the gamma_n that a restitution asks for, and what follows from it, in a copy of a definition; its
+ * list of walls may then be one of its own, until dem_physics_free, also after an error. Errors:
+ * RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status dem_physics_resolve(dem_definition *copy);
+void dem_physics_free(dem_definition *copy, const dem_definition *def);
+
+/* Largest speed of a wall's points, of a line of those beside the grains of the start; 0 for a wall that does
+ * not move by itself. */
+double dem_wall_speed(const dem_definition *def, const dem_wall *wall);
 
 /* Speed of an impact to come: the largest closing speed at the start and a fall from the highest grain to
- * the lowest grain or wall. */
+ * the lowest grain or wall. A grain may take the speed of a wall, and the height that a segment reaches. */
 double dem_impact_speed(const dem_definition *def);
 
 /* Contacts that the start has may be stiffer than any impact to come. Errors: RP_BAD_INPUT. */

@@ -39,19 +39,30 @@ typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
 typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
-enum { DEM_MAX_WALLS = 8 };
 
-/* A wall through `point`; `direction` is its unit normal, pointing into the grains. `extent` holds the ends
- * along the tangent (normal turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line.
- * An end acts as a corner. From step `open_at_step` on (-1: never) the wall is gone, or with a finite
- * `open_speed` its lower end extent[0] moves along the tangent at that speed, as a wall that is lifted. */
+/* A wall through `point`; `direction` is its unit normal. `extent` holds the ends along the tangent (normal
+ * turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line, whose normal points into
+ * the grains. A segment has grains on both sides. From step `open_at_step` on (-1: never) the wall is gone,
+ * or with a finite `open_speed` its lower end extent[0] moves along the tangent at that speed, as a wall that
+ * is lifted.
+ *
+ * An end acts as a corner. With `joined`, another segment begins there, and `corner` is the angle from the
+ * tangent before the end to that after it, counter-clockwise positive, in (-pi, pi): the two have one corner
+ * together, which acts only on grains that are beyond both ends.
+ *
+ * The wall moves as a rigid body from the start on: it turns about `pivot` at the rate `omega`,
+ * counter-clockwise, and the pivot moves at `velocity`. */
 typedef struct {
     double point[2], direction[2];
     dem_material material;
     double extent[2];
+    bool joined[2];
+    double corner[2];
     long open_at_step;
     double open_speed;
+    double velocity[2], omega, pivot[2];
 } dem_wall;
+enum { DEM_FEW_WALLS = 8 };
 
 /* A fixed grain never moves: to the others it is an infinite mass. Fixed grains and walls do not interact. */
 typedef struct {
@@ -107,7 +118,7 @@ typedef struct {
     dem_material material;
     dem_ground ground;            /* not with the tangential law DEM_SPRING */
     dem_hard hard;                /* needs DEM_VERLET and no tension */
-    dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines as walls, that do not turn; no rotation;
+    dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines at rest as walls; no rotation;
                                      not the tangential law DEM_SPRING */
     double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
@@ -116,7 +127,8 @@ typedef struct {
     dem_kernel_choice kernel;
     bool ledger; /* keep the energy ledger: some twenty times slower, the same bits */
     size_t n_walls;
-    dem_wall walls[DEM_MAX_WALLS];
+    dem_wall walls[DEM_FEW_WALLS];
+    const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
@@ -124,6 +136,18 @@ typedef struct {
     size_t n_contacts;
     const struct dem_contact *contacts;
 } dem_definition;
+
+/* The walls of a definition. */
+static inline const dem_wall *dem_walls_of(const dem_definition *def)
+{
+    return def->wall_list ? def->wall_list : def->walls;
+}
+
+/* Does the wall move by itself? */
+static inline bool dem_wall_moves(const dem_wall *wall)
+{
+    return wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0;
+}
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
@@ -338,11 +362,12 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi);
 /* Random filling: grains at rest, dropped nowhere nearer than touching. */
 typedef struct {
     long N;
-    double W, H; /* grains lie inside (0, W) x (0, H) */
+    double W, H; /* grains lie inside (x0, x0 + W) x (y0, y0 + H) */
     double radius_mean, radius_width, radius_min, radius_max;
     double density;
     dem_shape shape;
     long seed, run; /* names of the random streams */
+    double x0, y0;
 } dem_fill;
 
 /* Grains of random radius (Gaussian, drawn again outside the cut), placed one after the other at random

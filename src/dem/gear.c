@@ -61,7 +61,7 @@ static void correct(dem_sim *sim)
 static rp_status step(dem_sim *sim, bool last)
 {
     (void)last;
-    dem_walls_turn(sim);
+    dem_walls_move(sim);
     rp_status status = dem_step_lists(sim, predict(sim));
     if (!status) status = dem_step_forces(sim);
     if (!status) correct(sim);

@@ -60,11 +60,16 @@ static rp_status check(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
-    for (size_t w = 0; w < def->n_walls; w++)
-        if (isfinite(def->walls[w].extent[0]) || isfinite(def->walls[w].extent[1]))
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1]))
             return rp_fail(RP_BAD_INPUT,
                            "wall %zu: extent = [%g, %g]: the integrator implicit needs whole lines", w + 1,
-                           def->walls[w].extent[0], def->walls[w].extent[1]);
+                           wall->extent[0], wall->extent[1]);
+        if (dem_wall_moves(wall))
+            return rp_fail(RP_BAD_INPUT, "wall %zu moves, but the integrator implicit needs walls that stand",
+                           w + 1);
+    }
     rp_status status = RP_OK;
     if (s->solver == DEM_SOLVER_SOR)
         status =
@@ -185,7 +190,7 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
     }
     if (before <= 0.0 && after <= 0.0) return f;
     if (ends.slot)
-        l = (coefficients){&sim->def.walls[ends.slot->wall].material, sim->walls.mu[ends.slot->wall],
+        l = (coefficients){&sim->walls.wall[ends.slot->wall].material, sim->walls.mu[ends.slot->wall],
                            sim->grains.mass[ends.i]};
     else
         l.m_eff = sim->pairs.m_eff[k], length = sqrt(dem_dot(along, along));

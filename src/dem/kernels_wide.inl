@@ -204,7 +204,7 @@ void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const dem_laws law = dem_laws_of(&sim->def, &sim->def.walls[w].material, sim->walls.mu[w]);
+    const dem_laws law = dem_laws_of(&sim->def, &sim->walls.wall[w].material, sim->walls.mu[w]);
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         const size_t n = end - k < WIDTH ? end - k : WIDTH;

@@ -124,7 +124,7 @@ static ledger_contact contact_now(const dem_sim *sim, size_t k, double h)
     if (one_force(sim) || !dem_contact_relative(sim, k, true, &r)) return c;
     c.part = split_force(sim, &r);
     c.point = r.point, c.arm_a = r.arm_a, c.arm_b = r.arm_b, c.r_eff = r.r_eff;
-    c.own_velocity = r.wall_velocity - dem_box_velocity(&sim->walls, r.point);
+    if (r.slot) c.own_velocity = r.wall_velocity - dem_wall_velocity(&sim->walls, r.slot->wall, r.point);
     c.sheared = r.v_s * h, c.rolled = r.v_roll * h;
     if (sim->grains.excess) {
         const dem_vec *excess = sim->grains.excess;
@@ -230,17 +230,26 @@ static void move_grains(dem_sim *sim)
     }
 }
 
+static size_t wall_of(const ledger_contact *c)
+{
+    return UINT32_MAX - (uint32_t)c->key;
+}
+
 /* Half of the work that the forces of one end of the step do over it. */
 static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, dem_ledger *step)
 {
+    if (c->a == 0) return; /* no contact */
     const double dt = sim->def.dt;
     const ledger_grain *a = &sim->ledger->grain[c->a], *b = &sim->ledger->grain[c->b];
     dem_vec other = b->displacement;
     double turn = b->turn;
     if (c->b == 0) { /* where the wall's point goes from the step's start, or came from at its end */
-        other = dt * (c->own_velocity + (first ? -sim->walls.swing[0] : sim->walls.swing[0]) * c->point +
-                      sim->walls.swing[1] * dem_clockwise(c->point));
-        turn = -dt * sim->walls.swing[1];
+        const dem_wall_line *line = &sim->walls.line[wall_of(c)];
+        const dem_vec swing = line->moves ? line->swing : sim->walls.swing,
+                      pivot = first ? line->pivot - dt * line->drift : line->pivot, arm = c->point - pivot;
+        other = dt * (c->own_velocity + line->drift + (first ? -swing[0] : swing[0]) * arm +
+                      swing[1] * dem_clockwise(arm));
+        turn = -dt * swing[1];
     }
     const dem_parts *p = &c->part;
     const double along_n = dem_dot(a->displacement - other, p->n), turned = a->turn - turn;
@@ -260,7 +269,7 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
 
 static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
 {
-    const dem_wall *w = &sim->def.walls[UINT32_MAX - (uint32_t)c->key];
+    const dem_wall *w = &sim->walls.wall[wall_of(c)];
     return w->open_at_step >= 0 && sim->step >= w->open_at_step && isinf(w->open_speed);
 }
 

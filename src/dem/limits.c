@@ -76,6 +76,29 @@ static double well_step_limit(const dem_definition *def, double m, double r, dou
     return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
 }
 
+static dem_vec end_of(const dem_wall *wall, int end)
+{
+    const dem_vec direction = {wall->direction[0], wall->direction[1]};
+    return (dem_vec){wall->point[0], wall->point[1]} + wall->extent[end] * dem_clockwise(direction);
+}
+
+double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
+{
+    if (!dem_wall_moves(wall)) return 0.0;
+    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]};
+    const bool segment = isfinite(wall->extent[0]) && isfinite(wall->extent[1]);
+    double reach2 = 0.0;
+    for (int end = 0; end < 2 && segment; end++) {
+        const dem_vec arm = end_of(wall, end) - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    for (size_t i = 0; i < def->n_grains && !segment; i++) {
+        const dem_vec arm = (dem_vec){def->grains[i].x, def->grains[i].y} - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    return hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
+}
+
 double dem_impact_speed(const dem_definition *def)
 {
     double speed = 0.0, low = INFINITY, high = -INFINITY;
@@ -88,7 +111,13 @@ double dem_impact_speed(const dem_definition *def)
         high = fmax(high, height);
     }
     for (size_t w = 0; w < def->n_walls; w++) {
-        const double *n = def->walls[w].direction, *q = def->walls[w].point;
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        const double *n = wall->direction, *q = wall->point;
+        speed = fmax(speed, dem_wall_speed(def, wall));
+        for (int end = 0; end < 2 && dem_wall_moves(wall); end++) {
+            const dem_vec p = end_of(wall, end);
+            if (isfinite(p[0] + p[1])) high = fmax(high, -(g[0] * p[0] + g[1] * p[1]));
+        }
         /* a wall along gravity has no height of its own */
         if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * hypot(g[0], g[1]))
             low = fmin(low, -(g[0] * q[0] + g[1] * q[1]));
@@ -122,13 +151,8 @@ static void lower(double t, const char *contact, double *limit, const char **wha
     *what = contact;
 }
 
-double dem_time_step_limit(const dem_definition *given, const char **what)
+static double step_limit(const dem_definition *def, const char **what)
 {
-    dem_definition own = *given, *const def = &own;
-    const char *unused;
-    if (!what) what = &unused;
-    *what = "a restitution that cannot be had";
-    if (dem_physics_resolve(&own)) return 0.0;
     *what = "nothing: the integrator is implicit";
     if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
     double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
@@ -149,12 +173,23 @@ double dem_time_step_limit(const dem_definition *given, const char **what)
         limit = speed_step_limit(def, &def->material, two, r_moves, v);
     }
     for (size_t w = 0; w < def->n_walls; w++) {
-        lower(speed_step_limit(def, &def->walls[w].material, one, r_moves, v), "the lightest grain at a wall",
-              &limit, what);
+        lower(speed_step_limit(def, &dem_walls_of(def)[w].material, one, r_moves, v),
+              "the lightest grain at a wall", &limit, what);
         if ((int)w + 1 == def->ground.wall)
             lower(well_step_limit(def, first->m, r_moves, v), "the lightest grain in a well of the ground",
                   &limit, what);
     }
+    return limit;
+}
+
+double dem_time_step_limit(const dem_definition *def, const char **what)
+{
+    dem_definition own = *def;
+    const char *unused;
+    if (!what) what = &unused;
+    *what = "a restitution that cannot be had";
+    const double limit = dem_physics_resolve(&own) ? 0.0 : step_limit(&own, what);
+    dem_physics_free(&own, def);
     return limit;
 }
 

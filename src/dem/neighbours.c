@@ -126,10 +126,11 @@ static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
     if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
         return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
     for (size_t k = 0; k < sim->def.n_walls && sim->grains.inverse_mass[i] > 0.0; k++) {
-        const dem_wall *wall = &sim->def.walls[k];
-        bool line = isinf(wall->extent[0]) && isinf(wall->extent[1]);
-        bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
-        if (line && !open && dem_dot(x - sim->walls.line[k].point, sim->walls.line[k].direction) < 0.0)
+        const dem_wall_line *line = &sim->walls.line[k];
+        if (!(dem_dot(x - line->point, line->direction) < 0.0)) continue;
+        const dem_wall *wall = &sim->walls.wall[k];
+        const bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
+        if (isinf(wall->extent[0]) && isinf(wall->extent[1]) && !open)
             return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
     }
     return RP_OK;
@@ -189,15 +190,12 @@ static double round_off(const dem_sim *sim, double far2)
     return 1e-15 * (sqrt(far2) + sim->list.skin);
 }
 
-/* A turning wall may approach the farthest grain by half the skin, beside the grain's own margin. (A grain
- * that moves along the wall to where it turns faster moves less towards it.) */
 static void measure_far(dem_sim *sim)
 {
     double far2 = 0.0;
     for (size_t i = 0; i < sim->grains.n; i++)
         far2 = fmax(far2, dem_dot(sim->grains.motion[i].x, sim->grains.motion[i].x));
-    sim->walls.sweep_limit = 0.5 * sim->list.skin / (sqrt(far2) + sim->list.skin);
-    sim->walls.swept = 0.0;
+    dem_walls_limit(sim, sqrt(far2));
     sim->list.round_off = round_off(sim, far2);
 }
 
@@ -351,7 +349,13 @@ static void mark_walls(dem_sim *sim)
     }
 }
 
-/* Slots of grains near the lines of walls; a wall that is gone has none. */
+/* Is a point of the line at `along` farther than `most` from what is left of it between its ends? */
+static inline bool is_beyond_ends(const dem_wall *wall, double along, double most)
+{
+    return along < wall->extent[0] - most || along > wall->extent[1] + most;
+}
+
+/* Slots of grains near walls; a wall that is gone has none. */
 static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
@@ -365,17 +369,20 @@ static rp_status find_wall_slots(dem_sim *sim)
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
     sim->walls.n_slots = 0;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
-        const dem_wall *wall = &sim->def.walls[k];
+        const dem_wall *wall = &sim->walls.wall[k];
         if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
         const dem_vec direction = sim->walls.line[k].direction, point = sim->walls.line[k].point;
+        const double more = sim->walls.line[k].moves ? sim->walls.margin : turn;
         for (uint32_t s = 0; s < n_old; s++)
             if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
                 sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
         for (uint32_t i = 0; i < sim->grains.n; i++) {
-            double distance = dem_dot(sim->grains.listed_x[i] - point, direction);
+            const dem_vec d = sim->grains.listed_x[i] - point;
+            const double distance = dem_dot(d, direction), most = sim->grains.cutoff[i] + more;
             uint32_t held = sim->grains.held_slot[i];
             sim->grains.held_slot[i] = NOWHERE;
-            if (!(fabs(distance) < sim->grains.cutoff[i] + turn) || dem_is_fixed(sim, i)) continue;
+            if (!(fabs(distance) < most) || dem_is_fixed(sim, i)) continue;
+            if (is_beyond_ends(wall, dem_dot(d, dem_clockwise(direction)), most)) continue;
             if (sim->walls.n_slots == sim->walls.capacity &&
                 !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
                           sim->walls.capacity = 2 * sim->walls.capacity + 64))

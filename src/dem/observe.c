@@ -116,7 +116,7 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
     *r = (dem_relative){.a = i,
                         .b = DEM_NOBODY,
                         .slot = slot,
-                        .c = &sim->def.walls[w].material,
+                        .c = &sim->walls.wall[w].material,
                         .mu = sim->walls.mu[w],
                         .m_eff = g->mass[i],
                         .spring = slot->spring,
@@ -131,7 +131,7 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
     r->arm_a = g->radius[i] - r->overlap;
     r->r_eff = g->radius[i];
     r->v_s += r->arm_a * g->omega[i];
-    r->v_roll = r->r_eff * (g->omega[i] + sim->walls.swing[1]);
+    r->v_roll = r->r_eff * (g->omega[i] + dem_wall_spin(&sim->walls, w));
     return true;
 }
 

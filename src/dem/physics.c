@@ -1,9 +1,9 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "dem/definition.h"
-
-#include <string.h>
 
 static const rp_param schema[] = {
 #define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
@@ -94,21 +94,45 @@ static rp_status find_damping(const dem_definition *def, double m_eff, double v,
     return status;
 }
 
+void dem_physics_free(dem_definition *copy, const dem_definition *def)
+{
+    if (copy->wall_list != def->wall_list) free((dem_wall *)copy->wall_list);
+    copy->wall_list = def->wall_list;
+}
+
+/* The walls of the copy, that may be changed; NULL without memory. */
+static dem_wall *own_walls(dem_definition *copy)
+{
+    if (!copy->wall_list) return copy->walls;
+    dem_wall *walls = malloc((copy->n_walls + 1) * sizeof *walls);
+    if (walls) memcpy(walls, copy->wall_list, copy->n_walls * sizeof *walls);
+    return walls;
+}
+
 rp_status dem_physics_resolve(dem_definition *def)
 {
-    if (def->n_walls > DEM_MAX_WALLS)
-        return rp_fail(RP_BAD_INPUT, "%zu walls: at most %d", def->n_walls, DEM_MAX_WALLS);
+    if (def->n_walls > DEM_FEW_WALLS && !def->wall_list)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: more than %d need a list", def->n_walls, DEM_FEW_WALLS);
     bool asked = def->material.restitution > 0.0;
-    for (size_t w = 0; w < def->n_walls; w++) asked |= def->walls[w].material.restitution > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) asked |= dem_walls_of(def)[w].material.restitution > 0.0;
     if (!asked) return RP_OK;
+    dem_wall *walls = own_walls(def);
+    if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
+    if (def->wall_list) def->wall_list = walls;
     const double v = dem_impact_speed(def);
     double mass = 0.0;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
     rp_status status = find_damping(def, 0.5 * mass, v, &def->material);
     if (status) return status;
     complete(def, &def->material);
+    dem_material given;
     for (size_t w = 0; w < def->n_walls; w++) {
-        dem_material *m = &def->walls[w].material;
+        dem_material *m = &walls[w].material;
+        if (w > 0 && memcmp(m, &given, sizeof given) == 0) { /* as the sides of a polygon */
+            *m = walls[w - 1].material;
+            continue;
+        }
+        given = *m;
         status = find_damping(def, mass, v, m);
         if (status) return rp_prefix(status, "wall %zu: ", w + 1);
         *m = dem_wall_material(m, &def->material);

@@ -9,6 +9,7 @@
 #include "core/config.h"
 #include "core/table.h"
 #include "dem/definition.h"
+#include "dem/vec.h"
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
 typedef struct {
@@ -79,14 +80,34 @@ static const rp_param implicit_schema[] = {
 
 #define WALL_AUTO(kind, name, key, unit, type, fallback, range, further, value, wall, meaning)               \
     DEM_IF_MATERIAL(kind,                                                                                    \
-                    {#name, unit, type, AT(dem_wall, material.name), "auto", range " | auto",                \
+                    {#name, unit, type, AT(wall_entry, line.material.name), "auto", range " | auto",         \
                      "of this wall; auto: the grains', times " #wall}, )
 
+/* What a wall of a file says: one wall, or a polygon or circle of several. */
+typedef struct {
+    dem_wall line;
+    double corner[2]; /* INFINITY: not joined */
+    long sides;
+    bool closed;
+} wall_entry;
+
+/* The first rows are of polygons and circles alone; each side is written as a segment. */
+enum { SHAPE_ROWS = 2 };
 static const rp_param wall_schema[] = {
-    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(dem_wall, open_at_step), "never",
+    {"sides", "", RP_INT, AT(wall_entry, sides), "64", "[3, 4096]",
+     "of a circle, which is a regular polygon"},
+    {"closed", "", RP_BOOL, AT(wall_entry, closed), "true", "",
+     "whether a polygon goes on from its last point to its first"},
+    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_entry, line.open_at_step), "never",
                            "[0, 2147483647] | never", "step from which the wall is gone"},
-    {"open_speed", "cm/s", RP_REAL, AT(dem_wall, open_speed), "instant", "[0, inf) | instant",
+    {"open_speed", "cm/s", RP_REAL, AT(wall_entry, line.open_speed), "instant", "[0, inf) | instant",
      "speed at which its lower end moves then"},
+    {"omega", "rad/s", RP_REAL, AT(wall_entry, line.omega), "0.0", "(-inf, inf)",
+     "rate at which the wall turns about `pivot`, counter-clockwise"},
+    {"corner_lower", "rad", RP_REAL, AT(wall_entry, corner[0]), "none", "(-3.14, 3.14) | none",
+     "of a polygon's side: turn to it from the side that ends where it begins"},
+    {"corner_upper", "rad", RP_REAL, AT(wall_entry, corner[1]), "none", "(-3.14, 3.14) | none",
+     "of a polygon's side: turn from it to the side that begins where it ends"},
     {0}};
 
 static const rp_param particle_schema[] = {
@@ -106,8 +127,10 @@ static const rp_param particle_schema[] = {
 
 static const rp_param fill_schema[] = {
     {"N", "", RP_INT, AT(dem_fill, N), NULL, "[1, 100000000]", "number of grains"},
-    {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = 0"},
-    {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = 0"},
+    {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = x0"},
+    {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = y0"},
+    {"x0", "cm", RP_REAL, AT(dem_fill, x0), "0.0", "(-inf, inf)", "left end of the region"},
+    {"y0", "cm", RP_REAL, AT(dem_fill, y0), "0.0", "(-inf, inf)", "lower end of the region"},
     {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
     DEM_RADIUS_PARAMS(FILL){0}};
@@ -142,40 +165,156 @@ static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_
     return RP_OK;
 }
 
-static rp_status read_wall(const config_setting_t *setting, const dem_definition *def, dem_wall *wall)
+/* Add a wall to those of the scene, once its place is known. */
+static rp_status add_wall(const config_setting_t *setting, const dem_wall *wall, dem_scene *scene)
 {
-    static const char *const others[] = {"point", "direction", "extent", NULL};
-    *wall = (dem_wall){.extent = {-INFINITY, INFINITY}};
-    rp_params_defaults(wall_schema, wall);
-    rp_status status = rp_config_group(setting, wall_schema, wall, others);
-    if (status) return status;
+    dem_definition *def = &scene->def;
+    rp_status status = dem_wall_check(wall);
+    if (!status) status = dem_material_check(def, &wall->material);
+    if (status) return rp_config_fail(setting, "%s", rp_message());
+    const size_t n = def->n_walls;
+    if (n < DEM_FEW_WALLS) def->walls[n] = *wall;
+    if ((n & (n - 1)) == 0 && !dem_grow(&scene->walls, sizeof *wall, n ? 2 * n : 1))
+        return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    scene->walls[n] = *wall;
+    def->n_walls++;
+    def->wall_list = def->n_walls > DEM_FEW_WALLS ? scene->walls : NULL;
+    return RP_OK;
+}
+
+/* A direction of any length; one of length 1 stays as it is to the bit. */
+static rp_status normalise(const config_setting_t *setting, double v[2])
+{
+    const double length = hypot(v[0], v[1]);
+    if (!(length > 0.0)) return rp_config_fail(setting, "direction = [%g, %g]: must not be 0", v[0], v[1]);
+    if (fabs(length - 1.0) < 1e-9) return RP_OK;
+    v[0] /= length, v[1] /= length;
+    return RP_OK;
+}
+
+static rp_status read_line(const config_setting_t *setting, const wall_entry *entry, dem_scene *scene)
+{
+    dem_wall wall = entry->line;
     const config_setting_t *point = config_setting_get_member(setting, "point");
     const config_setting_t *direction = config_setting_get_member(setting, "direction");
     const config_setting_t *extent = config_setting_get_member(setting, "extent");
-    if (!point || !direction) return rp_config_fail(setting, "%s: missing", point ? "direction" : "point");
-    status = rp_config_pair(point, wall->point);
-    if (!status) status = rp_config_pair(direction, wall->direction);
-    if (!status && extent) status = rp_config_pair(extent, wall->extent);
-    if (status) return status;
-    wall->material = dem_wall_material(&wall->material, &def->material);
-    status = dem_wall_check(wall);
-    if (!status) status = dem_material_check(def, &wall->material);
-    return status ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
+    if (!point || !direction)
+        return rp_config_fail(setting, "%s: missing (or polygon, or circle)", point ? "direction" : "point");
+    rp_status status = rp_config_pair(point, wall.point);
+    if (!status) status = rp_config_pair(direction, wall.direction);
+    if (!status) status = normalise(direction, wall.direction);
+    if (!status && extent) status = rp_config_pair(extent, wall.extent);
+    for (int end = 0; end < 2; end++) {
+        wall.joined[end] = isfinite(entry->corner[end]);
+        wall.corner[end] = wall.joined[end] ? entry->corner[end] : 0.0;
+    }
+    return status ? status : add_wall(setting, &wall, scene);
 }
 
-static rp_status read_walls(const config_setting_t *root, dem_definition *def)
+/* The sides of a polygon through n points (x, y), with the direction on the left of the way along them. */
+static rp_status add_polygon(const config_setting_t *setting, const wall_entry *entry, const double *points,
+                             size_t n, bool closed, dem_scene *scene)
+{
+    const size_t first = scene->def.n_walls, sides = closed ? n : n - 1;
+    rp_status status = RP_OK;
+    for (size_t i = 0; i < sides && !status; i++) {
+        const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
+        const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+        if (!(length > 0.0) || !isfinite(length))
+            return rp_config_fail(setting, "polygon: points %zu and %zu are [%g, %g]: no side", i + 1,
+                                  (i + 1) % n + 1, p[0], p[1]);
+        dem_wall wall = entry->line;
+        memcpy(wall.point, p, sizeof wall.point);
+        wall.direction[0] = -dy / length, wall.direction[1] = dx / length;
+        wall.extent[0] = 0.0, wall.extent[1] = length;
+        status = add_wall(setting, &wall, scene);
+    }
+    for (size_t i = closed ? 0 : 1; i < sides && !status; i++) {
+        dem_wall *before = &scene->walls[first + (i + sides - 1) % sides], *after = &scene->walls[first + i];
+        const double *a = before->direction, *b = after->direction;
+        before->joined[1] = after->joined[0] = true;
+        before->corner[1] = after->corner[0] = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+        if (!(fabs(after->corner[0]) < 3.14))
+            return rp_config_fail(setting, "polygon: folds back at [%g, %g]", after->point[0],
+                                  after->point[1]);
+    }
+    for (size_t i = first; i < scene->def.n_walls && i < DEM_FEW_WALLS; i++)
+        scene->def.walls[i] = scene->walls[i];
+    return status;
+}
+
+/* `polygon = ( [x, y], ... )`. */
+static rp_status read_polygon(const config_setting_t *polygon, const wall_entry *entry, dem_scene *scene)
+{
+    const size_t n = (size_t)config_setting_length(polygon), least = entry->closed ? 3 : 2;
+    if (!config_setting_is_list(polygon) || n < least)
+        return rp_config_fail(polygon, "polygon: a list ( [x, y], ... ) of at least %zu points expected",
+                              least);
+    double *points = malloc(2 * n * sizeof *points);
+    rp_status status = points ? RP_OK : rp_fail(RP_NO_MEMORY, "polygon: out of memory");
+    for (size_t i = 0; i < n && !status; i++)
+        status = rp_config_pair(config_setting_get_elem(polygon, (unsigned)i), &points[2 * i]);
+    if (!status) status = add_polygon(polygon, entry, points, n, entry->closed, scene);
+    free(points);
+    return status;
+}
+
+/* `circle = [x, y, radius]`: points on the circle, counter-clockwise; its pivot is its centre. */
+static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, bool pivot, dem_scene *scene)
+{
+    double c[3], *points;
+    rp_status status = rp_config_numbers(circle, 3, c);
+    if (!status && !(c[2] > 0.0))
+        status = rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
+    if (status) return status;
+    if (!pivot) memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
+    const size_t n = (size_t)entry->sides;
+    if (!(points = malloc(2 * n * sizeof *points))) return rp_fail(RP_NO_MEMORY, "circle: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        const double angle = 2.0 * M_PI * ((double)i + 0.5) / (double)n; /* a side at the bottom */
+        points[2 * i] = c[0] + c[2] * sin(angle);
+        points[2 * i + 1] = c[1] - c[2] * cos(angle);
+    }
+    status = add_polygon(circle, entry, points, n, true, scene);
+    free(points);
+    return status;
+}
+
+static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
+{
+    static const char *const others[] = {"point",  "direction", "extent", "polygon",
+                                         "circle", "velocity",  "pivot",  NULL};
+    wall_entry entry = {.line.extent = {-INFINITY, INFINITY}};
+    rp_params_defaults(wall_schema, &entry);
+    rp_status status = rp_config_group(setting, wall_schema, &entry, others);
+    if (status) return status;
+    const config_setting_t *polygon = config_setting_get_member(setting, "polygon"),
+                           *circle = config_setting_get_member(setting, "circle"),
+                           *velocity = config_setting_get_member(setting, "velocity"),
+                           *pivot = config_setting_get_member(setting, "pivot");
+    if (velocity) status = rp_config_pair(velocity, entry.line.velocity);
+    if (!status && pivot) status = rp_config_pair(pivot, entry.line.pivot);
+    if (status) return status;
+    const config_setting_t *shape = polygon ? polygon : circle;
+    for (int k = 0; k < 3 && shape; k++)
+        if (config_setting_get_member(setting, others[k]) || (polygon && circle))
+            return rp_config_fail(setting, "a wall has one of point, polygon and circle");
+    entry.line.material = dem_wall_material(&entry.line.material, &scene->def.material);
+    if (polygon) return read_polygon(polygon, &entry, scene);
+    if (circle) return read_circle(circle, &entry, pivot != NULL, scene);
+    return read_line(setting, &entry, scene);
+}
+
+static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
 {
     const config_setting_t *list = config_setting_get_member(root, "walls");
     if (!list) return RP_OK;
     if (!config_setting_is_list(list)) return rp_config_fail(list, "walls: a list ( { ... } ) expected");
-    int n = config_setting_length(list);
-    if (n > DEM_MAX_WALLS) return rp_config_fail(list, "walls: %d given, at most %d", n, DEM_MAX_WALLS);
-    for (int i = 0; i < n; i++) {
-        rp_status status = read_wall(config_setting_get_elem(list, (unsigned)i), def, &def->walls[i]);
-        if (status) return status;
-    }
-    def->n_walls = (size_t)n;
-    return RP_OK;
+    const int n = config_setting_length(list);
+    rp_status status = RP_OK;
+    for (int i = 0; i < n && !status; i++)
+        status = read_wall(config_setting_get_elem(list, (unsigned)i), scene);
+    return status;
 }
 
 /* A group that may be missing; its values then stay as they are. */
@@ -357,7 +496,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     def->turn_per_step = file->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
     status = read_physics(root, &file->physics, def);
-    if (!status) status = read_walls(root, def);
+    if (!status) status = read_walls(root, &file->scene);
     def->hard.on = config_setting_get_member(root, "hard") != NULL;
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
     if (!status) status = read_group(root, "ground", ground_schema, &def->ground);
@@ -382,7 +521,10 @@ rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *s
 void dem_scene_free(dem_scene *scene)
 {
     free(scene->grains);
+    free(scene->walls);
     scene->grains = NULL;
+    scene->walls = NULL;
+    scene->def.wall_list = NULL;
 }
 
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
@@ -434,14 +576,21 @@ static void write_walls(FILE *out, const dem_definition *def)
 {
     fputs("walls = (", out);
     for (size_t w = 0; w < def->n_walls; w++) {
-        const dem_wall *wall = &def->walls[w];
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        wall_entry entry = {.line = *wall};
+        for (int end = 0; end < 2; end++)
+            entry.corner[end] = wall->joined[end] ? wall->corner[end] : INFINITY;
         fputs(w ? ",\n  { " : "\n  { ", out);
         write_pair(out, "point", wall->point);
         write_pair(out, "direction", wall->direction);
         /* libconfig has no infinity: an open end is written as a number far away */
         double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
         if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
-        rp_config_write(out, wall_schema, wall);
+        if (dem_wall_moves(wall)) {
+            write_pair(out, "velocity", wall->velocity);
+            write_pair(out, "pivot", wall->pivot);
+        }
+        rp_config_write(out, wall_schema + SHAPE_ROWS, &entry);
         fputs("}", out);
     }
     fputs(" );\n", out);

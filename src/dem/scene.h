@@ -15,6 +15,7 @@ typedef struct {
     dem_fill fill; /* H here is the height of the region that grains are placed in */
     long steps;
     dem_grain *grains; /* owned */
+    dem_wall *walls;   /* owned; NULL where the definition holds its few walls itself */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or

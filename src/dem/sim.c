@@ -109,9 +109,9 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;
     dem_gravity_start(sim);
-    dem_walls_place(sim);
+    rp_status status = dem_walls_place(sim, def);
     dem_kernels_choose(sim);
-    rp_status status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
+    if (!status) status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
     if (status) return status;
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
@@ -131,10 +131,9 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
     dem_definition own = *def;
     rp_status status = dem_physics_resolve(&own);
     if (!status) status = dem_definition_check(&own);
-    if (status) return status;
-    dem_sim *s = calloc(1, sizeof *s);
-    if (!s) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    status = fill_in(s, &own);
+    dem_sim *s = status ? NULL : calloc(1, sizeof *s);
+    if (!status) status = s ? fill_in(s, &own) : rp_fail(RP_NO_MEMORY, "simulation: out of memory");
+    dem_physics_free(&own, def);
     if (status) {
         dem_free(s);
         return status == RP_BROKEN ? RP_BAD_INPUT : status; /* a fault at the start is the definition's */
@@ -148,7 +147,8 @@ static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
     rp_status status = dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains);
     if (!status) status = dem_pairs_copy(&sim->pairs, &c->pairs);
     if (!status && sim->pairs.n_chunks > 0) status = dem_pairs_plan_chunks(&c->pairs, c->grains.n);
-    if (!status) status = dem_walls_copy(&sim->walls, &c->walls);
+    if (!status) status = dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls);
+    c->def.wall_list = c->walls.wall;
     if (!status) status = dem_neighbours_alloc(c, sim);
     if (!status && sim->ledger) status = dem_ledger_clone(c, sim);
     return status;
@@ -164,7 +164,8 @@ void dem_forget_parts(dem_sim *sim)
 #define X(type, name, ...) sim->pairs.name = NULL;
     DEM_PAIR_ARRAYS(X)
 #undef X
-    sim->walls.slot = NULL;
+    dem_walls_forget(&sim->walls);
+    sim->def.wall_list = NULL;
     sim->work = NULL, sim->list.work = NULL, sim->ledger = NULL;
 }
 
@@ -217,7 +218,7 @@ static rp_status check_new_walls(const dem_sim *sim, size_t i)
 {
     const dem_vec x = sim->grains.motion[i].x;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
-        const double *extent = sim->def.walls[k].extent;
+        const double *extent = sim->walls.wall[k].extent;
         const bool line = isinf(extent[0]) && isinf(extent[1]),
                    behind = dem_dot(x - sim->walls.line[k].point, sim->walls.line[k].direction) < 0.0;
         dem_wall_slot slot = {.wall = k, .grain = (uint32_t)i, .side = behind && !line ? -1.0 : 1.0};

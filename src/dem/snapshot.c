@@ -14,7 +14,11 @@
 
 uint64_t dem_keep_layout(void)
 {
-    static const size_t sizes[] = {sizeof(dem_sim), sizeof(dem_wall_slot), sizeof(dem_ledger),
+    static const size_t sizes[] = {sizeof(dem_sim),
+                                   sizeof(dem_wall_slot),
+                                   sizeof(dem_wall),
+                                   sizeof(dem_wall_line),
+                                   sizeof(dem_ledger),
 #define X(type, name, need, role) sizeof(type), role,
                                    DEM_GRAIN_ARRAYS(X)
 #undef X
@@ -43,7 +47,8 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
                                  {def->kernel, DEM_KERNELS},
                                  {def->implicit.solver, DEM_SOLVER_SOR + 1},
                                  {def->ground.set, DEM_WELL_AGAIN + 1}};
-    bool known = def->n_walls <= DEM_MAX_WALLS;
+    if (s->status) return;
+    bool known = true;
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) known &= words[k][0] < words[k][1];
     const bool *const bools[] = {&def->tension, &def->rotation,          &def->hard.on,
                                  &def->ledger,  &sim->list.even_margins, &sim->too_deep};
@@ -57,8 +62,7 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
     rp_keep_check(s,
                   g->n <= g->capacity && g->capacity <= 2 * (size_t)g->last_id && g->n_fixed <= g->n &&
                       g->n <= s->n / sizeof(dem_motion) && sim->pairs.n <= s->n / sizeof(uint64_t) &&
-                      sim->walls.n_slots <= s->n / sizeof(dem_wall_slot) && sim->pairs.chunk > 0 &&
-                      sim->pairs.chunk % 64 == 0,
+                      sim->pairs.chunk > 0 && sim->pairs.chunk % 64 == 0,
                   "impossible numbers of grains, pairs or wall contacts");
 }
 
@@ -100,11 +104,33 @@ static void keep_pairs(rp_snapshot *s, dem_sim *sim)
     if (in_order) s->status = dem_pairs_plan_chunks(p, sim->grains.n);
 }
 
+/* All of the walls but their slots. */
+static void keep_wall_list(rp_snapshot *s, dem_sim *sim)
+{
+    const size_t n = sim->def.n_walls;
+    dem_walls *const w = &sim->walls;
+    rp_keep_check(s, n <= s->n / sizeof *w->wall && w->n_slots <= s->n / sizeof *w->slot,
+                  "impossible numbers of walls");
+    if (s->reading && !s->status) s->status = dem_walls_alloc(w, n);
+    if (s->status) return;
+    sim->def.wall_list = w->wall;
+    rp_keep(s, w->wall, n * sizeof *w->wall);
+    rp_keep(s, w->line, n * sizeof *w->line);
+    rp_keep(s, w->force, n * sizeof *w->force);
+    rp_keep(s, w->mu, n * sizeof *w->mu);
+    rp_keep(s, w->next, n * sizeof *w->next);
+    rp_keep(s, w->start, (n + 1) * sizeof *w->start);
+    bool known = true;
+    for (size_t k = 0; k < n && !s->status; k++)
+        known &= rp_keep_bool(&w->wall[k].joined[0]) && rp_keep_bool(&w->wall[k].joined[1]) &&
+                 rp_keep_bool(&w->line[k].moves);
+    rp_keep_check(s, known, "unknown words in its walls");
+}
+
 static void keep_walls(rp_snapshot *s, dem_sim *sim)
 {
     dem_walls *const w = &sim->walls;
     bool exist = true;
-    if (s->reading && !s->status) s->status = dem_walls_alloc(w);
     if (!s->status) rp_keep(s, w->slot, w->n_slots * sizeof *w->slot);
     if (s->status || !s->reading) return;
     for (size_t k = 0; k < w->n_slots && exist; k++)
@@ -136,15 +162,20 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
     if (s->reading) {
         *sim = NULL;
         strip(&state);
+        keep_wall_list(s, &state);
         check_numbers(s, &state);
         if (!s->status && !(c = malloc(sizeof *c)))
             s->status = rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-        if (s->status) return;
+        if (s->status) {
+            dem_walls_free(&state.walls);
+            return;
+        }
         *sim = c;
         *c = state;
         c->scheme = dem_schemes[c->def.integrator];
         dem_kernels_choose(c);
     }
+    if (!s->reading) keep_wall_list(s, c);
     keep_grains(s, c);
     keep_pairs(s, c);
     keep_walls(s, c);

@@ -89,7 +89,8 @@ static bool may_run_ahead(const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
     return sim->pairs.n_chunks > 0 && def->kernel != DEM_REFERENCE && !def->hard.on && !sim->ledger &&
-           !sim->times && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0;
+           !sim->times && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0 &&
+           sim->walls.n_moving == 0;
 }
 
 /* The forces, and the next step of the grains behind them while these are in the cache. */
@@ -115,7 +116,7 @@ static rp_status step(dem_sim *sim, bool last)
     const bool hard = sim->def.hard.on, ahead = sim->ahead;
     rp_status status = hard ? dem_hard_apply(sim) : RP_OK;
     if (status) return status;
-    dem_walls_turn(sim);
+    dem_walls_move(sim);
     sim->ahead = false;
     status = dem_step_lists(sim, hard    ? dem_hard_move(sim)
                                  : ahead ? sim->ahead_left

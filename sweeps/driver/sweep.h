@@ -132,6 +132,10 @@ rp_status sweep_check_aborted(const sweep_counts *counts);
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
+/* Name of the sweep file that the folder was planned by, as it was given; "" for a folder without a sweep.
+ * Errors: RP_BAD_INPUT, RP_IO. */
+rp_status sweep_source(const char *dir, char file[256]);
+
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);
 

@@ -1,0 +1,486 @@
+/* Walls that move, and walls of many sides: closed forms, changes of frame, corners, and equal bits. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/snapshot.h"
+#include "dem/scene.h"
+#include "dem/sim.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+
+static const double R = 0.1, M = 0.0042;
+
+static rp_status read_text(const char *text, dem_scene *scene)
+{
+    char path[] = "/tmp/repose-walls-XXXXXX";
+    int handle = mkstemp(path);
+    CU_ASSERT_FATAL(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
+    close(handle);
+    rp_status status = dem_scene_read(path, NULL, scene);
+    unlink(path);
+    return status;
+}
+
+/* The simulation of a valid scene; the scene's steps. */
+static dem_sim *start_text(const char *text, long *steps)
+{
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    CHECK_OK(read_text(text, &scene));
+    CHECK_OK(dem_scene_start(&scene, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    if (steps) *steps = scene.steps;
+    dem_scene_free(&scene);
+    return sim;
+}
+
+/* ---- closed forms ---- */
+
+/* A piston that hits a grain at rest gives it V (1 + e). No grain moves until then: the piston's own way must
+ * bring it into the neighbour list. Soft: e of the collision apart from the simulator, to the error of a
+ * step, dt/contact time = 1e-3. Hard: to round-off. */
+static void piston(void)
+{
+    static const double V = 80.0;
+    for (int hard = 0; hard < 2; hard++) {
+        dem_grain grain = {.x = 3.0, .y = 0.7, .r = R, .m = M};
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.normal = DEM_LINEAR;
+        def.material.k_n = 1e4, def.material.gamma_n = 300.0;
+        def.dt = hard ? 5e-5 : 2e-6;
+        def.tension = !hard;
+        if (hard) def.hard = (dem_hard){true, 0.7, 0.0};
+        def.ledger = true;
+        grains_on_floor(&def, 1, &grain);
+        def.walls[0] = grains_line(0.0, 0.0, 1.0, 0.0, &def.material);
+        def.walls[0].velocity[0] = V;
+        dem_collision_result impact = {.restitution = 0.7};
+        if (!hard) CHECK_OK(dem_collision(def.normal, def.tension, 1e4, 300.0, M, V, &impact));
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, lround(3.3 / V / def.dt))); /* the gap, 2.9, and twice the contact time */
+        const double v = V * (1.0 + impact.restitution), tolerance = hard ? 1e-12 : 2e-3;
+        CHECK_NEAR(grains_state_of_one(sim).vx, v, tolerance * v);
+        CHECK_NEAR(grains_state_of_one(sim).vy, 0.0, 0.0);
+        /* the piston's work is V times the impulse; the rest is lost */
+        dem_ledger l;
+        CU_ASSERT(dem_ledger_read(sim, &l));
+        CHECK_NEAR(l.wall_work, M * v * V, 2.0 * tolerance * M * v * V);
+        CHECK_NEAR(hard ? l.hard : l.normal_damping, M * v * (V - 0.5 * v), 4.0 * tolerance * M * v * V);
+        CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
+        dem_free(sim);
+    }
+}
+
+/* A floor that slides at V drags a grain: v = mu g t until V. The spring needs mu N/k_s of displacement to
+ * reach the Coulomb force, during which the force is half of that in the mean. */
+static void sliding_floor(void)
+{
+    static const double V = 20.0, MU = 0.3, G = 981.0, K_S = 1e5;
+    const double reached = V / (MU * G), loading = MU * M * G / K_S / V;
+    dem_grain grain = {.r = R, .m = M};
+    dem_definition def = dem_definition_default();
+    def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0, .k_s = K_S, .gamma_s = 200.0, .mu = MU};
+    def.damping = DEM_DAMPING_INSIDE;
+    grains_on_floor(&def, 1, &grain);
+    grain.y = R - pow(M * G / 1e6, 2.0 / 3.0);
+    def.walls[0].velocity[0] = V;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, lround(0.8 * reached / def.dt)));
+    dem_state s = grains_state_of_one(sim);
+    CHECK_NEAR(s.vx, MU * G * (dem_time(sim) - 0.5 * loading), MU * G * (0.5 * loading + def.dt));
+    CHECK_NEAR(s.y, grain.y, 1e-9);
+    CHECK_OK(dem_run(sim, lround(2.0 * reached / def.dt)));
+    CHECK_NEAR(grains_state_of_one(sim).vx, V, 1e-4 * V); /* exp(-gamma_s t/2) = 1e-6 of what it swings */
+    dem_free(sim);
+}
+
+/* ---- frames ---- */
+
+/* In a frame that moves with the walls, they are at rest and the grains move: two grains between a whole line
+ * and a turning segment, with friction and spin. Positions agree to round-off times the collisions' growth.
+ */
+static void galilean(void)
+{
+    static const double V[2] = {31.0, -17.0};
+    dem_state s[2][2];
+    double t = 0.0;
+    for (int moving = 0; moving < 2; moving++) {
+        dem_grain grains[2] = {{.x = 0.5, .y = 0.25, .r = R, .m = M, .vx = 20.0, .vy = -40.0, .omega = 30.0},
+                               {.x = 0.3, .y = 0.6, .r = 0.08, .m = 0.003, .vx = 5.0, .vy = -60.0}};
+        dem_definition def = dem_definition_default();
+        def.rotation = true;
+        grains_on_floor(&def, 2, grains);
+        def.n_walls = 2;
+        def.walls[1] = grains_line(0.9, 0.5, -1.0, 0.0, &def.material);
+        def.walls[1].extent[0] = -0.6, def.walls[1].extent[1] = 0.5;
+        def.walls[1].omega = 9.0;
+        def.walls[1].pivot[0] = 1.4, def.walls[1].pivot[1] = 0.1;
+        for (int w = 0; w < 2 && moving; w++)
+            for (int a = 0; a < 2; a++) def.walls[w].velocity[a] = V[a];
+        for (int i = 0; i < 2 && moving; i++) grains[i].vx += V[0], grains[i].vy += V[1];
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1200));
+        CHECK_OK(dem_states(sim, s[moving]));
+        CU_ASSERT(s[moving][0].omega != 30.0 && s[moving][1].omega != 0.0); /* both have touched */
+        t = dem_time(sim);
+        dem_free(sim);
+    }
+    for (int i = 0; i < 2; i++) {
+        CHECK_NEAR(s[1][i].x, s[0][i].x + V[0] * t, 1e-10);
+        CHECK_NEAR(s[1][i].y, s[0][i].y + V[1] * t, 1e-10);
+        CHECK_NEAR(s[1][i].omega, s[0][i].omega, 1e-7);
+    }
+}
+
+/* A box that turns about the origin, and walls that each turn about it: the same grains, to round-off. */
+static void turning_box(void)
+{
+    static const double TURN = 2e-5; /* a step, clockwise */
+    dem_state s[2][9];
+    for (int own = 0; own < 2; own++) {
+        dem_grain *grains;
+        dem_definition def = grains_box(9, 1.0, 5, &grains);
+        def.rotation = true;
+        def.material.mu_roll = 0.2, def.material.k_roll = 1e4, def.material.gamma_roll = 30.0;
+        for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
+        for (size_t w = 0; w < def.n_walls && own; w++) def.walls[w].omega = -TURN / def.dt;
+        if (!own) def.box_turn_per_step = TURN;
+        dem_sim *sim = grains_start(&def);
+        CHECK_OK(dem_run(sim, 1500));
+        CHECK_OK(dem_states(sim, s[own]));
+        dem_free(sim);
+        free(grains);
+    }
+    for (int i = 0; i < 9; i++) {
+        CHECK_NEAR(s[1][i].x, s[0][i].x, 1e-9);
+        CHECK_NEAR(s[1][i].y, s[0][i].y, 1e-9);
+        CHECK_NEAR(s[1][i].angle, s[0][i].angle, 1e-7);
+    }
+}
+
+/* A wall that moves by itself and then back, at a grain that it does not touch, is where it was. */
+static void where_it_is(void)
+{
+    dem_grain grain = {.x = -5.0, .y = 5.0, .r = R, .m = M};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    grains_on_floor(&def, 1, &grain);
+    def.walls[0].velocity[0] = 3.0, def.walls[0].velocity[1] = -2.0;
+    def.walls[0].pivot[0] = 1.0, def.walls[0].omega = 0.5 * M_PI / (1000 * def.dt);
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 1000));
+    /* the origin was at the pivot's left, and is below it after a quarter turn */
+    CHECK_NEAR(sim->walls.line[0].point[0], 1.0 + 3.0 * dem_time(sim), 1e-12);
+    CHECK_NEAR(sim->walls.line[0].point[1], -1.0 - 2.0 * dem_time(sim), 1e-12);
+    CHECK_NEAR(sim->walls.line[0].direction[0], -1.0, 1e-12);
+    dem_free(sim);
+}
+
+/* ---- drums: ledger, kernels, snapshots ---- */
+
+static const char *const DRUM =
+    "rotation = true; dt = 1.5e-5; steps = 1500; tangential = { law = \"spring\"; mu = 0.4; };\n"
+    "normal = { law = \"linear\"; k_n = 1.0e5; tension = false; }; rolling = { mu = 0.02; };\n"
+    "walls = ( { circle = [0.3, 0.2, 1.0]; omega = 8.0; velocity = [7.0, -4.0]; },\n"
+    "          { polygon = ( [0.2, 0.75], [0.6, 0.7], [0.4, 0.95] ); omega = -5.0; pivot = [0.4, 0.8]; } );\n"
+    "fill = { N = 50; W = 1.2; H = 1.0; x0 = -0.3; y0 = -0.5; radius_mean = 0.05; radius_min = 0.04;\n"
+    "radius_max = 0.06; };\n";
+
+static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integrator)
+{
+    dem_scene scene;
+    dem_sim *sim = NULL;
+    CHECK_OK(read_text(DRUM, &scene));
+    scene.def.kernel = kernel;
+    scene.def.ledger = ledger;
+    scene.def.integrator = integrator;
+    if (integrator == DEM_GEAR5) scene.def.rotation = false, scene.def.material.mu_roll = 0.0;
+    for (size_t w = 0; w < scene.def.n_walls && integrator == DEM_GEAR5; w++)
+        scene.walls[w].material.mu_roll = 0.0;
+    CU_ASSERT_EQUAL(scene.def.n_walls, 67);
+    CHECK_OK(dem_scene_start(&scene, &sim));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    dem_scene_free(&scene);
+    return sim;
+}
+
+/* Energy and the sum of the channels agree to round-off, with work of the walls. */
+static void drum_ledger(void)
+{
+    for (int k = 0; k < 2; k++) {
+        dem_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET);
+        dem_ledger l;
+        CHECK_OK(dem_run(sim, 1500));
+        CU_ASSERT(dem_ledger_read(sim, &l));
+        CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
+        CU_ASSERT(fabs(l.wall_work) > 1e-4 * l.turnover && l.sliding > 0.0 && l.normal_damping > 0.0);
+        dem_free(sim);
+    }
+}
+
+static void drum_kernels(void)
+{
+    dem_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET);
+    CHECK_OK(dem_run(reference, 1500));
+    for (dem_kernel_choice k = DEM_FAST; k < DEM_KERNELS; k++) {
+        if (!dem_kernel_runs(k)) continue;
+        dem_sim *sim = drum(k, false, DEM_VERLET);
+        CHECK_OK(dem_run(sim, 1500));
+        CU_ASSERT(grains_same_bits(reference, sim));
+        dem_free(sim);
+    }
+    dem_free(reference);
+}
+
+/* A clone, and the simulation that the bytes of a snapshot make, go on as the original. */
+static void drum_snapshot(void)
+{
+    for (int ledger = 0; ledger < 2; ledger++) {
+        dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone, *kept;
+        CHECK_OK(dem_run(sim, 700));
+        CHECK_OK(dem_clone(sim, &clone));
+        rp_snapshot s = {0};
+        dem_keep(&s, &sim);
+        CHECK_OK(s.status);
+        s.reading = true;
+        s.path = "memory";
+        dem_keep(&s, &kept);
+        CHECK_OK(rp_snapshot_end(&s));
+        free(s.bytes);
+        double forces[3][2 * 67];
+        dem_sim *const all[] = {sim, clone, kept};
+        for (int k = 0; k < 3; k++) {
+            CHECK_OK(dem_run(all[k], 800));
+            dem_wall_forces(all[k], forces[k]);
+            CU_ASSERT(grains_same_bits(sim, all[k]));
+            CU_ASSERT(memcmp(forces[0], forces[k], sizeof forces[0]) == 0);
+        }
+        for (int k = 0; k < 3; k++) dem_free(all[k]);
+    }
+}
+
+/* ---- corners ---- */
+
+/* Grains stay inside of a triangle, a concave star and a drum, that turn fast about points inside. */
+static void inside(void)
+{
+    static const char *const shapes[] = {"circle = [0.0, 0.0, 1.6]; sides = 3; omega = 6.0;",
+                                         "polygon = ( [0.0, -1.4], [0.5, -0.4], [1.6, -0.2], [0.7, 0.5], "
+                                         "[0.8, 1.5], [0.0, 0.9], [-0.8, 1.5],\n"
+                                         "[-0.7, 0.5], [-1.6, -0.2], [-0.5, -0.4] ); omega = -5.0;",
+                                         "circle = [0.0, 0.0, 0.9]; sides = 400; omega = 10.0;"};
+    for (int k = 0; k < 3; k++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "rotation = true; dt = 2e-5; steps = 12000; tangential = { law = \"spring\"; mu = 0.3; };\n"
+                 "walls = ( { %s } ); fill = { N = 24; W = 1.0; H = 0.9; x0 = -0.5; y0 = -0.35; radius_mean "
+                 "= 0.06;\n"
+                 "radius_min = 0.05; radius_max = 0.07; };\n",
+                 shapes[k]);
+        long steps;
+        dem_sim *sim = start_text(text, &steps);
+        dem_state s[24];
+        CHECK_OK(dem_run(sim, steps));
+        CHECK_OK(dem_states(sim, s));
+        for (size_t i = 0; i < dem_count(sim); i++) {
+            int crossings = 0; /* of a ray to the right with the sides */
+            for (size_t w = 0; w < sim->def.n_walls; w++) {
+                const dem_vec a = sim->walls.line[w].point,
+                              b = sim->walls.line[(w + 1) % sim->def.n_walls].point;
+                crossings += (a[1] > s[i].y) != (b[1] > s[i].y) &&
+                             s[i].x < a[0] + (s[i].y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+            }
+            CU_ASSERT_EQUAL(crossings % 2, 1);
+        }
+        dem_free(sim);
+    }
+}
+
+/* A grain that slides along a line is not disturbed by joints in it: the same path, to round-off. With spin
+ * and friction, the spring starts anew at each joint; without friction nothing else changes. */
+static void straight_joints(void)
+{
+    static const char *const walls[] = {
+        "{ point = [0.0, 0.0]; direction = [0.0, 7.0]; }",
+        "{ polygon = ( [-1.0, 0.0], [0.31, 0.0], [0.33, 0.0], [0.7, 0.0], [2.0, 0.0], [9.0, 0.0] );\n"
+        "  closed = false; }"};
+    dem_state s[2];
+    for (int k = 0; k < 2; k++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "steps = 4000; normal = { gamma_n = 100.0; }; walls = ( %s );\n"
+                 "particles = ( { x = 0.0; y = 0.12; r = 0.1; vx = 15.0; } );\n",
+                 walls[k]);
+        long steps;
+        dem_sim *sim = start_text(text, &steps);
+        CHECK_OK(dem_run(sim, steps));
+        s[k] = grains_state_of_one(sim);
+        CHECK_NEAR(s[k].x, 15.0 * dem_time(sim), 1e-9);
+        dem_free(sim);
+    }
+    CHECK_NEAR(s[0].y, s[1].y, 1e-12);
+    CHECK_NEAR(s[0].vy, s[1].vy, 1e-9);
+}
+
+/* At a corner that points at it, one grain has one contact: the force of the corner, not of two ends. Inside
+ * of a right angle it touches both sides. At a slight inner turn, where both sides are as near as the overlap
+ * can tell, it has one. */
+static void contacts_at_corners(void)
+{
+    static const struct {
+        const char *polygon;
+        double x, y;
+        int contacts;
+    } cases[] = {{"[-1.0, -1.0], [0.0, 0.0], [1.0, -1.0]", 0.0, 0.099, 1},    /* on a ridge */
+                 {"[-1.0, -1.0], [0.0, 0.0], [1.0, -1.0]", 0.005, 0.0985, 1}, /* beside its top */
+                 {"[-1.0, -1.0], [0.0, 0.0], [1.0, -1.0]", 0.09, 0.0505, 1},  /* on its flank */
+                 {"[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]", 0.099, 0.099, 2},     /* in a box's corner */
+                 {"[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]", 0.3, 0.099, 1},
+                 {"[-1.0, 0.01], [0.0, 0.0], [1.0, 0.01]", 0.0001, 0.099, 1}, /* in a slight dent */
+                 {"[-1.0, 0.01], [0.0, 0.0], [1.0, 0.01]", -0.0001, 0.099, 1},
+                 {"[1.0, -1.0], [0.0, 0.0], [-1.0, -1.0]", 0.0, 0.099, 1},     /* ridge, from its outside */
+                 {"[1.0, 0.01], [0.0, 0.0], [-1.0, 0.01]", 0.0001, 0.099, 1}}; /* dent, from its outside */
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "steps = 0; walls = ( { polygon = ( %s ); closed = false; } );\n"
+                 "particles = ( { x = %.17g; y = %.17g; r = 0.1; } );\n",
+                 cases[k].polygon, cases[k].x, cases[k].y);
+        dem_sim *sim = start_text(text, NULL);
+        CU_ASSERT_EQUAL(dem_contact_count(sim, 1), cases[k].contacts);
+        dem_free(sim);
+    }
+}
+
+/* Nothing is lost: a grain that slides in a bowl of 300 sides, without friction or damping, keeps its energy
+ * to 1e-4 over hundreds of joints. A side's end that pushed as well would be a kick at each. */
+static void bowl(void)
+{
+    dem_sim *sim = start_text("steps = 20000; dt = 1.0e-5; gravity = [0.0, -981.0];\n"
+                              "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
+                              "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 300; } );\n"
+                              "particles = ( { x = 1.8994; y = 0.0; r = 0.1; } );\n",
+                              NULL);
+    const double before = grains_energy(sim);
+    CHECK_OK(dem_run(sim, 20000));
+    const dem_state s = grains_state_of_one(sim);
+    CU_ASSERT(fabs(s.x) < 1.9 && s.vx != 0.0);
+    /* the height fallen through: that of the bowl's radius */
+    CHECK_NEAR(grains_energy(sim), before, 1e-4 * s.m * 981.0 * 1.9);
+    dem_free(sim);
+}
+
+/* ---- scene files ---- */
+
+static void normalised(void)
+{
+    dem_scene s;
+    CHECK_OK(read_text("walls = ( { point = [0.0, 0.0]; direction = [3.0, 4.0]; },\n"
+                       "          { point = [0.0, 0.0]; direction = [0.6, 0.8]; },\n"
+                       "          { circle = [1.0, 2.0, 3.0]; sides = 4; velocity = [1.0, 2.0]; } );\n"
+                       "particles = ( { x = 3.0; y = 3.0; r = 0.1; } );\n",
+                       &s));
+    CU_ASSERT_EQUAL(s.def.n_walls, 6);
+    CHECK_NEAR(s.def.walls[0].direction[0], 0.6, 1e-16);
+    CU_ASSERT(s.def.walls[1].direction[0] == 0.6 && s.def.walls[1].direction[1] == 0.8);
+    const dem_wall *bottom = &s.def.walls[5]; /* the side that ends where the first begins */
+    CHECK_NEAR(bottom->point[0], 1.0 - 3.0 * sqrt(0.5), 1e-14);
+    CHECK_NEAR(bottom->point[1], 2.0 - 3.0 * sqrt(0.5), 1e-14);
+    CHECK_NEAR(bottom->direction[1], 1.0, 1e-14);
+    CHECK_NEAR(bottom->extent[1], 3.0 * sqrt(2.0), 1e-14);
+    CHECK_NEAR(bottom->corner[1], 0.5 * M_PI, 1e-14);
+    CU_ASSERT(bottom->joined[0] && bottom->joined[1] && bottom->pivot[0] == 1.0 && bottom->pivot[1] == 2.0);
+    CU_ASSERT(bottom->velocity[1] == 2.0);
+    dem_scene_free(&s);
+}
+
+/* A filling elsewhere is the same filling, moved. */
+static void filling(void)
+{
+    dem_fill fill = {20, 1.2, 1.5, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 2};
+    dem_grain at[2][20];
+    CHECK_OK(dem_fill_random(&fill, at[0]));
+    fill.x0 = -3.5, fill.y0 = 12.25;
+    CHECK_OK(dem_fill_random(&fill, at[1]));
+    for (int i = 0; i < 20; i++) {
+        CHECK_NEAR(at[1][i].x, at[0][i].x - 3.5, 1e-14);
+        CHECK_NEAR(at[1][i].y, at[0][i].y + 12.25, 1e-14);
+        CU_ASSERT(at[1][i].r == at[0][i].r);
+    }
+}
+
+static void refused(void)
+{
+#define ONE "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n"
+    static const char *const cases[][2] = {
+        {"walls = ( { polygon = ( [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "of at least 3 points"},
+        {"walls = ( { polygon = ( [0.0, 0.0] ); closed = false; } ); " ONE, "of at least 2 points"},
+        {"walls = ( { polygon = [0.0, 0.0, 1.0, 0.0]; } ); " ONE, "a list ( [x, y], ... )"},
+        {"walls = ( { polygon = ( [0.0, 0.0], [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "points 1 and 2 are"},
+        {"walls = ( { polygon = ( [0.0, 0.0], [2.0, 0.0], [1.0, 0.0] ); } ); " ONE, "folds back at"},
+        {"walls = ( { circle = [0.0, 0.0, 0.0]; } ); " ONE, "radius = 0: must be above 0"},
+        {"walls = ( { circle = [0.0, 0.0]; } ); " ONE, "circle: three numbers [a, b, c]"},
+        {"walls = ( { circle = [0.0, 0.0, 2.0]; sides = 2; } ); " ONE, "sides = 2: out of range"},
+        {"walls = ( { circle = [0.0, 0.0, 2.0]; point = [0.0, 0.0]; } ); " ONE,
+         "one of point, polygon and circle"},
+        {"walls = ( { circle = [0.0, 0.0, 2.0]; polygon = ( ); } ); " ONE,
+         "one of point, polygon and circle"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; corner_upper = 0.3; } ); " ONE,
+         "corner = 0.3 at inf"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
+         "open_speed = 2.0; omega = 1.0; } ); " ONE,
+         "can only open at once"}};
+    dem_scene s;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        CHECK_FAILS(read_text(cases[k][0], &s), RP_BAD_INPUT, cases[k][1]);
+        dem_scene_free(&s);
+    }
+    static const char *const starts[][2] = {
+        {"box_turn_deg_per_step = 0.01; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 1.0; "
+         "} "
+         ");" ONE,
+         "wall 1: velocity or omega: not in a box that turns"},
+        {"integrator = \"implicit\"; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0];\n"
+         "velocity = [1.0, 0.0]; } );" ONE,
+         "wall 1 moves, but the integrator implicit"},
+        {"ground = { mu_static = 0.4; a = 0.013; }; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0];\n"
+         "velocity = [1.0, 0.0]; } );" ONE,
+         "never opens or moves"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 3e3]; } );" ONE,
+         "wall 1: moves 0.15 in one step, the smallest radius is 0.1"},
+        {"walls = ( { circle = [0.0, 0.0, 3.0]; omega = 1e3; } );" ONE, "wall 1: moves 0.15 in one step"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 3e4; } );" ONE,
+         "omega = 30000: must be below one radian a step"},
+        {"dt = 1e-4; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 500.0]; } "
+         ");" ONE,
+         "dt = 0.0001: too large for the lightest grain at a wall"}};
+    for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
+        dem_sim *sim = NULL;
+        CHECK_OK(read_text(starts[k][0], &s));
+        CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, starts[k][1]);
+        dem_scene_free(&s);
+    }
+}
+
+void suite_walls(void)
+{
+    static const check_case cases[] = {{"a piston's impact", piston},
+                                       {"a floor that slides", sliding_floor},
+                                       {"walls at rest, grains that move", galilean},
+                                       {"a box that turns, walls that turn", turning_box},
+                                       {"path of a wall", where_it_is},
+                                       {"drum: energy ledger", drum_ledger},
+                                       {"drum: kernels", drum_kernels},
+                                       {"drum: clones and snapshots", drum_snapshot},
+                                       {"no grain leaves a polygon", inside},
+                                       {"joints of a straight line", straight_joints},
+                                       {"contacts at corners", contacts_at_corners},
+                                       {"a bowl of many sides", bowl},
+                                       {"directions, polygons, circles", normalised},
+                                       {"filling anywhere", filling},
+                                       {"refused walls", refused},
+                                       {NULL, NULL}};
+    check_register("walls", cases);
+}
