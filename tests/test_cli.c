@@ -37,11 +37,11 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",    "--study ",  "--where ",      "--bare ",      "--set ",     "--reduce ",
-    "--base ",    "--pair ",   "--successive ", "-o ",          "--runs ",    "--missing ",
-    "--outline ", "--disks ",  "--linear ",     "--set-again ", "--summary ", "--threshold ",
-    "--map ",     "--ledger ", "--profile ",    "--resume ",    "--man ",     "--completion ",
-    "--shard ",   "--start ",  "--variants ",   "--published ", NULL};
+    "--help ",       "--study ",  "--where ",      "--bare ",      "--set ",       "--reduce ",
+    "--base ",       "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ",
+    "--outline ",    "--disks ",  "--linear ",     "--set-again ", "--summary ",   "--threshold ",
+    "--map ",        "--ledger ", "--force ",      "--profile ",   "--resume ",    "--man ",
+    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1615,9 +1615,10 @@ static void test_run_stopped(void)
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
         rp_table_free(&t);
         CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" run r.cfg --row 20 -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
-                 signals[k]);
+        snprintf(
+            line, sizeof line,
+            "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
+            signals[k]);
         CU_ASSERT(
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
@@ -1630,6 +1631,62 @@ static void test_run_stopped(void)
               strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d");
     CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
+    leave();
+}
+
+/* A folder with results of something else is not written over: scene, row and sweep into each other's. */
+static void test_folders(void)
+{
+    enter();
+    write_text("a.cfg",
+               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
+    write_text("b.cfg",
+               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.2; } ); gravity = [0.0, 0.0];\n");
+    write_text("s.cfg",
+               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = \"steps\"; "
+               "relax_steps = 10; };\n");
+    GOOD("run a.cfg --every 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "");
+    CU_ASSERT(shell("cp s.cfg t.cfg; cp a.cfg c.cfg") == 0);
+    GOOD("run s.cfg -o r");
+    GOOD("sweep plan s.cfg -o s");
+    CU_ASSERT(shell("cat a/* r/* >before") == 0);
+    static const failure refused[] = {
+        {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
+        {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "run b.cfg -o a --snapshot 5"},
+        {65, "a: holds a.cfg, 20 steps", "run a.cfg --set dt=1e-5 -o a"},
+        {65, "a: holds a.cfg, 20 steps", "run s.cfg -o a"},
+        {65, "r: holds s.cfg row 0 (repose run s.cfg -o r)", "run s.cfg --row 1 -o r"},
+        {65, "r: holds s.cfg row 0", "run a.cfg -o r"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run a.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run s.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "sweep plan t.cfg -o s"},
+        {65, "a: holds a.cfg, 20 steps", "sweep plan s.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
+        {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."},
+        {65, "a: holds a.cfg, 20 steps", "calibrate --theta-r-deg 20 --error-deg 1 --sweep s.cfg -o a"}};
+    CHECK_FAILURES(refused);
+    CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
+    /* its own: again, shorter, longer, from a copy of the file */
+    GOOD("run a.cfg --every 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 20 steps, a frame each 10\n");
+    GOOD("run c.cfg --set steps=5 --ledger -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 5 steps, the last frame\n");
+    GOOD("run a.cfg --set steps=30 --snapshot 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 5 steps, the last frame, by 30 steps, the last frame\n");
+    GOOD("run s.cfg -o r");
+    GOOD("sweep plan s.cfg -o s");
+    GOOD("sweep plan s.cfg --replicas 3 -o s");
+    /* as asked for */
+    GOOD("run b.cfg -o a --force");
+    FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
+    GOOD("sweep plan t.cfg -o s --force");
+    FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
+    GOOD("run a.cfg -o s --force");
+    /* tables of older versions have no note */
+    CU_ASSERT(shell("sed -i '/^# run: /d' a/*.tsv") == 0);
+    FAILS(65, "a: holds a scene (repose run b.cfg -o a --force)", "run b.cfg -o a");
     leave();
 }
 
@@ -1668,6 +1725,7 @@ void suite_cli(void)
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},
+                                       {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},

@@ -83,6 +83,19 @@ void sweep_folder_close(sweep_folder *folder)
     if (folder->lock >= 0) close(folder->lock);
 }
 
+rp_status sweep_source(const char *dir, char file[256])
+{
+    char path[4096];
+    sweep_store *store = NULL;
+    *file = '\0';
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    if (access(path, F_OK) != 0) return RP_OK;
+    rp_status status = sweep_store_open(path, SWEEP_READ, &store);
+    if (!status) status = sweep_store_note(store, "main", "file", file, 256);
+    sweep_store_close(store);
+    return status;
+}
+
 rp_status sweep_check_output(const char *dir, const char *path)
 {
     static const char *const names[] = {
