@@ -226,6 +226,7 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(stats)                                                                                                 \
     X(run)                                                                                                   \
     X(sweep)                                                                                                 \
+    X(export)                                                                                                \
     X(calibrate)                                                                                             \
     X(claims)                                                                                                \
     X(forensics)                                                                                             \

@@ -161,7 +161,8 @@ static rp_status act_export(void *values)
     rp_status status = sweep_check_output(cli_argument(0), o->o);
     if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
-    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
+    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
+                          cli_command_line(), out);
     return rp_file_close(o->o, out, status);
 }
 
@@ -243,13 +244,13 @@ static rp_status make_table(const sweep_table *table, const char *tables)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
-static rp_status export_to(const make_options *o, const char *name, const char *suffix, bool reduce)
+static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
 {
     char path[4096];
     FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
     rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, reduce, cli_command_line(), out);
+    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), out);
     return out ? rp_file_close(path, out, status) : status;
 }
 
@@ -274,8 +275,8 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status) status = cli_sweep_run(o->o, options, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    if (!status) status = export_to(o, recipe->name, "_runs", false);
-    if (!status) status = export_to(o, recipe->name, "", true);
+    if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
+    if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
     return status;
 }
 

@@ -139,11 +139,13 @@ rp_status sweep_source(const char *dir, char file[256]);
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);
 
-/* Write a table of what is stored: one row a run or, if `reduce`, one row a grid point with mean, standard
- * deviation, standard error, 95 % interval (Student's t) and number of the finite values of each output,
- * over the rows with a result. `command` is for the header and may be NULL.
+/* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
+ * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
+ * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
+ * too, "-" for an empty one. `command` is for the header and may be NULL.
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
-rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, bool reduce,
+enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, FILE *out);
 
 /* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal

@@ -232,8 +232,8 @@ static void read_store(size_t n, const char text[])
     put("d/store.sqlite", size < store_size ? size : store_size, bytes);
     FILE *out = fopen("/dev/null", "w");
     (void)!sweep_status("d", toys, &counts);
-    (void)!sweep_export("d", toys, false, NULL, out);
-    (void)!sweep_export("d", toys, true, NULL, out);
+    (void)!sweep_export("d", toys, SWEEP_RUNS, NULL, out);
+    (void)!sweep_export("d", toys, SWEEP_POINTS, NULL, out);
     (void)!sweep_digest("d", toys, digest, &rows);
     fclose(out);
 }
@@ -361,6 +361,10 @@ const fuzz_target fuzz_targets[] = {
     TABLES("stress_field", "stress field t --width 4", "t_contacts.tsv", "t_grains.tsv", grains_text),
     TABLES("stress_base", "stress base t --width 4", "t_contacts.tsv", "t_grains.tsv", grains_text),
     TABLE("stats_select", "stats select t.tsv --columns a,b --where a>1.5 --where c!=x"),
+    TABLE("export_json", "export t.tsv --to json"),
+    TABLES("export_dump", "export t_grains.tsv --to lammps -o t.dump", "t_contacts.tsv", "t_grains.tsv",
+           grains_text),
+    TABLES("export_vtk", "export t_grains.tsv --to vtk -o t.pvd", "t_walls.tsv", "t_grains.tsv", grains_text),
     TABLE("stats_fit", "stats fit t.tsv -x a -y b --se s --scale log --successive"),
     TABLE("stats_trend", "stats trend t.tsv -x a -y b --by c --pair"),
     TABLE("stats_size", "stats size t.tsv -x a -y b --by c"),
