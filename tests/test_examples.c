@@ -154,7 +154,7 @@ static double flow(double D, long most)
         CHECK_OK(dem_run(sim, 50));
         if (first == 0 && dem_count(sim) * 100 < n * 85) first = dem_count(sim), begin = dem_time(sim);
     }
-    const double rate = (double)(first - dem_count(sim)) / (dem_time(sim) - begin);
+    const double rate = first ? (double)(first - dem_count(sim)) / (dem_time(sim) - begin) : NAN;
     dem_free(sim);
     return rate;
 }
