@@ -14,9 +14,10 @@ CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core clang-format
+            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core pngquant \
+            clang-format python3 python3-pandas lammps
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
-PKGS     := gsl nlopt libconfig sqlite3 libxxhash
+PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
@@ -34,11 +35,11 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check test validate mutate check-slurm asan fuzz analyze drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check-report check test validate mutate check-slurm check-readers asan fuzz analyze drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
-	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 14
+	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 	@echo '  fig-NAME    one figure, as in `make fig-lh3`'
 
 setup: ## install the Debian packages that are missing
@@ -105,6 +106,10 @@ mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures lin
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
 	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
 
+check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
+	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+	@REPOSE=$(REPOSE) $(B)/check export
+
 # ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.
 SWEEPS  := $(basename $(notdir $(wildcard sweeps/lh/*.cfg sweeps/li/*.cfg)))
@@ -125,11 +130,17 @@ vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
 # Each core works on a sweep of its own; the longest come first.
 LONGEST := lh5 lh2b lh_gamma lh3
-make_report = $(REPOSE) report figures/paper-repro.md.in --tables results,$(T)
+# The report, and the pages behind it: figures/NAME.md.in.
+PAGES   := paper-repro $(addprefix docs/,claims choices beyond misprints validation)
+make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
+	$(REPOSE) report figures/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
+# Small pictures that paper-repro.md and README show.
+SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' figures/paper-repro.md.in README.md)))
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE)
-	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg)
-	@$(make_report) -o $(B)/paper-repro.md && echo "report  $(B)/paper-repro.md"
+	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg) \
+	  $(patsubst %,$(B)/figures/shown/%.png,$(filter $(FIGURES),$(SHOWN)))
+	@$(make_pages); echo "report  $(B)/paper-repro.md"
 
 validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
 	@$(MAKE) -s -j1 $(VALIDATION:%=$(B)/validated/%) $(CHECKED:%=$(B)/figures/%.svg)
@@ -171,10 +182,18 @@ $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
-SHOWN := lh1a lh1c lh3 lh7b li13 val_precision_impact
-report: figures validate $(T)/bench.tsv ## paper-repro.md and the pictures that it and README show, from the tables
-	@$(make_report) -o paper-repro.md
-	@cp $(SHOWN:%=$(B)/figures/%.png) figures/shown
+$(B)/figures/shown/%.png: $(B)/figures/%.svg
+	@mkdir -p $(@D)
+	@gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; file='$(@:.png=)'" figures/style.gp $(wildcard figures/*/$*.gp)
+	@pngquant --force --output $@ 24 $@
+
+make_html = sh figures/page/page.sh $(REPOSE) $(B)
+report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
+	@$(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
+	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown
+	@$(make_html)
+check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
+	@$(make_html) && sh figures/page/check.sh $(B)
 
 # Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, an hour. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench '400 1600 10000 100000' '400 1600 10000' 5

@@ -6,7 +6,9 @@ font = 'DejaVu Sans'
 if (terminal eq 'svg') set terminal svg size width*37.8, height*37.8 font font.',11' background 'white' enhanced
 if (terminal eq 'pdf') set terminal pdfcairo size width cm, height cm font font.',8' enhanced
 if (terminal eq 'png') set terminal pngcairo size width*80, height*80 font font.',11' fontscale 1.5 linewidth 2 enhanced
-set output file.'.'.terminal
+# Small, for pages: two thirds of the PNG, with as much text.
+if (terminal eq 'shown') set terminal pngcairo size width*54, height*54 font font.',11' linewidth 1.4 enhanced
+set output file.(terminal eq 'shown' ? '.png' : '.'.terminal)
 set colorsequence podo
 set datafile missing 'nan'
 set border lw 0.7

@@ -225,21 +225,28 @@ static size_t files_with(const char *pattern, const char *text, bool wanted)
     return n;
 }
 
-/* The report's texts give no verdict of their own, show each section of the claims, and type no published
- * number; nor do figures and sweeps. */
+/* The report's texts give no verdict of their own and type no published number; nor do figures and sweeps.
+ * Each section of the claims stands once in full, and those of the two papers once in short. */
 static void test_report_texts(void)
 {
     static const char *const words[] = {"reproduced", "undecided", "by eye", "agrees", "confirmed"};
-    static const char *const without_numbers[] = {"figures/report/*.md", "figures/paper-repro.md.in",
-                                                  "figures/*/*.gp", "sweeps/*/*.cfg", "src/*/*.c"};
+    static const char *const without_numbers[] = {"figures/report/*.md", "figures/*.md.in", "figures/*/*.gp",
+                                                  "sweeps/*/*.cfg", "src/*/*.c"};
     rp_table t;
-    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
         CU_ASSERT(files_with("figures/report/*.md", words[k], false) == 0);
+        CU_ASSERT(files_with("figures/paper-repro.md.in", words[k], false) == 0);
+    }
     CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char place[128];
-        snprintf(place, sizeof place, "{{claims %s}}", cell(&t, row, "section"));
-        const bool shown = files_with("figures/report/*.md", place, true) == 1;
+        const char *section = cell(&t, row, "section");
+        snprintf(place, sizeof place, "{{claims %s}}", section);
+        bool shown = files_with("figures/report/*.md", place, true) == 1;
+        if (strcmp(cell(&t, row, "of"), "-") == 0 && strcmp(cell(&t, row, "paper"), "ours") != 0) {
+            snprintf(place, sizeof place, "{{scores %s}}", section);
+            shown &= files_with("figures/paper-repro.md.in", place, true) == 1;
+        }
         if (!shown) fprintf(stderr, "%s: not shown once\n", place);
         CU_ASSERT(shown);
         if (strcmp(cell(&t, row, "published_se"), "-") == 0) continue; /* round numbers stand elsewhere too */
@@ -247,6 +254,84 @@ static void test_report_texts(void)
             CU_ASSERT(files_with(without_numbers[k], cell(&t, row, "published"), false) == 0);
     }
     rp_table_free(&t);
+}
+
+/* ---- the page that is read: paper-repro.md ---- */
+
+enum { MOST_WORDS = 6000, LONGEST_ROW = 250, LARGEST_PICTURE = 60000, MOST_TEXT = 200000 };
+
+/* What follows `open` up to `close` in the line, in turn; NULL after the last. */
+static const char *next_between(const char **line, const char *open, char close, char text[256])
+{
+    const char *start = strstr(*line, open), *end = start ? strchr(start + strlen(open), close) : NULL;
+    if (!end) return NULL;
+    snprintf(text, 256, "%.*s", (int)(end - start - (long)strlen(open)), start + strlen(open));
+    *line = end;
+    return text;
+}
+
+/* A link to PAGE.md or PAGE.md#PLACE in docs leads to a page, and to a place of it. */
+static bool link_leads(const char *target)
+{
+    char page[512], place[512];
+    const int length = (int)strcspn(target, "#");
+    snprintf(page, sizeof page, "docs/%.*s", length, target);
+    snprintf(place, sizeof place, "<a id=\"%s\"></a>", target[length] ? target + length + 1 : "");
+    return access(page, F_OK) == 0 && (!target[length] || file_holds(page, place));
+}
+
+static bool picture_is_small(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof path, "figures/shown/%s", name);
+    FILE *in = fopen(path, "rb");
+    const bool small = in && fseek(in, 0, SEEK_END) == 0 && ftell(in) <= LARGEST_PICTURE;
+    if (in) fclose(in);
+    return small;
+}
+
+static void check_page_line(const char *line)
+{
+    char text[256];
+    const char *rest = line;
+    while (next_between(&rest, "](docs/", ')', text)) {
+        if (!link_leads(text)) fprintf(stderr, "paper-repro.md: no docs/%s\n", text);
+        CU_ASSERT(link_leads(text));
+    }
+    for (rest = line; next_between(&rest, "](figures/shown/", ')', text);) {
+        if (!picture_is_small(text)) fprintf(stderr, "figures/shown/%s: none, or too large\n", text);
+        CU_ASSERT(picture_is_small(text));
+    }
+    if (*line == '|' && strlen(line) > LONGEST_ROW) fprintf(stderr, "a long row: %s\n", line);
+    CU_ASSERT(*line != '|' || strlen(line) <= LONGEST_ROW);
+}
+
+/* The page is short enough to be read, its links lead somewhere, and each claim of the papers has a row. */
+static void test_page(void)
+{
+    static char text[MOST_TEXT];
+    rp_table t;
+    FILE *in = fopen("paper-repro.md", "r");
+    CU_ASSERT_FATAL(in != NULL);
+    const size_t size = fread(text, 1, sizeof text - 1, in);
+    fclose(in);
+    CU_ASSERT_FATAL(size < sizeof text - 1);
+    text[size] = '\0';
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        char start[256];
+        if (strcmp(cell(&t, row, "of"), "-") != 0 || strcmp(cell(&t, row, "paper"), "ours") == 0) continue;
+        snprintf(start, sizeof start, "\n| %s ", cell(&t, row, "statement")); /* a note or | follows */
+        if (!strstr(text, start)) fprintf(stderr, "paper-repro.md lacks: %s\n", start + 1);
+        CU_ASSERT(strstr(text, start) != NULL);
+    }
+    rp_table_free(&t);
+    size_t words = 0, lines = 0;
+    for (const char *c = text; *c; c++) words += !strchr(" \n", *c) && (c == text || strchr(" \n", c[-1]));
+    for (char *save, *line = strtok_r(text, "\n", &save); line; line = strtok_r(NULL, "\n", &save), lines++)
+        check_page_line(line);
+    CU_ASSERT(lines > 200);
+    CU_ASSERT(words > 1000 && words <= MOST_WORDS);
 }
 
 void suite_claims(void)
@@ -260,6 +345,7 @@ void suite_claims(void)
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},
                                        {"texts of the report", test_report_texts},
+                                       {"the page that is read", test_page},
                                        {0}};
     check_register("claims", cases);
 }

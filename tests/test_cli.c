@@ -37,11 +37,11 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",    "--study ",  "--where ",      "--bare ",      "--set ",     "--reduce ",
-    "--base ",    "--pair ",   "--successive ", "-o ",          "--runs ",    "--missing ",
-    "--outline ", "--disks ",  "--linear ",     "--set-again ", "--summary ", "--threshold ",
-    "--map ",     "--ledger ", "--profile ",    "--resume ",    "--man ",     "--completion ",
-    "--shard ",   "--start ",  "--variants ",   "--published ", NULL};
+    "--help ",       "--study ",  "--where ",      "--bare ",      "--set ",       "--reduce ",
+    "--base ",       "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ",
+    "--outline ",    "--disks ",  "--linear ",     "--set-again ", "--summary ",   "--threshold ",
+    "--map ",        "--ledger ", "--force ",      "--profile ",   "--resume ",    "--man ",
+    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -989,10 +989,10 @@ static void test_report(void)
              "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
              "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
              "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
-    write_text("in.md", "{{claims plain}}\n{{scores lh}}\n");
+    write_text("in.md", "{{claims plain}}\n{{scores all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
-    CU_ASSERT(strstr(out, "| angle |  | angle | 20.10 ± 1 |  |  | no data |\n") != NULL);
+    CU_ASSERT(strstr(out, "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n") != NULL);
 #define BAD_PLACE(text, message)                                                                             \
     write_text("in.md", text);                                                                               \
     FAILS(65, message, "report in.md --tables . --claims claims.tsv")
@@ -1001,12 +1001,65 @@ static void test_report(void)
     BAD_PLACE("{{cell many k=7 w}}", "no column w");
     BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
     BAD_PLACE("{{rows many k=11 | v}}", "no row");
-    BAD_PLACE("{{claims nowhere}}", "no claim has this section");
+    BAD_PLACE("{{claims nowhere}}", "{{claims nowhere}}: no claim has this section");
+    BAD_PLACE("{{scores nowhere}}", "{{scores nowhere}}: no claim has this section");
     BAD_PLACE("{{verdict nobody}}", "no claim \"nobody\"");
     BAD_PLACE("{{frob t v}}", "unknown word");
     BAD_PLACE("{{include frob*}}", "no file frob*");
     BAD_PLACE("{{include in.md}}", "in an included text");
     BAD_PLACE("{{value many", "without }}");
+    leave();
+}
+
+/* A script of the page of the report on files of the test's folder. */
+static int awk(const char *script, const char *arguments)
+{
+    char path[4096], line[8192], name[64];
+    snprintf(name, sizeof name, "figures/page/%s", script);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
+    snprintf(line, sizeof line, "awk -f %s %s >out 2>err", path, arguments);
+    return shell(line);
+}
+
+/* Frames of a run: grain 9 leaves; the frame before `from` and a faint contact are left out; a wall is -1. */
+static void test_page_frames(void)
+{
+    enter();
+    write_text("states.tsv", "# program: x\nstep\tid\tx\ty\tr\n5\t7\t0\t0\t0.1\n10\t7\t0.5\t0.25\t0.1\n"
+                             "10\t9\t1.2346\t-0.5\t0.08\n20\t7\t0.75\t0.25\t0.1\n");
+    write_text("contacts.tsv", "# program: x\nstep\tid_a\tid_b\twall\tnormal_force\n5\t7\t9\t0\t4\n"
+                               "10\t7\t9\t0\t12.4\n10\t9\t0\t1\t3\n20\t7\t0\t2\t0.5\n");
+    CU_ASSERT(awk("frames.awk", "-v from=10 -v opens=11 -v dt=5e-05 states.tsv contacts.tsv") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "{\"dt\":5e-05,\"opens\":11,\"id\":[7,9],\"r\":[100,80],\"frames\":[\n"
+                                "{\"step\":10,\"xy\":[500,250,1235,-500],\"links\":[0,1,12,1,-1,3]},\n"
+                                "{\"step\":20,\"xy\":[750,250,null,null],\"links\":[]}]}\n");
+    leave();
+}
+
+/* A polygon of a hundred corners on a circle becomes this circle; a square and a curve stay. */
+static void test_page_circles(void)
+{
+    static const char square[] = "<path fill='none' d='M0,0 L9,0 L9,9 L0,9 Z'/>", text[] = "<text>a</text>";
+    char corners[4096] = "", curve[4200];
+    const double pi = acos(-1.0);
+    for (int k = 0; k <= 100; k++)
+        snprintf(corners + strlen(corners), sizeof corners - strlen(corners), "%s%.2f,%.2f ", k ? "L" : "M",
+                 50 + 5 * cos(k * pi / 50), 40 + 5 * sin(k * pi / 50));
+    snprintf(curve, sizeof curve, "<path d='%s'/>", corners);
+    enter();
+    write_text("in.svg", "<svg>%s%s<path stroke='red'  d='%sZ  '/></g>%s</svg>\n", square, curve, corners,
+               text);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT(strncmp(out, "<svg>", 5) == 0 && strstr(out, square) == out + 5);
+    CU_ASSERT(strstr(out, curve) == out + 5 + strlen(square));
+    CU_ASSERT_STRING_EQUAL(
+        out + 5 + strlen(square) + strlen(curve),
+        "<circle stroke='red'   cx='50.00' cy='40.00' r='5.00'/></g><text>a</text></svg>\n");
+    for (char *c = corners; *c; c++)
+        if (*c == 'M' || *c == 'L') *c = ' ';
+    write_text("in.svg", "<svg><polygon fill = 'blue' points = '%s'/></svg>\n", corners);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "<svg><circle fill = 'blue'  cx='50.00' cy='40.00' r='5.00'/></svg>\n");
     leave();
 }
 
@@ -1536,6 +1589,20 @@ static void test_energy_growth(void)
     leave();
 }
 
+/* A sweep's rows have no such warning: its plan has one, for all points without damping. */
+static void test_undamped_sweep(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
+                        "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
+    CU_ASSERT(strncmp(err, "repose sweep: warning: gamma_n = 0 at 3 of 6 grid points: ", 58) == 0);
+    CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1562,9 +1629,10 @@ static void test_run_stopped(void)
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
         rp_table_free(&t);
         CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" run r.cfg --row 20 -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
-                 signals[k]);
+        snprintf(
+            line, sizeof line,
+            "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
+            signals[k]);
         CU_ASSERT(
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
@@ -1577,6 +1645,62 @@ static void test_run_stopped(void)
               strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d");
     CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
+    leave();
+}
+
+/* A folder with results of something else is not written over: scene, row and sweep into each other's. */
+static void test_folders(void)
+{
+    enter();
+    write_text("a.cfg",
+               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
+    write_text("b.cfg",
+               "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.2; } ); gravity = [0.0, 0.0];\n");
+    write_text("s.cfg",
+               "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 10; stop = \"steps\"; "
+               "relax_steps = 10; };\n");
+    GOOD("run a.cfg --every 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "");
+    CU_ASSERT(shell("cp s.cfg t.cfg; cp a.cfg c.cfg") == 0);
+    GOOD("run s.cfg -o r");
+    GOOD("sweep plan s.cfg -o s");
+    CU_ASSERT(shell("cat a/* r/* >before") == 0);
+    static const failure refused[] = {
+        {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
+        {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "run b.cfg -o a --snapshot 5"},
+        {65, "a: holds a.cfg, 20 steps", "run a.cfg --set dt=1e-5 -o a"},
+        {65, "a: holds a.cfg, 20 steps", "run s.cfg -o a"},
+        {65, "r: holds s.cfg row 0 (repose run s.cfg -o r)", "run s.cfg --row 1 -o r"},
+        {65, "r: holds s.cfg row 0", "run a.cfg -o r"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run a.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run s.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder, or --force", "sweep plan t.cfg -o s"},
+        {65, "a: holds a.cfg, 20 steps", "sweep plan s.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
+        {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."},
+        {65, "a: holds a.cfg, 20 steps", "calibrate --theta-r-deg 20 --error-deg 1 --sweep s.cfg -o a"}};
+    CHECK_FAILURES(refused);
+    CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
+    /* its own: again, shorter, longer, from a copy of the file */
+    GOOD("run a.cfg --every 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 20 steps, a frame each 10\n");
+    GOOD("run c.cfg --set steps=5 --ledger -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 5 steps, the last frame\n");
+    GOOD("run a.cfg --set steps=30 --snapshot 10 -o a");
+    CU_ASSERT_STRING_EQUAL(out, "a: replaced 5 steps, the last frame, by 30 steps, the last frame\n");
+    GOOD("run s.cfg -o r");
+    GOOD("sweep plan s.cfg -o s");
+    GOOD("sweep plan s.cfg --replicas 3 -o s");
+    /* as asked for */
+    GOOD("run b.cfg -o a --force");
+    FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
+    GOOD("sweep plan t.cfg -o s --force");
+    FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
+    GOOD("run a.cfg -o s --force");
+    /* tables of older versions have no note */
+    CU_ASSERT(shell("sed -i '/^# run: /d' a/*.tsv") == 0);
+    FAILS(65, "a: holds a scene (repose run b.cfg -o a --force)", "run b.cfg -o a");
     leave();
 }
 
@@ -1598,6 +1722,8 @@ void suite_cli(void)
                                        {"claims", test_claims},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
+                                       {"page of the report: frames", test_page_frames},
+                                       {"page of the report: circles", test_page_circles},
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
@@ -1613,7 +1739,9 @@ void suite_cli(void)
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},
+                                       {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};

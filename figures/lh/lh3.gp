@@ -15,4 +15,4 @@ plot t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('th
      t('lh3_total.tsv') using (column('mu') + 0.003):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars pt 4 ps 0.7 lc 3 title 'spring as (2b) is printed, '.note('lh3_total.tsv', 'relax_steps').' steps after opening', \
      [0.05:0.2] start + slope*x with lines lc 2 dt 2 title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
-     '+' using (0.207):(published('lh-theta', 'published')):(published('lh-theta', 'published_se')) every ::0::0 with yerrorbars pt 9 ps 0.9 lc 1 title 'Lee \& Herrmann 1993, text (bar as printed)'
+     '+' using (0.207):(published('lh-theta', 'published')):(published('lh-theta', 'published_se')) every ::0::0 with yerrorbars pt 9 ps 0.9 lc 1 title 'Lee and Herrmann 1993, text (bar as printed)'

@@ -9,7 +9,7 @@ set yrange [0:32]
 set logscale x
 set format x '10^{%T}'
 set key top left Left reverse font ',6.5' samplen 1 spacing 1.1
-set label 2 'bars: standard error, those of Lee \& Herrmann as printed; series shifted' at screen 0.5, 0.95 center font ',8'
+set label 2 'bars: standard error, those of Lee and Herrmann as printed; series shifted' at screen 0.5, 0.95 center font ',8'
 set ylabel 'angle of repose {/:Italic θ}_R (degrees), method 3' font ',9' offset 0.8,0
 set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]
@@ -30,7 +30,7 @@ se = 'theta_r3_deg_se'
 plot t('lh_kn.tsv') using (column('k_n')):(column(y)):(column(se)) with yerrorbars pt 7 ps 0.7 lc 2 title with_piles('walls 2 {/:Italic k}_n', 1), \
      t('lh_kn_wall.tsv') using (column('k_n')*1.15):(column(y)):(column(se)) with yerrorbars pt 5 ps 0.7 lc 3 title with_piles('walls 2 × 10^6', 2), \
      t('lh_kn_restitution.tsv') using (column('k_n')*1.32):(column(y)):(column(se)) with yerrorbars pt 13 ps 0.7 lc 4 title with_piles('walls 2 {/:Italic k}_n, {/:Italic γ}_n ∝ {/:Italic k}_n^{0.4}', 3), \
-     $kn using ($1/1.15):2:3 with yerrorbars pt 8 ps 0.8 lc 1 title 'Lee \& Herrmann'
+     $kn using ($1/1.15):2:3 with yerrorbars pt 8 ps 0.8 lc 1 title 'Lee and Herrmann'
 unset label 2
 unset ylabel
 set format y ''
@@ -39,7 +39,7 @@ set xlabel '{/:Italic γ}_n (1/s)'
 set xrange [30:800]
 set xtics (50, 100, 200, 500)
 plot t('lh_gamma.tsv') using (column('gamma_n')):(column(y)):(column(se)) with yerrorbars pt 7 ps 0.7 lc 2 title with_piles('Repose', 4), \
-     $gamma using ($1/1.06):2:3 with yerrorbars pt 8 ps 0.8 lc 1 title 'Lee \& Herrmann'
+     $gamma using ($1/1.06):2:3 with yerrorbars pt 8 ps 0.8 lc 1 title 'Lee and Herrmann'
 set format x '10^{%T}'
 set xtics autofreq
 set xlabel '{/:Italic k}_s (dyn/cm)'

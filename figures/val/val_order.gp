@@ -6,7 +6,7 @@ load 'figures/style.gp'
 data = t('validation_order.tsv')
 cases = 'paper hertz_pulls linear_slips linear_elastic hertz_elastic'
 colours = '2 7 4 8 6'
-array words[5] = ['Hertz, damped, friction: as Lee \& Herrmann', 'Hertz, strongly damped', \
+array words[5] = ['Hertz, damped, friction: as Lee and Herrmann', 'Hertz, strongly damped', \
                   'linear, friction, undamped', 'linear, elastic', 'Hertz, elastic']
 located = 'paper/located_full_step'
 order(case, col) = system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, \"\t\"); for (i = 1; i <= n; i++) c[a[i]] = i; next } $c[\"case\"] == \"".case."\" { printf \"%.3f ± %.3f\", $c[\"".col."_order\"], $c[\"".col."_order_se\"] }' ".path('validation_order_fits.tsv'))

@@ -103,6 +103,16 @@ enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots o
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 
+/* May this run, or this sweep's file, write into the folder? Not over results of something else, unless by
+ * `force`. `run` is the header line `run` of its tables, "FILE, N steps, FRAMES, key DIGITS" or "FILE row N".
+ * Where a scene replaces its own results, `replaces` says which by which, else it is "". Errors:
+ * RP_BAD_INPUT; RP_IO. */
+enum { CLI_RUN_NOTE = 1024, CLI_REPLACES = 2 * CLI_RUN_NOTE };
+rp_status cli_claim_run(const char *directory, const char *run, bool force, char replaces[CLI_REPLACES]);
+rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
+#define CLI_FORCE(X)                                                                                         \
+    X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")
+
 /* For long preparations: progress on a terminal. */
 const sweep_watch *cli_watch(void);
 
@@ -215,7 +225,9 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(stress)                                                                                                \
     X(stats)                                                                                                 \
     X(run)                                                                                                   \
+    X(view)                                                                                                  \
     X(sweep)                                                                                                 \
+    X(export)                                                                                                \
     X(calibrate)                                                                                             \
     X(claims)                                                                                                \
     X(forensics)                                                                                             \

@@ -15,6 +15,7 @@
     X(TEXT, o, "", "build/sweeps/calibrate", "",                                                             \
       "folder of that sweep; runs that it holds are not made again")                                         \
     X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
+    CLI_FORCE(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     X(INT, bootstrap, "", "500", "[2, 100000]", "resamples of the piles, to check error and interval")       \
     X(INT, verify, "", "0", "[0, 100000]", "in place of a measurement, so many cases whose truth is known")  \
@@ -40,18 +41,20 @@ typedef struct {
 } source;
 
 /* Run what is missing of a sweep and leave its rows as a table in its folder. */
-static rp_status run_sweep(const char *file, const char *folder, long workers, char path[4096])
+static rp_status run_sweep(const char *file, const char *folder, const calibrate_options *o, char path[4096])
 {
     sweep_counts counts;
     FILE *out;
-    rp_status status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
+    rp_status status = cli_claim_sweep(folder, file, o->force);
+    if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
     if (!status)
-        status = cli_sweep_run(folder, (sweep_options){.workers = (int)workers, .snapshot = CLI_SNAPSHOT},
-                               &counts);
+        status =
+            cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
-    return rp_file_close(path, out, sweep_export(folder, sweep_protocols, false, cli_command_line(), out));
+    return rp_file_close(path, out,
+                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), out));
 }
 
 /* The names under --fit, one or two, as column numbers. */
@@ -140,7 +143,7 @@ static rp_status open_source(const char *sweep, const char *folder, const char *
     if (table)
         snprintf(s->path, sizeof s->path, "%s", table);
     else
-        status = run_sweep(cli_data(sweep), folder, o->j, s->path);
+        status = run_sweep(cli_data(sweep), folder, o, s->path);
     if (!status) status = cli_table_read(s->path, &s->table);
     return status ? status : read_piles(s, o->fit);
 }

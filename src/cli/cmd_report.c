@@ -135,48 +135,56 @@ static rp_status fill_verdict(report *r, const char *id, bool published)
     return status;
 }
 
-/* A claim as a line of a table; `in_full` in its section, else in the scores. */
-static void print_claim(report *r, const cli_claim *c, const cli_judged *j, bool in_full)
+/* What is claimed, and of what the numbers are. */
+static void print_statement(report *r, const cli_claim *c)
 {
-    char published[160], values[32] = "", note[512] = "";
-    cli_claim_published(c, published);
-    if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
-    if (in_full && c->samples > 0.0 && *published)
-        snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
-    if (*c->note && c->test != CLAIM_UNTESTABLE) snprintf(note, sizeof note, " (%s)", c->note);
-    if (in_full)
-        fprintf(r->out, "\n| %s%s | %s%s | %s | %s | %s | %s |", *c->of ? "variant " : "", c->id,
-                c->statement, note, published, j->text, values, j->reason);
-    else
-        fprintf(r->out, "\n| %s | %s | %s | %s | %s | %s | %s |", c->id, c->place, c->statement, published,
-                j->text, values, stats_verdict_texts[j->verdict]);
+    fputs(c->statement, r->out);
+    if (*c->note && c->test != CLAIM_UNTESTABLE) fprintf(r->out, " (%s)", c->note);
 }
 
-static rp_status fill_claims(report *r, const char *section)
+/* A claim as a line of a table: with its name, samples, values and reason. */
+static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
+{
+    char published[160], values[32] = "";
+    cli_claim_published(c, published);
+    if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
+    if (c->samples > 0.0 && *published)
+        snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
+    fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
+    print_statement(r, c);
+    fprintf(r->out, " | %s | %s | %s | %s |", published, j->text, values, j->reason);
+}
+
+/* The line that is read first: what is claimed, both numbers, the verdict. */
+static void print_in_short(report *r, const cli_claim *c, const cli_judged *j)
+{
+    char published[128];
+    cli_claim_published(c, published);
+    fputs("\n| ", r->out);
+    print_statement(r, c);
+    fprintf(r->out, " | %s | %s | %s |", published, j->text,
+            c->test == CLAIM_UNTESTABLE ? j->reason : stats_verdict_texts[j->verdict]);
+}
+
+/* The claims of a section; in short without their variants. */
+static rp_status fill_section(report *r, const char *section, bool in_full)
 {
     rp_status status = judge(r);
     bool any = false;
     if (status) return status;
-    fputs("| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|",
+    fputs(in_full ? "| claim | what it says | paper (samples) | ours | values | verdict "
+                    "|\n|---|---|---|---|---|---|"
+                  : "| claim | paper | ours | verdict |\n|---|---|---|---|",
           r->out);
     for (size_t i = 0; i < r->claims.n; i++) {
-        if (strcmp(r->claims.claims[i].section, section) != 0) continue;
-        print_claim(r, &r->claims.claims[i], &r->judged[i], true);
+        const cli_claim *c = &r->claims.claims[i];
+        if (strcmp(c->section, section) != 0 || (*c->of && !in_full)) continue;
+        (in_full ? print_in_full : print_in_short)(r, c, &r->judged[i]);
         any = true;
     }
-    return any ? RP_OK : rp_fail(RP_BAD_INPUT, "{{claims %s}}: no claim has this section", section);
-}
-
-static rp_status fill_scores(report *r, const char *paper)
-{
-    rp_status status = judge(r);
-    if (status) return status;
-    fputs("| claim | place | what it says | paper | ours | values | verdict |\n|---|---|---|---|---|---|---|",
-          r->out);
-    for (size_t i = 0; i < r->claims.n; i++)
-        if (!*r->claims.claims[i].of && strcmp(r->claims.claims[i].paper, paper) == 0)
-            print_claim(r, &r->claims.claims[i], &r->judged[i], false);
-    return RP_OK;
+    return any ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no claim has this section", in_full ? "claims" : "scores",
+                         section);
 }
 
 static rp_status fill_counts(report *r, const char *paper)
@@ -228,8 +236,8 @@ static rp_status fill_place(report *r, char *text)
     if (strcmp(word, "rows") == 0) return fill_rows(r, &w);
     if (strcmp(word, "published") == 0) return fill_verdict(r, first, true);
     if (strcmp(word, "verdict") == 0) return fill_verdict(r, first, false);
-    if (strcmp(word, "claims") == 0) return fill_claims(r, first);
-    if (strcmp(word, "scores") == 0) return fill_scores(r, first);
+    if (strcmp(word, "claims") == 0) return fill_section(r, first, true);
+    if (strcmp(word, "scores") == 0) return fill_section(r, first, false);
     if (strcmp(word, "counts") == 0) return fill_counts(r, first);
     if (strcmp(word, "include") == 0) return fill_include(r, first);
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
@@ -314,9 +322,9 @@ const cli_command cmd_report = {
     "                               key=FROM:TO for a range\n"
     "  {{published ID}}             the number that the paper gives\n"
     "  {{verdict ID}}               verdict on a claim\n"
-    "  {{claims SECTION}}           the claims of a section with ours, verdict and variants\n"
-    "  {{scores PAPER}}             all claims of a paper in short; {{counts PAPER}} how many have which "
-    "verdict\n"
+    "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
+    "  {{claims SECTION}}           the same in full, with variants, counts and reasons\n"
+    "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",

@@ -25,6 +25,7 @@
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    CLI_FORCE(X)                                                                                             \
     X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
@@ -55,6 +56,15 @@ typedef struct {
     growth energy;
     dem_sim *sim;
 } scene_run;
+
+/* The header line that tells what a folder's tables are of. */
+static char run_note[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+
+static void provenance(FILE *out)
+{
+    cli_provenance(out);
+    rp_table_note(out, "run", "%s", run_note);
+}
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
@@ -98,7 +108,7 @@ static rp_status open_growing(outputs *o)
     if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
     if (status) return status;
     take_growing(o);
-    for (int k = 0; k < CLI_GROWING; k++) cli_provenance(o->file[k].out);
+    for (int k = 0; k < CLI_GROWING; k++) provenance(o->file[k].out);
     return RP_OK;
 }
 
@@ -251,10 +261,10 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 
 static rp_status run_scene(scene_run *r, const char *directory)
 {
-    outputs out = {.tables = {.directory = directory, .header = cli_provenance},
+    outputs out = {.tables = {.directory = directory, .header = provenance},
                    .resumable = r->plan.snapshot > 0};
     char stage[4096] = "";
-    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, stage) : RP_OK;
+    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, false, stage) : RP_OK;
     if (status) return status;
     if (*stage) out.tables.directory = stage;
     cli_on_stop(note_stop);
@@ -272,11 +282,21 @@ static rp_status run_row(const char *path, const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    char stage[4096];
-    rp_status status = cli_stage_open(o->o, stage);
+    static volatile bool stopped;
+    char stage[4096], snapshot[4096 + 16];
+    snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
+    rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
+    if (!status) status = cli_stage_open(o->o, true, stage);
     if (status) return status;
-    cli_stage_stops(stage);
-    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, cli_provenance, o->ledger};
+    snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
+    cli_stage_stops(stage, &stopped);
+    const sweep_tables tables = {.directory = stage,
+                                 .every = o->every > 0 ? o->every : 100,
+                                 .header = provenance,
+                                 .ledger = o->ledger,
+                                 .snapshot = snapshot,
+                                 .interval = CLI_SNAPSHOT,
+                                 .stop = &stopped};
     status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
@@ -306,16 +326,24 @@ static rp_status is_sweep(const char *path, bool *sweep)
     return status;
 }
 
-/* Of all that makes a scene, whatever the kernel. */
+/* Of all that makes a scene, whatever the kernel, the ledger and the number of steps. */
 static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 {
     char *text = NULL;
     size_t size = 0;
     dem_scene any = *scene;
     any.def.kernel = DEM_FAST;
+    any.def.n_grains = 0;
+    any.def.ledger = false;
+    any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
     dem_scene_write(&any, out);
+    for (size_t i = 0; i < scene->def.n_grains && !scene->has_fill; i++) {
+        const dem_grain *p = &scene->grains[i];
+        fwrite(p, offsetof(dem_grain, fixed), 1, out);
+        fputc(p->fixed, out);
+    }
     fclose(out);
     *hash = XXH3_128bits(text, size);
     free(text);
@@ -329,6 +357,17 @@ static rp_status read_scene(const char *path, const run_options *o, dem_scene *s
     return status;
 }
 
+/* A folder that this scene may write into. */
+static rp_status claim(const char *path, const run_plan *plan, const run_options *o)
+{
+    char key[33], frames[64] = "the last frame";
+    if (!*o->o) return RP_OK;
+    rp_hash_digits(plan->scene, key);
+    if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
+    snprintf(run_note, sizeof run_note, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
+    return cli_claim_run(o->o, run_note, o->force, replaces);
+}
+
 static rp_status run_file(const char *path, const run_options *o)
 {
     dem_scene scene;
@@ -336,14 +375,16 @@ static rp_status run_file(const char *path, const run_options *o)
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
-    if (!status && o->snapshot > 0) status = hash_scene(&scene, &r.plan.scene);
+    if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
+    if (!status) status = claim(path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
     snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&r, o->o);
+    if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
@@ -356,8 +397,10 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
     XXH128_hash_t hash = {0};
     rp_status status = read_scene(path, o, &scene);
     if (!status) status = hash_scene(&scene, &hash);
+    const bool same =
+        XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps && scene.def.ledger == plan->ledger;
     dem_scene_free(&scene);
-    if (status || XXH128_isEqual(hash, plan->scene)) return status;
+    if (status || same) return status;
     return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
 }
 
@@ -366,9 +409,10 @@ static rp_status resume(const run_options *o)
     const char *scene = cli_argument(0);
     scene_run r = {.sim = NULL};
     outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
-    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot"))
-        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row and "
-                                 "--snapshot do not go with it");
+    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
+        cli_given("force"))
+        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
+                                 "--snapshot and --force do not go with it");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
     cli_on_stop(note_stop);
@@ -382,6 +426,7 @@ static rp_status resume(const run_options *o)
         dem_free(r.sim);
         return status;
     }
+    printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     cli_command_line_set(r.plan.command);
     status = finish_scene(&r, &out, RP_OK);
@@ -406,15 +451,17 @@ static rp_status run_any(void *values)
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N]] | [SCENE.cfg] --resume "
-    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR",
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] | [SCENE.cfg] "
+    "--resume "
+    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR [--force]",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
     "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
     "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
-    "only a whole result replaces the one in DIR.\n"
+    "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
+    "--force writes over those of the same names.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT,\n"
@@ -424,7 +471,10 @@ const cli_command cmd_run = {
     "or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
-    "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after "
+    "a\n"
+    "stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file scene.cfg "
+    "that\n"
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",

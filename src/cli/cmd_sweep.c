@@ -22,9 +22,21 @@ void cli_print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
+/* An energy that grows is seen in a run's tables, and not in its row. */
+static void warn_undamped(const char *file, const sweep_counts *counts)
+{
+    if (counts->undamped > 0)
+        fprintf(stderr,
+                "repose sweep: warning: gamma_n = 0 at %zu of %zu grid points: without damping the energy of "
+                "a run "
+                "can grow, at any dt; repose run %s --row N -o DIR writes it\n",
+                counts->undamped, counts->points, file);
+}
+
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
-    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file")
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
@@ -32,9 +44,11 @@ static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    rp_status status =
-        sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                      sweep_protocols, cli_watch(), &counts);
+    rp_status status = cli_claim_sweep(o->o, cli_argument(0), o->force);
+    if (!status)
+        status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                               sweep_protocols, cli_watch(), &counts);
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -44,10 +58,10 @@ static rp_status act_plan(void *values)
 static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
-    "FILE -o DIR [--replicas N]",
+    "FILE -o DIR [--replicas N] [--force]",
     "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-    "after a change, or for more replicas, keeps all stored runs and reuses those that match. The file\n"
-    "(libconfig syntax):\n"
+    "after a change, or for more replicas, keeps all stored runs and reuses those that match. A folder with\n"
+    "a sweep of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
     "\n"
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
@@ -147,7 +161,8 @@ static rp_status act_export(void *values)
     rp_status status = sweep_check_output(cli_argument(0), o->o);
     if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
-    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
+    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
+                          cli_command_line(), out);
     return rp_file_close(o->o, out, status);
 }
 
@@ -224,17 +239,18 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     CLI_WORKERS(X)                                                                                           \
     LIMITS(X)                                                                                                \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")
+    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
-static rp_status export_to(const make_options *o, const char *name, const char *suffix, bool reduce)
+static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
 {
     char path[4096];
     FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
     rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, reduce, cli_command_line(), out);
+    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), out);
     return out ? rp_file_close(path, out, status) : status;
 }
 
@@ -252,13 +268,15 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    rp_status status = cli_claim_sweep(o->o, file, o->force);
+    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status) status = cli_sweep_run(o->o, options, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    if (!status) status = export_to(o, recipe->name, "_runs", false);
-    if (!status) status = export_to(o, recipe->name, "", true);
+    if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
+    if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
     return status;
 }
 
@@ -278,7 +296,7 @@ static rp_status act_make(void *values)
 static const cli_command make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
-    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study]",
+    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--force]",
     "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
     "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
     "\n"

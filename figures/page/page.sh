@@ -1,0 +1,36 @@
+#!/bin/sh
+# BUILD/report.html: the report and the pages behind it as one page, by pandoc. BUILD holds paper-repro.md, docs, figures.
+# usage: page.sh REPOSE BUILD
+set -eu
+repose=$1 build=$2 here=$(dirname "$0") work=$2/page
+command -v pandoc >/dev/null || sh "$here/../../tests/setup.sh" pandoc
+mkdir -p "$work"
+
+# The avalanche: the first pile of figure 3 with mu = 0.2, from just before its wall is removed.
+every=500
+"$repose" run sweeps/lh/lh3.cfg --row 80 -o "$work/pile" >/dev/null
+opens=$(sed -n 's/.*open_at_step = \([0-9][0-9]*\);.*/\1/p' "$work/pile/scene.cfg")
+dt=$(sed -n 's/.*[ ;]dt = \([^;]*\);.*/\1/p' "$work/pile/scene.cfg")
+"$repose" run "$work/pile/scene.cfg" --set steps=$((opens + 60*every)) --every $every -o "$work/frames" >/dev/null
+awk -v from=$((opens - every)) -v opens="$opens" -v dt="$dt" -f "$here/frames.awk" \
+    "$work/frames/states.tsv" "$work/frames/contacts.tsv" >"$work/frames.json"
+
+# Pictures as SVG, and the pages behind the report folded below it. Links between pages become links within this one.
+for png in $(sed -n 's|.*](figures/shown/\([^)]*\)\.png).*|\1|p' "$build/paper-repro.md"); do
+    awk -f "$here/circles.awk" "$build/figures/$png.svg" >"$work/$png.svg"
+done
+{
+    sed 's|(figures/shown/\([^)]*\)\.png)|('"$work"'/\1.svg)|' "$build/paper-repro.md"
+    for page in claims choices beyond misprints validation; do
+        printf '\n<details class="page" id="page-%s">\n<summary>%s</summary>\n' $page \
+            "$(sed -n '1s/^# //p' "$build/docs/$page.md")"
+        sed 1d "$build/docs/$page.md"
+        printf '\n</details>\n'
+    done
+} | sed -e 's|\[\([^]]*\)\](\.\./figures/[^)]*)|\1|g' -e 's|(\.\./paper-repro\.md)|(#)|g' \
+        -e 's|](\(docs/\)\{0,1\}[a-z]*\.md#|](#|g' -e 's|](\(docs/\)\{0,1\}\([a-z]*\)\.md)|](#page-\2)|g' >"$work/report.md"
+cat "$here/page.css" >"$work/page.css"
+{ printf 'window.avalanche = '; cat "$work/frames.json"; cat "$here/page.js"; } >"$work/page.js"
+pandoc -f gfm -t html5 --self-contained --toc --toc-depth=3 --template "$here/page.html" \
+    --metadata title='Angle of repose and forces under a pile' --resource-path ".:$work" -o "$build/report.html" "$work/report.md"
+echo "report  $build/report.html"
