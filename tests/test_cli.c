@@ -1589,6 +1589,20 @@ static void test_energy_growth(void)
     leave();
 }
 
+/* A sweep's rows have no such warning: its plan has one, for all points without damping. */
+static void test_undamped_sweep(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
+                        "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
+    CU_ASSERT(strncmp(err, "repose sweep: warning: gamma_n = 0 at 3 of 6 grid points: ", 58) == 0);
+    CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1727,6 +1741,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
