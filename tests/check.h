@@ -43,6 +43,7 @@
     X(suite_drop)                                                                                            \
     X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
+    X(suite_view)                                                                                            \
     X(suite_export)                                                                                          \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \

@@ -1011,6 +1011,58 @@ static void test_report(void)
     leave();
 }
 
+/* A script of the page of the report on files of the test's folder. */
+static int awk(const char *script, const char *arguments)
+{
+    char path[4096], line[8192], name[64];
+    snprintf(name, sizeof name, "figures/page/%s", script);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
+    snprintf(line, sizeof line, "awk -f %s %s >out 2>err", path, arguments);
+    return shell(line);
+}
+
+/* Frames of a run: grain 9 leaves; the frame before `from` and a faint contact are left out; a wall is -1. */
+static void test_page_frames(void)
+{
+    enter();
+    write_text("states.tsv", "# program: x\nstep\tid\tx\ty\tr\n5\t7\t0\t0\t0.1\n10\t7\t0.5\t0.25\t0.1\n"
+                             "10\t9\t1.2346\t-0.5\t0.08\n20\t7\t0.75\t0.25\t0.1\n");
+    write_text("contacts.tsv", "# program: x\nstep\tid_a\tid_b\twall\tnormal_force\n5\t7\t9\t0\t4\n"
+                               "10\t7\t9\t0\t12.4\n10\t9\t0\t1\t3\n20\t7\t0\t2\t0.5\n");
+    CU_ASSERT(awk("frames.awk", "-v from=10 -v opens=11 -v dt=5e-05 states.tsv contacts.tsv") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "{\"dt\":5e-05,\"opens\":11,\"id\":[7,9],\"r\":[100,80],\"frames\":[\n"
+                                "{\"step\":10,\"xy\":[500,250,1235,-500],\"links\":[0,1,12,1,-1,3]},\n"
+                                "{\"step\":20,\"xy\":[750,250,null,null],\"links\":[]}]}\n");
+    leave();
+}
+
+/* A polygon of a hundred corners on a circle becomes this circle; a square and a curve stay. */
+static void test_page_circles(void)
+{
+    static const char square[] = "<path fill='none' d='M0,0 L9,0 L9,9 L0,9 Z'/>", text[] = "<text>a</text>";
+    char corners[4096] = "", curve[4200];
+    const double pi = acos(-1.0);
+    for (int k = 0; k <= 100; k++)
+        snprintf(corners + strlen(corners), sizeof corners - strlen(corners), "%s%.2f,%.2f ", k ? "L" : "M",
+                 50 + 5 * cos(k * pi / 50), 40 + 5 * sin(k * pi / 50));
+    snprintf(curve, sizeof curve, "<path d='%s'/>", corners);
+    enter();
+    write_text("in.svg", "<svg>%s%s<path stroke='red'  d='%sZ  '/></g>%s</svg>\n", square, curve, corners,
+               text);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT(strncmp(out, "<svg>", 5) == 0 && strstr(out, square) == out + 5);
+    CU_ASSERT(strstr(out, curve) == out + 5 + strlen(square));
+    CU_ASSERT_STRING_EQUAL(
+        out + 5 + strlen(square) + strlen(curve),
+        "<circle stroke='red'   cx='50.00' cy='40.00' r='5.00'/></g><text>a</text></svg>\n");
+    for (char *c = corners; *c; c++)
+        if (*c == 'M' || *c == 'L') *c = ' ';
+    write_text("in.svg", "<svg><polygon fill = 'blue' points = '%s'/></svg>\n", corners);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "<svg><circle fill = 'blue'  cx='50.00' cy='40.00' r='5.00'/></svg>\n");
+    leave();
+}
+
 /* ---- forensics ---- */
 
 /* Piles of 20 degrees, of 14 with law = new, 3 more at W = 8; one combination of law and k has no pile there.
@@ -1537,6 +1589,20 @@ static void test_energy_growth(void)
     leave();
 }
 
+/* A sweep's rows have no such warning: its plan has one, for all points without damping. */
+static void test_undamped_sweep(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
+                        "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
+    CU_ASSERT(strncmp(err, "repose sweep: warning: gamma_n = 0 at 3 of 6 grid points: ", 58) == 0);
+    CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1656,6 +1722,8 @@ void suite_cli(void)
                                        {"claims", test_claims},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
+                                       {"page of the report: frames", test_page_frames},
+                                       {"page of the report: circles", test_page_circles},
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
@@ -1673,6 +1741,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};

@@ -119,10 +119,11 @@ static void test_verdicts(void)
     write_text("in.md", "{{scores all}}\n{{claims all}}\n{{counts lh}}\n%s", template);
     GOOD("report in.md --tables . --claims claims.tsv");
     for (size_t i = 0; i < N_ANSWERS; i++) {
-        snprintf(line, sizeof line, "\n| statement %zu | ", i);
+        snprintf(line, sizeof line, "\n| statement %zu ", i);
         const char *score = strstr(out, line);
         CU_ASSERT_PTR_NOT_NULL_FATAL(score);
-        snprintf(line, sizeof line, "| %s |\n", answers[i].verdict);
+        const bool because = strcmp(answers[i].test, "untestable") == 0;
+        snprintf(line, sizeof line, because ? "| %s: note %zu |\n" : "| %s |\n", answers[i].verdict, i);
         const char *verdict = strstr(score, line);
         CU_ASSERT(verdict && verdict < strchr(score + 1, '\n'));
         snprintf(line, sizeof line, "\n| c%zu | statement %zu", i, i);

@@ -536,7 +536,7 @@ static void test_sweep(void)
         CU_ASSERT_STRING_EQUAL(word(&runs.t, row, "status"), "ok");
         at(&runs, row, "status");
         if (row % 5) continue; /* three of them */
-        GOOD("run s.cfg --row %zu -o again", row);
+        GOOD("run s.cfg --row %zu -o again --force", row);
         rp_table again = read_table("out");
         const char *const own = rp_table_find_note(&again, "units");
         const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");

@@ -22,6 +22,17 @@ void cli_print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
+/* An energy that grows is seen in a run's tables, and not in its row. */
+static void warn_undamped(const char *file, const sweep_counts *counts)
+{
+    if (counts->undamped > 0)
+        fprintf(stderr,
+                "repose sweep: warning: gamma_n = 0 at %zu of %zu grid points: without damping the energy of "
+                "a run "
+                "can grow, at any dt; repose run %s --row N -o DIR writes it\n",
+                counts->undamped, counts->points, file);
+}
+
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
@@ -37,6 +48,7 @@ static rp_status act_plan(void *values)
     if (!status)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                sweep_protocols, cli_watch(), &counts);
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -260,6 +272,7 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status) status = cli_sweep_run(o->o, options, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
