@@ -41,7 +41,8 @@ static const char *const without_default[] = {
     "--base ",       "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ",
     "--outline ",    "--disks ",  "--linear ",     "--set-again ", "--summary ",   "--threshold ",
     "--map ",        "--ledger ", "--force ",      "--profile ",   "--resume ",    "--man ",
-    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", NULL};
+    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", "--color ",
+    "--stress ",     NULL};
 
 static bool option_line_is_whole(const char *line)
 {
