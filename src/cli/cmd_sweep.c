@@ -172,7 +172,8 @@ static const cli_command export = {
     "write the runs, or their statistics, as a table",
     "DIR [--reduce] [-o FILE]",
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
-    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs\n"
+    "that are aborted (see sweep run) are among the failed; the header then has their number.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
     .act = act_export};
