@@ -29,7 +29,11 @@ static const struct {
     {"agrees", "19.4", "0", "0", "9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
     {"agrees", "18.9", "0.9", "0", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
     {"agrees", "18.9", "0.9", "100", "9", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
+    {"agrees", "20", "0.9", "100", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "19", "0", "0", "9", "means k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "19", "0", "0", "9", "means k=2 a", "-", "not reproduced", "21.5 ± 1.0"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=2 a", "reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
+    {"same", "-", "-", "100", "9", "t k=1 a", "t k=4 a", "reproduced", "21.5 ± 1.0 against 23.70 ± 0.75"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
@@ -46,6 +50,7 @@ static const struct {
     {"order", "10", "-", "-", "3", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
     {"order", "10", "-", "-", "2.2", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
     {"order", "10", "-", "-", "1.9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
+    {"order", "10", "-", "-", "1.3", "t k=1 a", "t k=2 a", "reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
     {"ratio", "1", "-", "-", "1", "t k=1 a", "t k=2 a", "reproduced", "0.925 ± 0.052"},
     {"ratio", "1.2", "-", "-", "1", "t k=1 a", "t k=2 a", "not reproduced", "0.925 ± 0.052"},
     {"ratio", "1", "-", "-", "0.1", "t k=1 a", "t k=2 a", "undecided", "0.925 ± 0.052"},
@@ -82,10 +87,33 @@ static void write_claims(void)
                 answers[i].answer, answers[i].against, i, i);
     fclose(file);
     write_text("t.tsv",
-               "# count: 7 of 8\n# k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n");
+               "# count: 7 of 8\n# "
+               "k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n4\t23.7\t0.75\t9\n");
+    /* of three values Student's t is 4.3 in place of 2; the row has more runs than this output has values */
+    write_text("means.tsv",
+               "# k\tn\ta_mean\ta_se\ta_n\ta_sd\n1\t100\t21.5\t1\t3\t7\n2\t3\t21.5\t1\t100\t7\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.4\t-0.6\t0.8\t0.8\t0.9\n2\t2\t1\t0.3\t3.7\t0.03\t0.06\n"
                             "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n");
+}
+
+/* How many values are behind the number; nan where the table does not say. */
+static double values_of_answer(size_t i)
+{
+    return strcmp(answers[i].answer, "means k=1 a") == 0   ? 3.0
+           : strcmp(answers[i].answer, "means k=2 a") == 0 ? 100.0
+                                                           : NAN;
+}
+
+/* In standard errors, as the published one is printed. */
+static void check_reason(const char *line, size_t i)
+{
+    char expected[64] = "";
+    if (strcmp(answers[i].published, "20") == 0 && strcmp(answers[i].se, "0.9") == 0)
+        strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
+    if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
+        strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
+    CU_ASSERT(strncmp(line, expected, strlen(expected)) == 0);
 }
 
 /* The same verdicts in the table of claims, in the scores and in the section of the report, and their counts.
@@ -95,7 +123,7 @@ static void test_verdicts(void)
     static const char *const words[] = {"reproduced",      "not reproduced", "undecided",
                                         "can't be tested", "by eye",         "no data"};
     size_t counts[6] = {0};
-    char line[512], path[256], template[4096] = "";
+    char line[512], path[256], template[8192] = "";
     enter();
     write_claims();
     GOOD("claims --claims claims.tsv --tables .");
@@ -112,6 +140,8 @@ static void test_verdicts(void)
             fprintf(stderr, "claim %zu, %s: %s, \"%s\"; expected %s, \"%s\"\n", i, answers[i].test, verdict,
                     ours, answers[i].verdict, answers[i].ours);
         CU_ASSERT(right);
+        const double n = cell(&t, i, "n");
+        CU_ASSERT(n == values_of_answer(i) || (isnan(n) && isnan(values_of_answer(i))));
         for (size_t k = 0; k < 6; k++) counts[k] += strcmp(answers[i].verdict, words[k]) == 0;
         snprintf(template + strlen(template), sizeof template - strlen(template), "{{verdict c%zu}}\n", i);
     }
@@ -146,6 +176,7 @@ static void test_verdicts(void)
     for (size_t i = 0; i < N_ANSWERS; i++) { /* one line each, that begins with the verdict */
         rest = strchr(rest, '\n') + 1;
         CU_ASSERT(strncmp(rest, answers[i].verdict, strlen(answers[i].verdict)) == 0);
+        check_reason(rest, i);
     }
     leave();
 }
