@@ -181,6 +181,34 @@ static void test_verdicts(void)
     leave();
 }
 
+/* A section in short and in full, every character: the variant of a claim stands in full only, marked, and is
+ * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
+static void test_section(void)
+{
+    enter();
+    write_text("claims.tsv",
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\t-\tfirst\tat rest\n"
+                      "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n");
+    write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
+    write_text("means.tsv", "# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(
+        out,
+        "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
+        "| first (at rest) | 20 ± 0.9 | 21.5 ± 1.0 | reproduced |\n"
+        "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
+        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12 | reproduced (+1.1 standard errors) |\n"
+        "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced (+3.0 standard errors) |\n"
+        "1 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+        "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
+        "| third |  |  | can't be tested: too few |\n"
+        "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
+        "| three | third |  |  |  | can't be tested: too few |\n");
+    leave();
+}
+
 /* A reference finds its row by numbers as numbers and by words as words. */
 static void test_references(void)
 {
@@ -196,6 +224,12 @@ static void test_references(void)
         GOOD("report in.md --tables . --claims claims.tsv");
         CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
     }
+    /* the error is that of the mean or of the number, never the scatter */
+    write_text("t.tsv",
+               "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\tc\n1\t20\t5\t1\t30\t6\t0.2\t7\n");
+    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 c}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(out, "20.0 ± 1.0, 30.00 ± 0.20, 7\n");
     leave();
 }
 
@@ -509,15 +543,99 @@ static void test_second_entry(void)
     }
 }
 
+/* The next line of a second entry is this one; comments are passed over. */
+static void check_entry(FILE *entries, const char *path, const char *wanted)
+{
+    char line[4300] = "";
+    do {
+        if (!fgets(line, sizeof line, entries)) strcpy(line, "(end of the file)\n");
+    } while (*line == '#');
+    const bool same = strncmp(line, wanted, strlen(wanted)) == 0 && line[strlen(wanted)] == '\n';
+    if (!same) fprintf(stderr, "%s has   : %s  expected: %s\n", path, line, wanted);
+    CU_ASSERT_FATAL(same);
+}
+
+static void check_end(FILE *entries)
+{
+    CU_ASSERT(fgetc(entries) == EOF);
+    fclose(entries);
+}
+
+/* Numbers, tests and cells of the claims stand a second time in tests/claims.txt: a changed number of a paper
+ * is a change of both. */
+static void test_claims_again(void)
+{
+    static const char *const columns[] = {"id",      "paper",  "test",   "published", "published_se",
+                                          "samples", "margin", "answer", "against"};
+    rp_table t;
+    FILE *in = fopen("tests/claims.txt", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        char wanted[2048] = "";
+        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+            snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", k ? " | " : "",
+                     word(&t, row, columns[k]));
+        check_entry(in, "tests/claims.txt", wanted);
+    }
+    rp_table_free(&t);
+    check_end(in);
+}
+
+/* Of a line of text its places, of a line of a table the whole. False if it has neither. */
+static bool places_of(const char *line, char places[4096])
+{
+    const bool whole = *line == '|' || strncmp(line, "{{", 2) == 0;
+    *places = '\0';
+    if (whole && strncmp(line, "|---", 4) != 0)
+        snprintf(places, 4096, "%.*s", (int)strcspn(line, "\n"), line);
+    for (const char *open = line; !whole && (open = strstr(open, "{{")); open++) {
+        const char *close = strstr(open, "}}");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(close);
+        snprintf(places + strlen(places), 4096 - strlen(places), "%s%.*s", *places ? " " : "",
+                 (int)(close + 2 - open), open);
+    }
+    return *places;
+}
+
+/* The places of the report, and the heads of its tables, stand a second time in tests/places.txt: a sentence
+ * that shows another column, row or table is a change of both. */
+static void test_places_again(void)
+{
+    static const char *const patterns[] = {"figures/*.md.in", "figures/report/*.md"};
+    FILE *in = fopen("tests/places.txt", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    for (size_t k = 0; k < 2; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char line[8192], places[4096], wanted[4200];
+            FILE *text = fopen(found.gl_pathv[i], "r");
+            CU_ASSERT_PTR_NOT_NULL_FATAL(text);
+            while (fgets(line, sizeof line, text)) {
+                if (!places_of(line, places)) continue;
+                snprintf(wanted, sizeof wanted, "%s: %s", found.gl_pathv[i] + strlen("figures/"), places);
+                check_entry(in, "tests/places.txt", wanted);
+            }
+            fclose(text);
+        }
+        globfree(&found);
+    }
+    check_end(in);
+}
+
 void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
+                                       {"a section in short and in full", test_section},
                                        {"rows by references", test_references},
                                        {"Holm's correction by groups", test_holm},
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},
                                        {"sweeps have the claims' settings", test_settings},
                                        {"sweeps of the papers, second entry", test_second_entry},
+                                       {"claims, second entry", test_claims_again},
+                                       {"places of the report, second entry", test_places_again},
                                        {0}};
     check_register("evidence", cases);
 }
