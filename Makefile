@@ -14,9 +14,10 @@ CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 
 # Debian packages that the project needs, for `setup`.
 PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
-            librandom123-dev libsuitesparse-dev libxxhash-dev fonts-dejavu-core pngquant clang-format
+            librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core pngquant \
+            clang-format python3 python3-pandas lammps
 # pkg-config runs inside the recipes, so that `make setup figures` works in one call.
-PKGS     := gsl nlopt libconfig sqlite3 libxxhash
+PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
@@ -34,7 +35,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check-report check test validate mutate check-slurm asan fuzz analyze drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check-report check test validate mutate check-slurm check-readers asan fuzz analyze drill lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -99,11 +100,15 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
-mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? A table in build/tables
-	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
+mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
+	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
 
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
 	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
+
+check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
+	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
+	@REPOSE=$(REPOSE) $(B)/check export
 
 # ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.

@@ -18,10 +18,10 @@ dist: ## the source of the last commit as build/repose-VERSION.tar.gz, which bui
 	@mkdir -p $(B) && git archive --prefix=repose-$(VERSION)/ -o $(DIST) HEAD && echo "dist    $(DIST)"
 
 deb: dist ## the Debian package, from that archive, into build
-	@rm -rf $(B)/deb && mkdir -p $(B)/deb && tar -xzf $(DIST) -C $(B)/deb
+	@rm -rf $(B)/deb $(B)/repose*.deb && mkdir -p $(B)/deb && tar -xzf $(DIST) -C $(B)/deb
 	@cd $(B)/deb/repose-$(VERSION) && dpkg-buildpackage -us -uc -b
 	@mv $(B)/deb/*.deb $(B) && ls $(B)/*.deb
 
-check-deb: deb ## the suite `install` on the contents of that package, unpacked without root
+check-deb: deb $(B)/check ## the suite `install` on the contents of that package, unpacked without root
 	@rm -rf $(B)/deb/root && dpkg-deb -x $(B)/repose_*.deb $(B)/deb/root
-	@RP_INSTALLED=$(abspath $(B))/deb/root/usr $(B)/check install
+	@RP_INSTALLED=$(abspath $(B))/deb/root/usr REPOSE=$(REPOSE) $(B)/check install

@@ -34,6 +34,7 @@
     X(suite_evidence)                                                                                        \
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
+    X(suite_columns)                                                                                         \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
@@ -43,6 +44,8 @@
     X(suite_drop)                                                                                            \
     X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
+    X(suite_view)                                                                                            \
+    X(suite_export)                                                                                          \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \

@@ -133,6 +133,29 @@ double cell(const rp_table *t, size_t row, const char *column)
     return *text ? strtod(text, NULL) : NAN;
 }
 
+checked checked_read(const char *name)
+{
+    checked c = {.t = read_table(name)};
+    CU_ASSERT_FATAL(c.t.n_columns <= CHECKED_COLUMNS);
+    return c;
+}
+
+double at(checked *c, size_t row, const char *column)
+{
+    const int k = rp_table_column(&c->t, column);
+    if (k >= 0) c->read[k] = true;
+    return cell(&c->t, row, column);
+}
+
+void checked_end(checked *c)
+{
+    for (size_t k = 0; k < c->t.n_columns; k++) {
+        if (!c->read[k]) fprintf(stderr, "%s: column %s is not checked\n", c->t.path, c->t.names[k]);
+        CU_ASSERT(c->read[k]);
+    }
+    rp_table_free(&c->t);
+}
+
 bool equal_tables(const char *name_a, const char *name_b)
 {
     rp_table a = read_table(name_a), b = read_table(name_b);

@@ -46,6 +46,17 @@ rp_table read_table(const char *name);
 const char *word(const rp_table *t, size_t row, const char *column);
 double cell(const rp_table *t, size_t row, const char *column);
 
+/* A table whose columns must all be read: the end fails, and names them, for columns that `at` has not seen.
+ */
+enum { CHECKED_COLUMNS = 64 };
+typedef struct {
+    rp_table t;
+    bool read[CHECKED_COLUMNS];
+} checked;
+checked checked_read(const char *name);
+double at(checked *c, size_t row, const char *column);
+void checked_end(checked *c);
+
 /* The same rows and columns, as text. */
 bool equal_tables(const char *name_a, const char *name_b);
 

@@ -321,7 +321,7 @@ static void test_page(void)
     for (size_t row = 0; row < t.n_rows; row++) {
         char start[256];
         if (strcmp(cell(&t, row, "of"), "-") != 0 || strcmp(cell(&t, row, "paper"), "ours") == 0) continue;
-        snprintf(start, sizeof start, "\n| %s |", cell(&t, row, "statement"));
+        snprintf(start, sizeof start, "\n| %s ", cell(&t, row, "statement")); /* a note or | follows */
         if (!strstr(text, start)) fprintf(stderr, "paper-repro.md lacks: %s\n", start + 1);
         CU_ASSERT(strstr(text, start) != NULL);
     }

@@ -248,9 +248,9 @@ static void test_bench(void)
 {
     enter();
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
-    GOOD("bench --start start.tsv --steps 100 --repeat 2");
+    GOOD("bench --start start.tsv --steps 300000 --repeat 2"); /* some ticks of a coarse clock */
     rp_table t = read_table("out");
-    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 100.0);
+    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 3e5);
     CHECK_NEAR(cell(&t, 0, "share_contacts") + cell(&t, 0, "share_lists") + cell(&t, 0, "share_integration") +
                    cell(&t, 0, "share_walls"),
                1.0, 1e-14);
@@ -761,14 +761,18 @@ static void test_stats_trends(void)
     FAILS(65, "pile 0: two values", "stats trend runs.tsv -x W -y theta --pair");
     FAILS(1, "at 1 different x", "stats trend runs.tsv -x W -y theta --to 3");
     write_text("runs.tsv",
-               "# law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
+               "# units: 1\tcm\t1\tdegree\t1\n# "
+               "law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
                "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
     GOOD("stats trend runs.tsv -x law -y y --by a,b --pair");
     CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
     t = read_table("out");
     CU_ASSERT(t.n_rows == 2);
-    CU_ASSERT_STRING_EQUAL(t.names[0], "a,b");
-    CU_ASSERT_STRING_EQUAL(t.cells[0], "1,u");
+    CU_ASSERT(strstr(out, "# units: cm\t1\t1\t1\t1\tx\tx\t") != NULL); /* each with its own unit */
+    for (size_t row = 0; row < 2; row++) {
+        CU_ASSERT_STRING_EQUAL(word(&t, row, "a"), "1");
+        CU_ASSERT_STRING_EQUAL(word(&t, row, "b"), row ? "v" : "u");
+    }
     CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
     CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
@@ -1008,6 +1012,58 @@ static void test_report(void)
     BAD_PLACE("{{include frob*}}", "no file frob*");
     BAD_PLACE("{{include in.md}}", "in an included text");
     BAD_PLACE("{{value many", "without }}");
+    leave();
+}
+
+/* A script of the page of the report on files of the test's folder. */
+static int awk(const char *script, const char *arguments)
+{
+    char path[4096], line[8192], name[64];
+    snprintf(name, sizeof name, "figures/page/%s", script);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
+    snprintf(line, sizeof line, "awk -f %s %s >out 2>err", path, arguments);
+    return shell(line);
+}
+
+/* Frames of a run: grain 9 leaves; the frame before `from` and a faint contact are left out; a wall is -1. */
+static void test_page_frames(void)
+{
+    enter();
+    write_text("states.tsv", "# program: x\nstep\tid\tx\ty\tr\n5\t7\t0\t0\t0.1\n10\t7\t0.5\t0.25\t0.1\n"
+                             "10\t9\t1.2346\t-0.5\t0.08\n20\t7\t0.75\t0.25\t0.1\n");
+    write_text("contacts.tsv", "# program: x\nstep\tid_a\tid_b\twall\tnormal_force\n5\t7\t9\t0\t4\n"
+                               "10\t7\t9\t0\t12.4\n10\t9\t0\t1\t3\n20\t7\t0\t2\t0.5\n");
+    CU_ASSERT(awk("frames.awk", "-v from=10 -v opens=11 -v dt=5e-05 states.tsv contacts.tsv") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "{\"dt\":5e-05,\"opens\":11,\"id\":[7,9],\"r\":[100,80],\"frames\":[\n"
+                                "{\"step\":10,\"xy\":[500,250,1235,-500],\"links\":[0,1,12,1,-1,3]},\n"
+                                "{\"step\":20,\"xy\":[750,250,null,null],\"links\":[]}]}\n");
+    leave();
+}
+
+/* A polygon of a hundred corners on a circle becomes this circle; a square and a curve stay. */
+static void test_page_circles(void)
+{
+    static const char square[] = "<path fill='none' d='M0,0 L9,0 L9,9 L0,9 Z'/>", text[] = "<text>a</text>";
+    char corners[4096] = "", curve[4200];
+    const double pi = acos(-1.0);
+    for (int k = 0; k <= 100; k++)
+        snprintf(corners + strlen(corners), sizeof corners - strlen(corners), "%s%.2f,%.2f ", k ? "L" : "M",
+                 50 + 5 * cos(k * pi / 50), 40 + 5 * sin(k * pi / 50));
+    snprintf(curve, sizeof curve, "<path d='%s'/>", corners);
+    enter();
+    write_text("in.svg", "<svg>%s%s<path stroke='red'  d='%sZ  '/></g>%s</svg>\n", square, curve, corners,
+               text);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT(strncmp(out, "<svg>", 5) == 0 && strstr(out, square) == out + 5);
+    CU_ASSERT(strstr(out, curve) == out + 5 + strlen(square));
+    CU_ASSERT_STRING_EQUAL(
+        out + 5 + strlen(square) + strlen(curve),
+        "<circle stroke='red'   cx='50.00' cy='40.00' r='5.00'/></g><text>a</text></svg>\n");
+    for (char *c = corners; *c; c++)
+        if (*c == 'M' || *c == 'L') *c = ' ';
+    write_text("in.svg", "<svg><polygon fill = 'blue' points = '%s'/></svg>\n", corners);
+    CU_ASSERT(awk("circles.awk", "in.svg") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "<svg><circle fill = 'blue'  cx='50.00' cy='40.00' r='5.00'/></svg>\n");
     leave();
 }
 
@@ -1487,6 +1543,16 @@ static void test_limits(void)
     CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
     CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
     FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    for (int reduce = 0; reduce < 2; reduce++) {
+        GOOD("sweep export d%s", reduce ? " --reduce" : "");
+        CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
+    }
+    rp_table points = read_table("out");
+    for (size_t k = 0; k < 2; k++) {
+        CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
+        CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
+    }
+    rp_table_free(&points);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "1 time_limit"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
     CU_ASSERT(shell("! ls t | grep -q .") == 0);
@@ -1537,6 +1603,20 @@ static void test_energy_growth(void)
     leave();
 }
 
+/* A sweep's rows have no such warning: its plan has one, for all points without damping. */
+static void test_undamped_sweep(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
+                        "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
+    CU_ASSERT(strncmp(err, "repose sweep: warning: gamma_n = 0 at 3 of 6 grid points: ", 58) == 0);
+    CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1571,6 +1651,11 @@ static void test_run_stopped(void)
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
     CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    /* without tables to write meanwhile as well: the steps between two looks at the signal are few */
+    CU_ASSERT(failed(
+        __FILE__, __LINE__,
+        shell("\"$REPOSE\" run s.cfg --set steps=2000000000 >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"),
+        75, "stopped at step"));
     /* neither a run that can go on nor that of another process is thrown away */
     CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
     FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");
@@ -1656,6 +1741,8 @@ void suite_cli(void)
                                        {"claims", test_claims},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
+                                       {"page of the report: frames", test_page_frames},
+                                       {"page of the report: circles", test_page_circles},
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
@@ -1673,6 +1760,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};

@@ -58,9 +58,9 @@ static void test_targets(void)
     PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
     CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep analytic dem statics angle stress stats core") != NULL);
     if (!getenv("RP_INSTALLED")) {
-        PASSES("cp -r $PREFIX there && make -C $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall "
+        PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
                "&& find there ! -type d");
-        CU_ASSERT(out[0] == '\0' || strstr(out, "\nthere") == NULL);
+        CU_ASSERT_STRING_EQUAL(out, "");
     }
     PASSES("! grep -rIl -e $SOURCE -e $PWD $PREFIX"); /* no path of the build */
     leave();
@@ -69,10 +69,10 @@ static void test_targets(void)
 static void test_data(void)
 {
     enter_installed();
-    PASSES("cmp $PREFIX/bin/repose $PREFIX/bin/repose && $PREFIX/bin/repose sweep plan "
+    PASSES("$PREFIX/bin/repose sweep plan "
            "sweeps/studies/calibrate.cfg -o planned");
     CU_ASSERT(strstr(out, "60 runs") != NULL);
-    PASSES("$PREFIX/bin/repose claims --paper li");
+    PASSES("$PREFIX/bin/repose claims --id li15-count"); /* by a table of results */
     CU_ASSERT(strstr(out, "\treproduced\n") != NULL);
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/tent_map_20.tsv");

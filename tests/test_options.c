@@ -40,6 +40,7 @@ static const struct {
     {"stats threshold", "runs.tsv -x W --by mu", "-x seconds|--by pile|--most seconds|--where mu=0.2"},
     {"stats cost", "runs.tsv -y theta --by mu,W", "-y se|--by W,mu|--size W|--where mu=0.2"},
     {"stats select", "runs.tsv", "--columns mu,W|--where mu=0.2"},
+    {"export", "runs.tsv --to csv", "--to json|--columns mu,W|--where mu=0.2"},
     {"lattice", "--base 9 --alpha-deg 30", "--base 10|--alpha-deg 40|--theta-deg 31"},
     {"lattice", "--layers 5", "--layers 6"},
     {"continuum", "--alpha-deg 30", "--alpha-deg 31|--points 7|--at 0.2"},
@@ -71,6 +72,9 @@ static const struct {
 static const struct {
     const char *command, *option, *reason;
 } exceptions[] = {{"stats select", "--bare", "takes the header away: suite cli"},
+                  {"export", "-o", "a file: suite export"},
+                  {"export", "--reduce", "of a sweep: suite export"},
+                  {"export", "--set", "of a scene: suite export"},
                   {"lattice", "--method", "a second way to the same numbers: suite analytic"},
                   {"pile", "--set-again", "needs wells that break: suite keys"},
                   {"pile", "--load-steps", "the same state, in more steps: suite keys"},

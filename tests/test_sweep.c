@@ -702,7 +702,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, true, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
@@ -729,7 +729,7 @@ static void test_bad_folders(void)
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, false, NULL, full), RP_IO, "No space left on device");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, full), RP_IO, "No space left on device");
     fclose(full);
     clean();
 }
@@ -883,7 +883,7 @@ static char *exported(void)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, false, NULL, out);
+    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
     free(text);
@@ -931,7 +931,7 @@ static void test_salvage(void)
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         write_store(bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, false, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
         most = n;

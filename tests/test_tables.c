@@ -13,38 +13,6 @@
 /* Positions up to 1 and lengths of 1e-3 have relative errors of 1e-13, forces some more. */
 #define RELATIVE 1e-11
 
-/* ---- tables whose columns must all be read ---- */
-
-enum { MOST_COLUMNS = 64 };
-
-typedef struct {
-    rp_table t;
-    bool read[MOST_COLUMNS];
-} checked;
-
-static checked checked_read(const char *name)
-{
-    checked c = {.t = read_table(name)};
-    CU_ASSERT_FATAL(c.t.n_columns <= MOST_COLUMNS);
-    return c;
-}
-
-static double at(checked *c, size_t row, const char *column)
-{
-    const int k = rp_table_column(&c->t, column);
-    if (k >= 0) c->read[k] = true;
-    return cell(&c->t, row, column);
-}
-
-static void checked_end(checked *c)
-{
-    for (size_t k = 0; k < c->t.n_columns; k++) {
-        if (!c->read[k]) fprintf(stderr, "%s: column %s is not checked\n", c->t.path, c->t.names[k]);
-        CU_ASSERT(c->read[k]);
-    }
-    rp_table_free(&c->t);
-}
-
 #define NEAR_RELATIVE(a, b, relative) CHECK_NEAR(a, b, (relative)*fabs(b))
 
 /* ---- a scene of the simulator ---- */
@@ -536,7 +504,7 @@ static void test_sweep(void)
         CU_ASSERT_STRING_EQUAL(word(&runs.t, row, "status"), "ok");
         at(&runs, row, "status");
         if (row % 5) continue; /* three of them */
-        GOOD("run s.cfg --row %zu --force -o again", row);
+        GOOD("run s.cfg --row %zu -o again --force", row);
         rp_table again = read_table("out");
         const char *const own = rp_table_find_note(&again, "units");
         const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");

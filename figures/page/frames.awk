@@ -4,14 +4,12 @@
 function whole(x) { return sprintf("%.0f", x) }
 BEGIN { FS = "\t"; frames = 0 }
 FNR == 1 { part++; named = 0 }
-/^#/ { header = substr($0, 3); next }
+/^#/ { next }
 !named {
-    # names stand in the last line with #, or in the first without
     named = 1
-    n = split($1 ~ /^[a-z_]+$/ ? $0 : header, names, "\t")
     split("", c)
-    for (i = 1; i <= n; i++) c[names[i]] = i
-    if ($1 ~ /^[a-z_]+$/) next
+    for (i = 1; i <= NF; i++) c[$i] = i
+    next
 }
 part == 1 && $c["step"] >= from {
     if (!($c["step"] in frame)) { frame[$c["step"]] = ++frames; steps[frames] = $c["step"] }
@@ -20,7 +18,7 @@ part == 1 && $c["step"] >= from {
     if (f == 1) { grain[id] = n_grains++; ids[grain[id]] = id; radius[grain[id]] = whole(1000*$c["r"]) }
     x[f, grain[id]] = whole(1000*$c["x"]); y[f, grain[id]] = whole(1000*$c["y"])
 }
-part == 2 && ("step" in c) && ($c["step"] in frame) && $c["normal_force"] >= 1 {
+part == 2 && ($c["step"] in frame) && $c["normal_force"] >= 1 {
     f = frame[$c["step"]]
     b = $c["wall"] > 0 ? -1 : grain[$c["id_b"]]
     links[f] = links[f] (links[f] == "" ? "" : ",") grain[$c["id_a"]] "," b "," whole($c["normal_force"])

@@ -4,7 +4,7 @@
 set -eu
 repose=$1 build=$2 here=$(dirname "$0") work=$2/page
 command -v pandoc >/dev/null || sh "$here/../../tests/setup.sh" pandoc
-mkdir -p "$work"
+rm -rf "$work"; mkdir -p "$work" # the program refuses to write over results
 
 # The avalanche: the first pile of figure 3 with mu = 0.2, from just before its wall is removed.
 every=500

@@ -232,7 +232,9 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(stress)                                                                                                \
     X(stats)                                                                                                 \
     X(run)                                                                                                   \
+    X(view)                                                                                                  \
     X(sweep)                                                                                                 \
+    X(export)                                                                                                \
     X(calibrate)                                                                                             \
     X(claims)                                                                                                \
     X(forensics)                                                                                             \

@@ -53,7 +53,8 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
-    return rp_file_close(path, out, sweep_export(folder, sweep_protocols, false, cli_command_line(), out));
+    return rp_file_close(path, out,
+                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), out));
 }
 
 /* The names under --fit, one or two, as column numbers. */

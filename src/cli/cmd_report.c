@@ -135,17 +135,24 @@ static rp_status fill_verdict(report *r, const char *id, bool published)
     return status;
 }
 
-/* A claim as a line of a table: with its number, note, samples and reason. */
+/* What is claimed, and of what the numbers are. */
+static void print_statement(report *r, const cli_claim *c)
+{
+    fputs(c->statement, r->out);
+    if (*c->note && c->test != CLAIM_UNTESTABLE) fprintf(r->out, " (%s)", c->note);
+}
+
+/* A claim as a line of a table: with its name, samples, values and reason. */
 static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
 {
-    char published[160], values[32] = "", note[512] = "";
+    char published[160], values[32] = "";
     cli_claim_published(c, published);
     if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
     if (c->samples > 0.0 && *published)
         snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
-    if (*c->note && c->test != CLAIM_UNTESTABLE) snprintf(note, sizeof note, " (%s)", c->note);
-    fprintf(r->out, "\n| %s%s | %s%s | %s | %s | %s | %s |", *c->of ? "variant " : "", c->id, c->statement,
-            note, published, j->text, values, j->reason);
+    fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
+    print_statement(r, c);
+    fprintf(r->out, " | %s | %s | %s | %s |", published, j->text, values, j->reason);
 }
 
 /* The line that is read first: what is claimed, both numbers, the verdict. */
@@ -153,8 +160,10 @@ static void print_in_short(report *r, const cli_claim *c, const cli_judged *j)
 {
     char published[128];
     cli_claim_published(c, published);
-    fprintf(r->out, "\n| %s | %s | %s | %s |", c->statement, published, j->text,
-            stats_verdict_texts[j->verdict]);
+    fputs("\n| ", r->out);
+    print_statement(r, c);
+    fprintf(r->out, " | %s | %s | %s |", published, j->text,
+            c->test == CLAIM_UNTESTABLE ? j->reason : stats_verdict_texts[j->verdict]);
 }
 
 /* The claims of a section; in short without their variants. */

@@ -264,7 +264,7 @@ static rp_status run_scene(scene_run *r, const char *directory)
     outputs out = {.tables = {.directory = directory, .header = provenance},
                    .resumable = r->plan.snapshot > 0};
     char stage[4096] = "";
-    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, stage) : RP_OK;
+    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, false, stage) : RP_OK;
     if (status) return status;
     if (*stage) out.tables.directory = stage;
     cli_on_stop(note_stop);
@@ -282,13 +282,21 @@ static rp_status run_row(const char *path, const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    char stage[4096];
+    static volatile bool stopped;
+    char stage[4096], snapshot[4096 + 16];
     snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
     rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
-    if (!status) status = cli_stage_open(o->o, stage);
+    if (!status) status = cli_stage_open(o->o, true, stage);
     if (status) return status;
-    cli_stage_stops(stage);
-    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, provenance, o->ledger};
+    snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
+    cli_stage_stops(stage, &stopped);
+    const sweep_tables tables = {.directory = stage,
+                                 .every = o->every > 0 ? o->every : 100,
+                                 .header = provenance,
+                                 .ledger = o->ledger,
+                                 .snapshot = snapshot,
+                                 .interval = CLI_SNAPSHOT,
+                                 .stop = &stopped};
     status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
@@ -464,7 +472,10 @@ const cli_command cmd_run = {
     "or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
-    "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after "
+    "a\n"
+    "stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file scene.cfg "
+    "that\n"
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",

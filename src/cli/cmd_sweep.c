@@ -22,6 +22,17 @@ void cli_print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
+/* An energy that grows is seen in a run's tables, and not in its row. */
+static void warn_undamped(const char *file, const sweep_counts *counts)
+{
+    if (counts->undamped > 0)
+        fprintf(stderr,
+                "repose sweep: warning: gamma_n = 0 at %zu of %zu grid points: without damping the energy of "
+                "a run "
+                "can grow, at any dt; repose run %s --row N -o DIR writes it\n",
+                counts->undamped, counts->points, file);
+}
+
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
@@ -38,6 +49,7 @@ static rp_status act_plan(void *values)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                sweep_protocols, cli_watch(), &counts);
     if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -151,7 +163,8 @@ static rp_status act_export(void *values)
     rp_status status = sweep_check_output(cli_argument(0), o->o);
     if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
-    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce, cli_command_line(), out);
+    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
+                          cli_command_line(), out);
     return rp_file_close(o->o, out, status);
 }
 
@@ -160,7 +173,8 @@ static const cli_command export = {
     "write the runs, or their statistics, as a table",
     "DIR [--reduce] [-o FILE]",
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
-    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs\n"
+    "that are aborted (see sweep run) are among the failed; the header then has their number.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
     .act = act_export};
@@ -233,13 +247,13 @@ static rp_status make_table(const sweep_table *table, const char *tables)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
-static rp_status export_to(const make_options *o, const char *name, const char *suffix, bool reduce)
+static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
 {
     char path[4096];
     FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
     rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, reduce, cli_command_line(), out);
+    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), out);
     return out ? rp_file_close(path, out, status) : status;
 }
 
@@ -262,10 +276,11 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) cli_warn_sweep(file);
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status) status = cli_sweep_run(o->o, options, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    if (!status) status = export_to(o, recipe->name, "_runs", false);
-    if (!status) status = export_to(o, recipe->name, "", true);
+    if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
+    if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
     return status;
 }
 

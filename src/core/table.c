@@ -126,8 +126,8 @@ rp_status rp_file_open(const char *path, FILE **out)
         *out = fopen(path, "w");
     } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
         snprintf(temporary, sizeof temporary, "%s.tmp%08x", find_target(path, target), number);
-        const int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0) *out = fdopen(file, "w");
+        const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0) *out = fdopen(file, "w+");
     }
     return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
 }

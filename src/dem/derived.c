@@ -105,10 +105,20 @@ typedef struct {
     rp_status status;
 } damping_problem;
 
+/* Grains that stick creep for as long as one waits: their restitution, 0, needs no integration. */
+static bool sticks(const damping_problem *p, double gamma_n)
+{
+    const dem_normal_descriptor *law = &dem_normal_descriptors[p->normal];
+    const double rounding = 1e-12; /* of that speed */
+    return p->tension && law->sticking_speed &&
+           p->v < (1.0 - rounding) * law->sticking_speed(p->k_n, gamma_n, p->m_eff);
+}
+
 static double excess_restitution(double gamma_n, void *params)
 {
     damping_problem *p = params;
     dem_collision_result c;
+    if (sticks(p, gamma_n)) return -p->restitution;
     const rp_status status = dem_collision(p->normal, p->tension, p->k_n, gamma_n, p->m_eff, p->v, &c);
     if (status) p->status = status;
     return c.restitution - p->restitution;

@@ -16,6 +16,7 @@ static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "
 typedef struct {
     const sweep_plan *plan;
     FILE *out;
+    unsigned what;
     size_t n_outputs;
     /* the grid point that is being gathered */
     size_t point, n_rows, n_results;
@@ -95,6 +96,8 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
+    if (sweep_count_aborted(&counts) > 0)
+        rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(&counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
         if (!is_axis(plan, p))
@@ -110,8 +113,9 @@ static void add_column(FILE *list, const char *name, const char *suffix, const c
     fprintf(list, *unit ? " [%s], " : "%s, ", unit);
 }
 
-static rp_status write_columns(const table *t, bool reduce)
+static rp_status write_columns(const table *t)
 {
+    const bool reduce = t->what & SWEEP_POINTS;
     const sweep_output *o = t->plan->protocol->outputs;
     char *text = NULL;
     size_t size;
@@ -120,6 +124,8 @@ static rp_status write_columns(const table *t, bool reduce)
     if (!reduce) fputs("run, status, ", list);
     for (size_t a = 0; a < t->plan->n_axes; a++)
         add_column(list, t->plan->axes[a].param->name, "", t->plan->axes[a].param->unit);
+    for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
+        if (!is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
@@ -132,12 +138,21 @@ static rp_status write_columns(const table *t, bool reduce)
     return RP_OK;
 }
 
-static void write_axes(const table *t, size_t point)
+/* A list of words is joined by +: commas separate the cells of other formats. */
+static void write_parameter(FILE *out, const rp_param *param, const void *values)
 {
-    char text[64];
-    for (size_t a = 0; a < t->plan->n_axes; a++)
-        fprintf(t->out, "%s\t",
-                rp_params_text(t->plan->axes[a].param, sweep_plan_point(t->plan, point), text, sizeof text));
+    char text[256];
+    rp_params_text(param, values, text, sizeof text);
+    for (char *c = text; param->type == RP_FLAGS && (c = strchr(c, ','));) *c = '+';
+    fprintf(out, "%s\t", *text ? text : "-");
+}
+
+static void write_parameters(const table *t, size_t point)
+{
+    const void *values = sweep_plan_point(t->plan, point);
+    for (size_t a = 0; a < t->plan->n_axes; a++) write_parameter(t->out, t->plan->axes[a].param, values);
+    for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
+        if (!is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
 static rp_status write_run(const sweep_row *row, void *context)
@@ -145,7 +160,7 @@ static rp_status write_run(const sweep_row *row, void *context)
     const table *t = context;
     double values[SWEEP_MAX_OUTPUTS + 1];
     fprintf(t->out, "%zu\t%s\t", row->run, row->result.status);
-    write_axes(t, row->run / t->plan->replicas);
+    write_parameters(t, row->run / t->plan->replicas);
     fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_stream(t->plan, row->run).pile);
     memcpy(values, row->result.values, t->n_outputs * sizeof *values);
     values[t->n_outputs] = row->seconds;
@@ -167,7 +182,7 @@ static void write_point(table *t)
     values[n++] = (double)t->n_results;
     values[n++] = (double)(t->n_rows - t->n_results);
     if (t->n_rows > 0) {
-        write_axes(t, t->point);
+        write_parameters(t, t->point);
         rp_table_row(t->out, n, values);
     }
     t->n_rows = t->n_results = 0;
@@ -201,17 +216,18 @@ static rp_status write_reduced(table *t, sweep_store *store)
     return status;
 }
 
-rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, bool reduce,
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, FILE *out)
 {
     sweep_folder f;
     rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) {
-        table t = {.plan = &f.plan, .out = out, .n_outputs = count_outputs(f.plan.protocol)};
+        table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = count_outputs(f.plan.protocol)};
         status = write_head(&f.plan, f.store, command, out);
-        if (!status) status = write_columns(&t, reduce);
+        if (!status) status = write_columns(&t);
         if (!status)
-            status = reduce ? write_reduced(&t, f.store) : sweep_store_visit(f.store, &f.plan, write_run, &t);
+            status = what & SWEEP_POINTS ? write_reduced(&t, f.store)
+                                         : sweep_store_visit(f.store, &f.plan, write_run, &t);
         if (!status) status = rp_table_finish(out, "table");
     }
     sweep_folder_close(&f);

@@ -37,6 +37,7 @@ enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
+    size_t undamped;  /* grid points with gamma_n = 0; of sweep_prepare alone */
     size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
     double seconds;   /* of the latest runs, on average; NaN without any */
     char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
@@ -138,11 +139,13 @@ rp_status sweep_source(const char *dir, char file[256]);
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);
 
-/* Write a table of what is stored: one row a run or, if `reduce`, one row a grid point with mean, standard
- * deviation, standard error, 95 % interval (Student's t) and number of the finite values of each output,
- * over the rows with a result. `command` is for the header and may be NULL.
+/* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
+ * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
+ * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
+ * too, "-" for an empty one. `command` is for the header and may be NULL.
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
-rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, bool reduce,
+enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, FILE *out);
 
 /* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
@@ -152,7 +155,8 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
- * *result. Errors: RP_BAD_INPUT (the file, a row it does not have), RP_IO, the protocol's. */
+ * *result. With tables->snapshot the run goes on from there. Errors: RP_BAD_INPUT (the file, a row it does
+ * not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
 

@@ -1,0 +1,190 @@
+"""Repose from Python: tables, stores of sweeps and frames of runs as columns of numbers; scenes and sweeps run
+through the program. One file, standard library alone; columns are numpy arrays where numpy is installed, and
+Table.dataframe() needs pandas.
+
+    import repose
+    pile = repose.run("scene.cfg", "out", every=1000, set={"tangential.mu": 0.3})
+    for frame in pile:
+        print(frame.t, max(frame.grains["y"]))
+    runs = repose.sweep("lh3.cfg", "lh3")
+    print(runs["theta_r3_deg"], runs.units["theta_r3_deg"])
+
+The program is $REPOSE, else build/repose beside this folder, else `repose` on the PATH.
+"""
+import os
+import pathlib
+import shutil
+import sqlite3
+import subprocess
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+class Error(Exception):
+    """The program failed: its message, and its exit status as `status`."""
+
+    def __init__(self, message, status):
+        super().__init__(message)
+        self.status = status
+
+
+def _number(text):
+    try:
+        return float("inf" if text == "infinite" else text)
+    except (TypeError, ValueError):
+        return None
+
+
+def _column(cells):
+    """Numbers if every cell is one (None of a store is nan), else the cells as they are."""
+    values = [float("nan") if c is None else _number(c) for c in cells]
+    if None in values:
+        return list(cells)
+    return numpy.array(values) if numpy else values
+
+
+class Table:
+    """Columns by name: table["x"]. `units` by column and `notes` (the provenance) are dictionaries of texts."""
+
+    def __init__(self, names, rows, units=None, notes=None):
+        self.names, self.rows = list(names), list(rows)
+        self.units, self.notes = dict(units or {}), dict(notes or {})
+        self._columns = {}
+
+    def __len__(self):
+        return len(self.rows)
+
+    def __contains__(self, name):
+        return name in self.names
+
+    def __getitem__(self, name):
+        if name not in self._columns:
+            k = self.names.index(name) if name in self.names else None
+            if k is None:
+                raise KeyError(f"no column {name!r} among {', '.join(self.names)}")
+            self._columns[name] = _column([row[k] for row in self.rows])
+        return self._columns[name]
+
+    def where(self, name, value):
+        """The rows whose number or word in this column equals `value`."""
+        keep = [row for row, cell in zip(self.rows, self[name]) if cell == value]
+        return Table(self.names, keep, self.units, self.notes)
+
+    def dataframe(self):
+        """The same as a pandas.DataFrame."""
+        import pandas
+
+        return pandas.DataFrame({name: self[name] for name in self.names})
+
+
+def parse_table(text):
+    """A Table from the text that the program prints."""
+    notes, names, rows, units, line = {}, None, [], "", ""
+    for line in text.splitlines():
+        if line.startswith("#"):
+            key, colon, value = line[1:].strip(" ").partition(": ")
+            if rows or names:
+                continue
+            if colon:
+                notes[key] = value
+            elif key:
+                names = key.split("\t")  # an older version's
+        elif names is None:
+            names = line.split("\t")
+        elif line:
+            rows.append(line.split("\t"))
+    names = names or []
+    units = dict(zip(names, notes.pop("units", "").split("\t")))
+    return Table(names, rows, units, notes)
+
+
+def read_table(path):
+    """A Table from a file of the program (.tsv)."""
+    return parse_table(pathlib.Path(path).read_text(encoding="utf-8"))
+
+
+def read_store(path):
+    """The runs of a sweep's folder, or of its store.sqlite, with all parameters and outputs as columns."""
+    path = pathlib.Path(path)
+    store = path / "store.sqlite" if path.is_dir() else path
+    connection = sqlite3.connect(f"{store.absolute().as_uri()}?mode=ro", uri=True)
+    try:
+        cursor = connection.execute("SELECT * FROM results ORDER BY run")
+        return Table([c[0] for c in cursor.description], cursor.fetchall())
+    finally:
+        connection.close()
+
+
+class Frame:
+    """One moment of a run: `step`, `t`, and the Tables `grains`, `contacts` and `walls`."""
+
+    def __init__(self, step, t, grains, contacts, walls):
+        self.step, self.t = step, t
+        self.grains, self.contacts, self.walls = grains, contacts, walls
+
+
+def _by_step(table):
+    """Tables of the rows with equal steps, by step, in order."""
+    parts = {}
+    if table is not None and len(table):
+        k = table.names.index("step")
+        for row in table.rows:
+            parts.setdefault(float(row[k]), []).append(row)
+    return {step: Table(table.names, rows, table.units, table.notes) for step, rows in parts.items()}
+
+
+def read_frames(folder):
+    """The Frames of a run, from the folder that `repose run -o` has written."""
+    folder = pathlib.Path(folder)
+    tables = {}
+    for name in ("states", "contacts", "walls"):
+        path = folder / f"{name}.tsv"
+        tables[name] = read_table(path) if path.exists() or name == "states" else None
+    parts = {name: _by_step(table) for name, table in tables.items()}
+
+    def at(name, step):
+        table = tables[name]
+        return parts[name].get(step, Table(table.names, [], table.units, table.notes)) if table is not None else None
+
+    return [Frame(int(step), grains["t"][0], grains, at("contacts", step), at("walls", step))
+            for step, grains in parts["states"].items()]
+
+
+def program():
+    """Path of the program."""
+    beside = pathlib.Path(__file__).resolve().parent.parent / "build" / "repose"
+    found = os.environ.get("REPOSE") or (str(beside) if beside.exists() else shutil.which("repose"))
+    if not found:
+        raise FileNotFoundError("no program repose: make it, install it, or set REPOSE to its path")
+    return found
+
+
+def command(*words, allowed=(0,)):
+    """The Table that a command prints: command("angle", "slope", "grains.tsv", "--width", 4).
+    Raises Error unless the exit status is among those allowed; 1 means that a command has no result."""
+    done = subprocess.run([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if done.returncode not in allowed:
+        raise Error(done.stderr.strip(), done.returncode)
+    return parse_table(done.stdout)
+
+
+def run(scene, folder, every=None, set=None, options=()):
+    """Simulate a scene into a folder, a frame every `every` steps, with keys of the scene replaced by `set`.
+    Returns its Frames."""
+    words = ["run", scene, "-o", folder, *options]
+    if every:
+        words += ["--every", every]
+    for key, value in (set or {}).items():
+        words += ["--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}"]
+    command(*words)
+    return read_frames(folder)
+
+
+def sweep(file, folder, workers=None, replicas=None):
+    """Plan a sweep in a folder and make the runs that are not stored yet. Returns its runs as a Table."""
+    command("sweep", "plan", file, "-o", folder, *(["--replicas", replicas] if replicas else []))
+    command("sweep", "run", folder, *(["-j", workers] if workers else []))
+    return read_store(folder)

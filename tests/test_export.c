@@ -1,0 +1,333 @@
+/* `repose export`: what it writes, read back. The comparisons are in tests/readers.py: in every check by the
+ * standard library of Debian's Python; by LAMMPS, VTK and pandas where these are installed (`make
+ * check-readers` installs them). */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* Debian's Python before any other on the PATH. */
+#define PYTHON "PATH=/usr/bin:/bin:$PATH python3 "
+
+/* Run a case of readers.py in the folder. */
+static bool readers(const char *words)
+{
+    static char script[PATH_MAX], line[2 * PATH_MAX];
+    if (!*script) CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("tests/readers.py", script));
+    snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s %s >out 2>err", script, words);
+    const bool right = shell(line) == 0;
+    if (!right) fprintf(stderr, "readers.py %s: %s%s\n", words, out, err);
+    return right;
+}
+
+/* Is the program, or the module of Python, installed? */
+static bool has(const char *command, const char *what)
+{
+    char line[256];
+    snprintf(line, sizeof line, "{ %s; } >out 2>err", command);
+    const bool there = shell(line) == 0;
+    if (!there)
+        fprintf(stderr, "export: not tested by %s, which is not installed (make check-readers)\n", what);
+    return there;
+}
+
+/* Grains that fall into a corner with a wall that opens; one leaves. */
+static void write_scene(void)
+{
+    write_text("scene.cfg",
+               "dt = 2.0e-5; steps = 1000; x_max = 1.2; rotation = true;\n"
+               "normal = { k_n = 1.0e5; gamma_n = 300.0; };\ntangential = { law = \"spring\"; mu = 0.3; };\n"
+               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "  { point = [0.1, 0.0]; direction = [0.8, 0.6]; extent = [-2.0, 0.0]; },\n"
+               "  { point = [1.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.05, 9.0]; "
+               "open_at_step = 375; open_speed = "
+               "10.0; } );\n"
+               "particles = ( { x = 1.17; y = 0.6; r = 0.03; vx = 6.0; }, { x = 0.4; y = 0.09; r = 0.1; "
+               "omega = 3.0; },\n"
+               "  { x = 0.58; y = 0.12; r = 0.09; vx = 20.0; },\n"
+               "  { x = 0.2; y = 0.17; r = 0.1; vy = 10.0; } );\n");
+}
+
+static void write_run(void)
+{
+    enter();
+    write_scene();
+    GOOD("run scene.cfg --every 250 -o pile");
+}
+
+static void export_formats(void)
+{
+    write_run();
+    GOOD("export pile --to lammps -o pile.lammpstrj");
+    GOOD("export pile --to lammps -o pile.lammpstrj.gz");
+    GOOD("export pile --to lammps --columns contacts --where 'step>=500' -o few.lammpstrj");
+    GOOD("export pile --to xyz -o pile.xyz");
+    GOOD("export pile --to vtk -o pile.pvd");
+    GOOD("export pile --to csv -o pile.csv");
+    GOOD("export pile --to json -o pile.json");
+    write_text("words.tsv", "# a: note\na\tb\tc\n1.5\tnan\tinfinite\n-2e-300\t.5\tx\"y,z\n");
+    GOOD("export words.tsv --to csv -o words.csv");
+    GOOD("export words.tsv --to json -o words.json");
+}
+
+static void test_formats(void)
+{
+    export_formats();
+    CU_ASSERT(readers("light"));
+    leave();
+}
+
+/* A row of a sweep, a table of grains alone, and standard output. */
+static void test_sources(void)
+{
+    write_run();
+    GOOD("export pile --to csv --columns y,id --where step=1000");
+    CU_ASSERT(strncmp(out, "y,id\n0.", 7) == 0 && strstr(out, ",4\n") && !strstr(out, ",1\n"));
+    CU_ASSERT(shell("cp pile/states.tsv one_grains.tsv; cp pile/contacts.tsv one_contacts.tsv") == 0);
+    GOOD("export pile --to lammps -o a.lammpstrj");
+    GOOD("export one_grains.tsv --to lammps -o b.lammpstrj");
+    CU_ASSERT(shell("cmp a.lammpstrj b.lammpstrj >out && cmp a.contacts.lammpstrj b.contacts.lammpstrj") ==
+              0);
+    GOOD("export pile --to lammps");
+    CU_ASSERT(shell("cp out said; cmp said a.lammpstrj >out") == 0);
+    write_text("xyr.tsv", "x y r\n0.25 0.5 0.125\n1 2 0.5\n");
+    GOOD("export xyr.tsv --to xyz");
+    CU_ASSERT_STRING_EQUAL(out, "2\nProperties=id:I:1:pos:R:3:radius:R:1 Time=0 step=0 pbc=\"F F F\"\n"
+                                "1 0.25 0.5 0 0.125\n2 1 2 0 0.5\n");
+    leave();
+}
+
+#define SWEEP                                                                                                \
+    "protocol = \"repose\"; replicas = 2; seed = 3;\nfixed = { W = 1.0; H = 1.25; };\n"                      \
+    "grid = { mu = [0.1, 0.3]; };\n"
+
+static void test_sweep(void)
+{
+    enter();
+    write_text("sweep.cfg", SWEEP);
+    GOOD("sweep plan sweep.cfg -o s");
+    CU_ASSERT(run("sweep run s -j 1") == 0);
+    GOOD("sweep export s -o runs.tsv");
+    GOOD("export s --to csv -o runs.csv");
+    GOOD("export s --to json --reduce -o points.json");
+    CU_ASSERT(readers("sweep"));
+    GOOD("stats select runs.csv --columns W,mu --bare"); /* read again, by the name of a fixed parameter */
+    CU_ASSERT_STRING_EQUAL(out, "1\t0.1\n1\t0.1\n1\t0.3\n1\t0.3\n");
+    FAILS(65, "is the sweep's own store.sqlite", "export s --to csv -o s/store.sqlite");
+    FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
+    leave();
+}
+
+static void test_errors(void)
+{
+    write_run();
+    write_text("backwards.tsv", "step\tx\ty\tr\n2\t0\t0\t1\n1\t0\t0\t1\n");
+    write_text("word.tsv", "x\ty\tr\tstatus\n0\t0\t1\tok\n");
+    write_text("old.tsv", "id_a\tid_b\n1\t2\n");
+    FAILS(65, "backwards.tsv:3: step 1 after step 2", "export backwards.tsv --to xyz");
+    FAILS(65, "word.tsv:2: column 4 status: \"ok\" is not a finite number",
+          "export word.tsv --to vtk -o a.pvd");
+    FAILS(65, "old.tsv: no column \"x\"", "export old.tsv --to xyz");
+    FAILS(65, "no column \"no\"", "export pile --to csv --columns x,no");
+    FAILS(65, "no grains", "export pile --to xyz --where 'step>9999'");
+    FAILS(65, "neither a run (states.tsv) nor a sweep (sweep.cfg)", "export . --to csv");
+    FAILS(65, "nowhere: cannot read", "export nowhere --to csv");
+    FAILS(64, "--reduce goes with a sweep", "export pile --to csv --reduce");
+    FAILS(64, "--set goes with --to lammps-input", "export pile --to csv --set mu=1");
+    FAILS(64, "vtk needs a name that ends in .pvd", "export pile --to vtk -o a.vtk");
+    FAILS(64, "lammps-input needs a name that ends in .in", "export scene.cfg --to lammps-input");
+    FAILS(64, "--columns, --where and --reduce do not go",
+          "export scene.cfg --to lammps-input --columns x -o a.in");
+    FAILS(74, "/dev/full: cannot write", "export pile --to json -o /dev/full");
+    CU_ASSERT(shell("ln -s /dev/full full.gz") == 0);
+    FAILS(74, "full.gz: cannot write", "export pile --to json -o full.gz");
+    CU_ASSERT(shell("cp old.tsv pile/contacts.tsv") == 0);
+    FAILS(65, "pile/contacts.tsv: no column \"step\"", "export pile --to lammps");
+    leave();
+}
+
+/* ---- LAMMPS input */
+
+#define WALLS                                                                                                \
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.4; },\n"                                 \
+    "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; gamma_n = 300.0; },\n"                               \
+    "  { point = [1.6, 0.0]; direction = [-1.0, 0.0]; } );\n"
+#define SMOOTH_WALLS                                                                                         \
+    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 3.0e6; },\n"                              \
+    "  { point = [1.6, 0.0]; direction = [-1.0, 0.0]; },\n"                                                  \
+    "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; gamma_n = 300.0; } );\n"
+
+/* The laws that coincide. After 1000 steps of grains that collide, the programs differ by round-off that
+ * every impact multiplies: by RO radii at most. A coefficient that is off by 1e-6 moves a grain by 1e-6 and
+ * more. */
+static const struct {
+    const char *name, *laws;
+} same[] = {
+    {"spring",
+     "normal = { law = \"linear\"; k_n = 2.0e5; gamma_n = 400.0; tension = false; };\n" WALLS
+     "tangential = { law = \"spring\"; k_s = 2.0e4; gamma_s = 30.0; mu = 0.2; damping = \"inside\"; };\n"},
+    {"hertz",
+     "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 400.0; tension = false; };\n" WALLS
+     "tangential = { law = \"spring\"; k_s = 2.0e4; gamma_s = 30.0; mu = 0.2; damping = \"inside\"; };\n"},
+    {"slip", "normal = { law = \"hertz\"; k_n = 1.0e6; restitution = 0.8; tension = false; };\n"
+             "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.4; },\n"
+             "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; }, { point = [1.6, 0.0]; direction = [-1.0, "
+             "0.0]; } );\n"
+             "tangential = { law = \"slip_roll\"; gamma_s = 200.0; mu = 0.2; };\n"},
+    {"pulls", "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 900.0; };\n" SMOOTH_WALLS}};
+
+/* Rows of grains of three radii that touch nothing yet; two at the bottom are fixed. No number
+ * is round: where a grain touches exactly at a step, round-off decides on its damping. */
+static void write_grains(const char *file)
+{
+    char path[256];
+    path_of(file, path);
+    FILE *f = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+    fputs("x\ty\tr\tvx\tvy\tfixed\n", f);
+    for (int i = 0; i < 30; i++) {
+        const double moves = i < 2 ? 0.0 : 1.0;
+        fprintf(f, "%g\t%g\t%g\t%g\t%g\t%d\n", 0.3 + 0.23 * (i % 5) + 0.01 * (i / 5), 0.12 + 0.21 * (i / 5),
+                0.08 + 0.01 * (i * 7 % 3), -9.7313 * (i % 4) * moves, -(41.237 + 0.3173 * i) * moves, i < 2);
+    }
+    fclose(f);
+}
+
+static void write_same(size_t i)
+{
+    char name[32];
+    snprintf(name, sizeof name, "%s.cfg", same[i].name);
+    write_text(name, "gravity = [-100.0, -981.0]; dt = 2.0e-5; particles_file = \"grains.tsv\";\n%s",
+               same[i].laws);
+}
+
+enum { N_SAME = sizeof same / sizeof *same };
+
+static void test_lammps_input(void)
+{
+    char names[128] = "lammps_input";
+    enter();
+    if (has("command -v lmp", "lmp")) {
+        write_grains("grains.tsv");
+        for (size_t i = 0; i < N_SAME; i++) {
+            const char *name = same[i].name;
+            write_same(i);
+            GOOD("export %s.cfg --set steps=1000 --to lammps-input -o %s.in", name, name);
+            GOOD("run %s.cfg --set steps=1000 -o %s", name, name);
+            strcat(strcat(names, " "), name);
+        }
+        CU_ASSERT(readers(names));
+    }
+    leave();
+}
+
+/* Every setting without an equal is refused by its key. */
+static void test_refused(void)
+{
+    static const struct {
+        const char *set, *message;
+    } refused[] = {{"integrator=gear5", "integrator: LAMMPS steps as"},
+                   {"rotation=true", "rotation = true"},
+                   {"normal.tension=true", "normal.tension = true"},
+                   {"tangential.slip=total", "tangential.slip = \"total\""},
+                   {"tangential.damping=outside", "tangential.damping = \"outside\""},
+                   {"tangential.mu=infinite", "tangential.mu = infinite"},
+                   {"normal.gamma_n=0", "tangential.gamma_s = 30"},
+                   {"x_max=5", "x_max: "},
+                   {"y_min=-5", "y_min: "},
+                   {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
+                   {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
+    enter();
+    write_grains("grains.tsv");
+    write_same(0);
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+        FAILS(65, refused[i].message, "export spring.cfg --to lammps-input -o a.in --set %s", refused[i].set);
+    static const char *const walls[][2] = {{"extent = [0.0, 1.0];", "wall 1: extent"},
+                                           {"open_at_step = 5;", "wall 1: open_at_step = 5"},
+                                           {"velocity = [0.0, 1.0];", "wall 1: velocity"},
+                                           {"omega = 1.0;", "wall 1: omega"},
+                                           {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
+    for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
+        write_text("w.cfg",
+                   "particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
+                   "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; };\n"
+                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; %s } );\n",
+                   walls[i][0]);
+        FAILS(65, walls[i][1], "export w.cfg --to lammps-input -o a.in");
+    }
+    static const char *const scenes[][2] = {
+        {"normal = { law = \"tsuji\"; gamma_n = 0.1; };", "normal.law = \"tsuji\""},
+        {"rotation = true; normal = { tension = false; }; hard = { restitution = 0.5; };", "rotation"},
+        {"normal = { tension = false; }; hard = { restitution = 0.5; };", "hard: "},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); ground = { mu_static = 0.5; a = 0.01; "
+         "};",
+         "ground: "},
+        {"integrator = \"implicit\";", "integrator: "}};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        write_text("w.cfg", "particles_file = \"grains.tsv\"; %s\n", scenes[i][0]);
+        FAILS(65, scenes[i][1], "export w.cfg --to lammps-input -o a.in");
+    }
+    write_text("w.cfg", "fill = { N = 30; W = 2.0; H = 8.0; };\n");
+    FAILS(65, "normal.law = \"hertz\": LAMMPS' k_n depends on the radii",
+          "export w.cfg --to lammps-input -o a.in");
+    CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
+    leave();
+}
+
+/* ---- other programs, where installed; Python */
+
+static void test_lammps(void)
+{
+    export_formats();
+    if (has("command -v lmp", "lmp")) CU_ASSERT(readers("lammps"));
+    leave();
+}
+
+static void test_vtk(void)
+{
+    export_formats();
+    if (has(PYTHON "-c 'import vtkmodules'", "VTK")) CU_ASSERT(readers("vtk"));
+    leave();
+}
+
+static void test_pandas(void)
+{
+    export_formats();
+    if (has(PYTHON "-c 'import pandas'", "pandas")) CU_ASSERT(readers("pandas"));
+    leave();
+}
+
+/* python/repose.py, and its example. */
+static void test_package(void)
+{
+    char script[PATH_MAX], line[PATH_MAX + 128];
+    write_run();
+    write_text("sweep.cfg", SWEEP);
+    GOOD("sweep plan sweep.cfg -o first");
+    CU_ASSERT(run("sweep run first -j 1") == 0);
+    GOOD("sweep export first -o runs.tsv");
+    CU_ASSERT(readers("package"));
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("python/pile.py", script));
+    snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s example >out 2>err", script);
+    CU_ASSERT(shell(line) == 0);
+    CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
+    leave();
+}
+
+void suite_export(void)
+{
+    static const check_case cases[] = {{"every format, by the standard library of Python", test_formats},
+                                       {"a run, a table, a column, standard output", test_sources},
+                                       {"a sweep with its fixed parameters", test_sweep},
+                                       {"errors", test_errors},
+                                       {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
+                                       {"LAMMPS input: refused keys", test_refused},
+                                       {"dumps by lmp", test_lammps},
+                                       {"VTP by VTK", test_vtk},
+                                       {"CSV and JSON by pandas", test_pandas},
+                                       {"Python package", test_package},
+                                       {NULL, NULL}};
+    check_register("export", cases);
+}
