@@ -78,6 +78,7 @@ static const cli_command plan = {
     X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
 
 #define RUN_OPTIONS(X)                                                                                       \
+    CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     LIMITS(X)                                                                                                \
     X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")            \
@@ -103,7 +104,7 @@ static rp_status act_run(void *values)
     sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
-    if (!status) status = cli_sweep_run(cli_argument(0), options, &counts);
+    if (!status) status = cli_sweep_run(cli_argument(0), options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
     return status;
 }
@@ -277,7 +278,7 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) cli_warn_sweep(file);
     if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) status = cli_sweep_run(o->o, options, &counts);
+    if (!status) status = cli_sweep_run(o->o, options, false, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
     if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
