@@ -96,6 +96,13 @@ const char *cli_argument(int i);
 char *const *cli_arguments(void);
 bool cli_given(const char *name);
 
+/* Warn of the g of SI among values in cgs: of a scene, and of a sweep's file whose units have been read. */
+void cli_warn_gravity(const char *path, double g);
+void cli_warn_sweep(const char *path);
+
+/* The defaults again, once a table has told its system of units. */
+void cli_defaults_in_units(void);
+
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
