@@ -30,7 +30,8 @@ int shell(const char *text);
 /* Exit status of the program with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
+/* A successful run leaves standard error empty but for the line that ends `repose run`: no
+ * other message, and no progress without a terminal. */
 bool good(const char *file, int line, int status);
 
 /* A failure is an exit status and one line that contains `text`. */

@@ -37,11 +37,11 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--study ",  "--where ",      "--bare ",      "--set ",       "--reduce ",
-    "--base ",       "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ",
-    "--outline ",    "--disks ",  "--linear ",     "--set-again ", "--summary ",   "--threshold ",
-    "--map ",        "--ledger ", "--force ",      "--profile ",   "--resume ",    "--man ",
-    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", NULL};
+    "--help ",       "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
+    "--pair ",       "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
+    "--linear ",     "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--force ",
+    "--profile ",    "--resume ",     "--man ",     "--quiet ",     "--plot ",      "--color ",   "--stress ",
+    "--completion ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {

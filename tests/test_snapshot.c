@@ -256,7 +256,7 @@ static int shell(const char *line)
     const char *name = getenv("REPOSE");
     if (!realpath(name ? name : "build/repose", program))
         CU_FAIL_FATAL("no program; REPOSE=path of the program");
-    snprintf(text, sizeof text, "cd %s && export REPOSE='%s' && %s", folder, program, line);
+    snprintf(text, sizeof text, "cd %s; export REPOSE='%s'; %s", folder, program, line);
     const int status = system(text);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -769,10 +769,11 @@ static void stopped_sweep(void)
     int status = 75, kept = 0;
     for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
         char line[256];
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" sweep run d -j 2 >counts 2>err & sleep %d.%03d; kill -TERM $! 2>none; wait $! "
-                 "2>none",
-                 ms / 1000, ms % 1000);
+        snprintf(
+            line, sizeof line,
+            "\"$REPOSE\" sweep run d -j 2 >counts 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; wait $! "
+            "2>/dev/null",
+            ms / 1000, ms % 1000);
         status = shell(line); /* 75, or 143 if the signal came before the first run */
         kept += shell("ls d/snapshots/???????????????????????????????? >kept 2>&1") == 0;
     }
@@ -796,10 +797,11 @@ static void stopped_row(void)
         int status = 75, kept = 0;
         for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
             char line[256];
-            snprintf(line, sizeof line,
-                     "\"$REPOSE\" run r.cfg --row 1 -o d >again 2>err & sleep %d.%03d; kill -TERM $! 2>none; "
-                     "wait $! 2>none",
-                     ms / 1000, ms % 1000);
+            snprintf(
+                line, sizeof line,
+                "\"$REPOSE\" run r.cfg --row 1 -o d >again 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; "
+                "wait $! 2>/dev/null",
+                ms / 1000, ms % 1000);
             status = shell(line);
             kept += access(in_folder("d/unfinished/snapshot"), F_OK) == 0;
         }

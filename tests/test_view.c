@@ -1,8 +1,9 @@
-/* Pictures by their contents: an svg file has each grain, force and wall at its position, in its colour and
- * width; a gif file has every frame. */
+/* What is seen. Pictures by their contents: an svg file has each grain, force and wall at its position, in
+ * its colour and width; a gif file has every frame. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/watch.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -312,11 +313,114 @@ static void test_refusals(void)
     leave();
 }
 
+/* ---- what a run says ---- */
+
+/* A staircase of fixed grains is a pile: its steps of 0.1 per diameter of 0.2 have a slope of 26.6 degrees.
+ */
+static void test_closing_line(void)
+{
+    char walls[256], grains[4096] = "";
+    enter();
+    for (int k = 0; k < 12; k++)
+        snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
+                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k, 2.0 - 0.1 * k);
+    snprintf(walls, sizeof walls, "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );");
+    write_text("stairs.cfg", "steps = 10; %s particles = ( %s );\n", walls, grains);
+    GOOD("run stairs.cfg -o d");
+    CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
+    CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
+    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 (method 3); tables in d\n") != NULL);
+    GOOD("run stairs.cfg -o d --quiet");
+    CU_ASSERT_STRING_EQUAL(err, "");
+    /* a pile ends at the wall that has opened; a level one has no slope */
+    write_text("open.cfg",
+               "steps = 10; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
+               "direction = [-1.0, 0.0]; open_at_step = 5; } ); particles = ( %s );\n",
+               grains);
+    GOOD("run open.cfg -o open");
+    CU_ASSERT(strstr(err, "over x = 0 to 2 (method 3)") != NULL);
+    write_text("level.cfg",
+               "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
+               "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",
+               walls);
+    GOOD("run level.cfg");
+    CU_ASSERT_STRING_EQUAL(
+        err, "repose run: 2 grains, 10 steps, t = 0.0005 s; at rest; states on standard output\n");
+    write_moving();
+    GOOD("run s.cfg -o moving");
+    CU_ASSERT_STRING_EQUAL(err,
+                           "repose run: 2 grains, 100 steps, t = 0.001 s; not at rest; tables in moving\n");
+    leave();
+}
+
+/* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */
+static void test_progress(void)
+{
+    char *text;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    cli_progress p = cli_progress_start(false, false, 1000.0, 100, 1100);
+    cli_progress_show(&p, 1059.0, 120, file);
+    cli_progress_show(&p, 1061.0, 200, file);
+    cli_progress_show(&p, 1120.0, 300, file);
+    cli_progress_show(&p, 1122.0, 600, file);
+    cli_progress_show(&p, 1300.0, 1100, file); /* the closing line says this */
+    fclose(file);
+    CU_ASSERT_STRING_EQUAL(text, "repose run: step 200 of 1100, 18 %, 9:09 left\n"
+                                 "repose run: step 600 of 1100, 54 %, 2:02 left\n");
+    free(text);
+    file = open_memstream(&text, &size);
+    p = cli_progress_start(false, true, 0.0, 0, 300);
+    cli_progress_show(&p, 0.4, 10, file);
+    cli_progress_show(&p, 1.0, 100, file);
+    cli_progress_show(&p, 1.05, 110, file);
+    cli_progress_show(&p, 1.06, 300, file);
+    fclose(file);
+    CU_ASSERT(strncmp(text, "\r[##########                    ] step 100 of 300, 33 %, 0:02 left", 66) == 0);
+    CU_ASSERT(strstr(text, "110") == NULL &&
+              strstr(text, "\r[##############################] step 300 of 300"));
+    CU_ASSERT(text[size - 1] == '\n');
+    free(text);
+    file = open_memstream(&text, &size);
+    p = cli_progress_start(true, true, 0.0, 0, 300);
+    cli_progress_show(&p, 100.0, 300, file);
+    fclose(file);
+    CU_ASSERT(size == 0);
+    free(text);
+}
+
+/* Without a screen gnuplot draws text on standard error, and the tables are the same. */
+static void test_plot(void)
+{
+    enter();
+    write_moving();
+    GOOD("run s.cfg --every 50");
+    CU_ASSERT(
+        shell("cp out plain; DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" run s.cfg --every 50 --plot >out 2>err") ==
+        0);
+    CU_ASSERT(equal_tables("out", "plain"));
+    CU_ASSERT(
+        shell(
+            "grep -q 'step 100 of 100, 100 %' err && grep -q 'kinetic energy' err && grep -q surface err && "
+            "tail -n 1 err | grep -q 'repose run: 2 grains'") == 0);
+    write_text("r.cfg", "protocol = \"repose\";\n");
+    FAILS(64, "--plot goes with a scene", "run r.cfg --plot -o d");
+    leave();
+}
+
 void suite_view(void)
 {
-    static const check_case cases[] = {
-        {"grains", test_circles},          {"forces and walls", test_forces}, {"colours", test_colors},
-        {"stress and base", test_stress},  {"frames", test_frames},           {"film", test_film},
-        {"folders and files", test_kinds}, {"refusals", test_refusals},       {0}};
+    static const check_case cases[] = {{"grains", test_circles},
+                                       {"forces and walls", test_forces},
+                                       {"colours", test_colors},
+                                       {"stress and base", test_stress},
+                                       {"frames", test_frames},
+                                       {"film", test_film},
+                                       {"folders and files", test_kinds},
+                                       {"refusals", test_refusals},
+                                       {"closing line of a run", test_closing_line},
+                                       {"progress of a run", test_progress},
+                                       {"plot of a run", test_plot},
+                                       {0}};
     check_register("view", cases);
 }

@@ -871,8 +871,9 @@ static double last_cell(const char *column)
     const char *names = NULL, *row = NULL, *next;
     for (const char *at = answer; *at; at = next ? next + 1 : at + strlen(at)) {
         next = strchr(at, '\n');
-        if (strncmp(at, "# ", 2) == 0)
-            names = at + 2;
+        if (*at == '#') continue;
+        if (!names)
+            names = at;
         else
             row = at;
     }

@@ -48,6 +48,7 @@ static rp_status act_plan(void *values)
     if (!status)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                sweep_protocols, cli_watch(), &counts);
+    if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
     if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
@@ -66,7 +67,8 @@ static const cli_command plan = {
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
     "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
-    "  piles = \"own\";                                      # shared: the same piles at every grid point",
+    "  piles = \"own\";                                      # shared: the same piles at every grid point\n"
+    "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
     .act = act_plan};
@@ -76,6 +78,7 @@ static const cli_command plan = {
     X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
 
 #define RUN_OPTIONS(X)                                                                                       \
+    CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     LIMITS(X)                                                                                                \
     X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")            \
@@ -101,7 +104,7 @@ static rp_status act_run(void *values)
     sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
-    if (!status) status = cli_sweep_run(cli_argument(0), options, &counts);
+    if (!status) status = cli_sweep_run(cli_argument(0), options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
     return status;
 }
@@ -273,8 +276,9 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+    if (!status) cli_warn_sweep(file);
     if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) status = cli_sweep_run(o->o, options, &counts);
+    if (!status) status = cli_sweep_run(o->o, options, false, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
     if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);

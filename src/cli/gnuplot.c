@@ -32,9 +32,9 @@ rp_status cli_gnuplot_open(cli_gnuplot *g, char *const arguments[], const char *
     signal(SIGPIPE, SIG_IGN);
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    if ((g->errors = tmpfile())) posix_spawn_file_actions_adddup2(&actions, fileno(g->errors), STDERR_FILENO);
     if (out && fileno(out) != STDOUT_FILENO)
         posix_spawn_file_actions_adddup2(&actions, fileno(out), STDOUT_FILENO);
+    if ((g->errors = tmpfile())) posix_spawn_file_actions_adddup2(&actions, fileno(g->errors), STDERR_FILENO);
     const int error = posix_spawnp(&g->pid, arguments[0], &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[0]);

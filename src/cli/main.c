@@ -7,6 +7,7 @@
 #include <gsl/gsl_errno.h>
 
 #include "cli/cli.h"
+#include "core/units.h"
 #include "core/random.h"
 #include "core/version.h"
 
@@ -74,7 +75,9 @@ gsl_rng *cli_random(long seed, unsigned long run)
 rp_status cli_table_read(const char *path, rp_table **table)
 {
     *table = keep(cli_memory(1, sizeof **table), free_table);
-    return rp_table_read(path, *table);
+    const rp_status status = rp_table_read(path, *table);
+    rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
+    return status;
 }
 
 rp_status cli_texts_read(const char *path, rp_table **table)

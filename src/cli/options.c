@@ -1,4 +1,5 @@
 /* The command line: options through a parameter schema, groups of commands; see cli.h. */
+#include "core/units.h"
 #include "cli/cli.h"
 
 #include <ctype.h>
@@ -181,6 +182,12 @@ bool cli_given(const char *name)
     return line.given[index_of(name)];
 }
 
+void cli_defaults_in_units(void)
+{
+    for (size_t i = 0; line.options[i].name; i++)
+        if (!line.given[i]) rp_params_default(&line.options[i], line.values);
+}
+
 void cli_provenance(FILE *out)
 {
     rp_table_provenance(out, cli_command_line());
@@ -193,7 +200,7 @@ void cli_table(FILE *out)
     for (const rp_param *p = line.options; p->name; p++)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, line.values, text, sizeof text),
-                          *p->unit ? " " : "", p->unit);
+                          *p->unit ? " " : "", rp_unit(p->unit));
 }
 
 /* Read "0.1,0.25,..." */

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "core/guess.h"
+#include "core/units.h"
 
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
 typedef struct {
@@ -78,17 +79,27 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name)
     return NULL;
 }
 
-void rp_params_defaults(const rp_param *schema, void *values)
+void rp_params_default(const rp_param *param, void *values)
 {
     static const size_t sizes[] = {
         [RP_REAL] = sizeof(double),   [RP_INT] = sizeof(long),       [RP_BOOL] = sizeof(bool),
         [RP_CHOICE] = sizeof(int),    [RP_FLAGS] = sizeof(unsigned), [RP_TEXT] = sizeof(char *),
         [RP_TEXTS] = sizeof(rp_texts)};
-    for (; schema->name; schema++) {
-        memset((char *)values + schema->offset, 0, sizes[schema->type]);
-        if (schema->fallback && schema->type != RP_TEXTS)
-            rp_params_set_text(schema, values, schema->fallback);
+    char *field = (char *)values + param->offset;
+    memset(field, 0, sizes[param->type]);
+    if (!param->fallback || param->type == RP_TEXTS) return;
+    rp_params_set_text(param, values, param->fallback);
+    if (param->type == RP_REAL && strspn(param->fallback, "+-.0123456789eE") == strlen(param->fallback)) {
+        double number;
+        memcpy(&number, field, sizeof number);
+        number = rp_units_value(param->unit, number);
+        memcpy(field, &number, sizeof number);
     }
+}
+
+void rp_params_defaults(const rp_param *schema, void *values)
+{
+    for (; schema->name; schema++) rp_params_default(schema, values);
 }
 
 static rp_status wrong_type(const rp_param *param, const rp_value *value, const char *wanted)

@@ -15,6 +15,7 @@
 
 #include "core/guess.h"
 #include "core/params.h"
+#include "core/units.h"
 #include "core/version.h"
 
 void rp_table_provenance(FILE *out, const char *command)
@@ -24,6 +25,7 @@ void rp_table_provenance(FILE *out, const char *command)
     rp_table_note(out, "compiler", "%s", rp_build_compiler);
     rp_table_note(out, "libraries", "%s", rp_build_libraries);
     if (command) rp_table_note(out, "command", "%s", command);
+    if (rp_units_now() != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word());
 }
 
 void rp_table_note(FILE *out, const char *key, const char *format, ...)
@@ -44,10 +46,16 @@ void rp_table_note_number(FILE *out, const char *key, double value, const char *
                   text);
 }
 
+/* Time that a run took is in seconds in every system. */
+static const char *unit_of(const char *column, const char *cgs)
+{
+    return *cgs ? strcmp(column, "seconds") ? rp_unit(cgs) : cgs : "1";
+}
+
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
 {
     fputs("# units: ", out);
-    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", *columns[i][1] ? columns[i][1] : "1");
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", unit_of(columns[i][0], columns[i][1]));
     fputc('\n', out);
     for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
     fputc('\n', out);
@@ -58,13 +66,12 @@ void rp_table_header(FILE *out, const char *columns)
     for (int names = 0; names < 2; names++) {
         if (!names) fputs("# units: ", out);
         for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
+            char name[256], label[64];
             end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
             const char *unit = memchr(c, '[', (size_t)(end - c));
-            if (c != columns) fputc('\t', out);
-            if (names)
-                fprintf(out, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
-            else
-                fprintf(out, "%.*s", unit ? (int)(end - unit) - 2 : 1, unit ? unit + 1 : "1");
+            snprintf(name, sizeof name, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
+            snprintf(label, sizeof label, "%.*s", unit ? (int)(end - unit) - 2 : 0, unit ? unit + 1 : "");
+            fprintf(out, "%s%s", c != columns ? "\t" : "", names ? name : unit_of(name, label));
         }
         fputc('\n', out);
     }

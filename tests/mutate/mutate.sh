@@ -23,6 +23,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
+    src/cli/export_*.c src/cli/view_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -37,12 +38,15 @@ suites_of() {
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
+    src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
     src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
+    src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/*) echo evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables piles cli ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
@@ -53,6 +57,7 @@ suites_of() {
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep tables evidence cli ;;
+    src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard golden scene dem laws ;;
     esac
 }
@@ -99,7 +104,7 @@ sum="$seed $(cat Makefile tests/mutate/* $(find analytic figures src sweeps test
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree" "$build/tables"
-    cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
+    find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
 fi
 ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
 "$build/mutants" validation/mutants.txt "$seed" $files >"$work/list"
