@@ -35,7 +35,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 
-.PHONY: all figures studies bench report check-report check test validate mutate check-slurm check-readers asan fuzz analyze drill lint setup help clean FORCE
+.PHONY: all figures studies bench report check-report check test validate asan lint setup help clean FORCE
 all: $(REPOSE) ## build the program, build/repose
 
 help: ## this list
@@ -74,14 +74,6 @@ $(B)/check: $(CHECK) $(LIBRARY)
 	@echo "link    $@"
 	@$(CC) $(CFLAGS) $^ $$(pkg-config --libs cunit) $(LIBS) -o $@
 
-fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
-	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
-analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
-	@sh tests/analyze.sh $(B) $(JOBS)
-
-drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
-	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
-
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 
@@ -99,16 +91,6 @@ asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behavio
 
 test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
-
-mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? A table in build/tables
-	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS)
-
-check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
-	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
-
-check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
-	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
-	@REPOSE=$(REPOSE) $(B)/check export
 
 # ---- Sweeps and models -> tables -> figures and report
 # Of the papers, each made by `make figures`; of studies, whose tables stand in results.
@@ -207,7 +189,7 @@ $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@bash validation/peers/$(BENCH_$*) >$@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
 	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
-include install.mk
+include tests/longer.mk install.mk
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made
 	rm -rf $(B)

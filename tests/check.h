@@ -27,6 +27,7 @@
     X(suite_ledger)                                                                                          \
     X(suite_snapshot)                                                                                        \
     X(suite_walls)                                                                                           \
+    X(suite_examples)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \
     X(suite_helpers)                                                                                         \
@@ -34,6 +35,7 @@
     X(suite_evidence)                                                                                        \
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
+    X(suite_columns)                                                                                         \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \
@@ -43,6 +45,7 @@
     X(suite_drop)                                                                                            \
     X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
+    X(suite_view)                                                                                            \
     X(suite_export)                                                                                          \
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \

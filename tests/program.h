@@ -30,7 +30,8 @@ int shell(const char *text);
 /* Exit status of the program with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* A successful run leaves standard error empty: no message, and no progress without a terminal. */
+/* A successful run leaves standard error empty but for the line that ends `repose run`: no
+ * other message, and no progress without a terminal. */
 bool good(const char *file, int line, int status);
 
 /* A failure is an exit status and one line that contains `text`. */
@@ -45,6 +46,17 @@ rp_table read_table(const char *name);
 /* Text and number of a cell; a failed assertion, "" and NaN if there is no such cell. */
 const char *word(const rp_table *t, size_t row, const char *column);
 double cell(const rp_table *t, size_t row, const char *column);
+
+/* A table whose columns must all be read: the end fails, and names them, for columns that `at` has not seen.
+ */
+enum { CHECKED_COLUMNS = 64 };
+typedef struct {
+    rp_table t;
+    bool read[CHECKED_COLUMNS];
+} checked;
+checked checked_read(const char *name);
+double at(checked *c, size_t row, const char *column);
+void checked_end(checked *c);
 
 /* The same rows and columns, as text. */
 bool equal_tables(const char *name_a, const char *name_b);

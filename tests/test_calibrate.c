@@ -454,6 +454,49 @@ static void test_planted(void)
     gsl_rng_free(rng);
 }
 
+/* Three piles a point, the second angle of two of them: a half with both angles exists only by chance. A case
+ * is a point that the other half has whole, and where there is none, or no pile at all, the message says so.
+ */
+static void test_holdout(void)
+{
+    stats_case k;
+    int made = 0, none = 0, few = 0;
+    gsl_rng *rng = rp_random_alloc(41, 0, RP_PURPOSE_TEST);
+    for (int whole = 0; whole < 2; whole++) { /* then the last point has the second angle of all piles */
+        start(1, 2);
+        for (int g = 0; g < 4; g++)
+            for (int i = 0; i < 3; i++)
+                add(0.1 * g, 0.0, 10.0 + g + 0.1 * ((i * 7 + g) % 5),
+                    i < 2 || (whole && g == 3) ? 20.0 - g + 0.2 * ((i * 3 + g) % 4) : NAN);
+        for (int n = 0; n < 600; n++) {
+            const rp_status status = stats_calibration_holdout(&piles, 1, rng, &k);
+            made += status == RP_OK;
+            if (status == RP_OK) CHECK_NEAR(k.truth[0], whole ? 0.3 : NAN, 1e-15);
+            if (status == RP_OK) continue;
+            CU_ASSERT(status == RP_BAD_INPUT);
+            none += strstr(rp_message(), "no piles with every angle to hold out") != NULL;
+            few += strstr(rp_message(), "at least 2 needed") != NULL;
+            CU_ASSERT(!whole || strstr(rp_message(), "at least 2 needed"));
+        }
+    }
+    /* the fitted half has both angles of every point once in 3^4 draws, or in 3^3 */
+    CU_ASSERT(none > 0 && none < 25 && made > 5 && made < 50 && made + none + few == 1200);
+    for (size_t n_angles = 1; n_angles <= 2; n_angles++) {
+        start(1, n_angles);
+        CHECK_FAILS(stats_calibration_holdout(&piles, 2, rng, &k), RP_BAD_INPUT,
+                    "no piles with every angle to hold out");
+    }
+    size_t n = 7;
+    stats_calibration c;
+    for (int g = 0; g < 4; g++) add_four(0.1 * g, 0.0, 10.0 + g, 0.5);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    piles.n = 0;
+    CHECK_OK(stats_calibration_planted(&c, &piles, 1, &k, &n));
+    CU_ASSERT(n == 0);
+    stats_calibration_free(&c);
+    gsl_rng_free(rng);
+}
+
 /* ---- bad input ---- */
 
 static void test_errors(void)
@@ -504,6 +547,7 @@ void suite_calibrate(void)
                                        {"random tables", test_random_tables},
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
+                                       {"held-out piles that lack an angle", test_holdout},
                                        {"errors", test_errors},
                                        {0}};
     check_register("calibration", cases);

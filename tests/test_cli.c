@@ -37,11 +37,11 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--study ",  "--where ",      "--bare ",      "--set ",       "--reduce ",
-    "--base ",       "--pair ",   "--successive ", "-o ",          "--runs ",      "--missing ",
-    "--outline ",    "--disks ",  "--linear ",     "--set-again ", "--summary ",   "--threshold ",
-    "--map ",        "--ledger ", "--force ",      "--profile ",   "--resume ",    "--man ",
-    "--completion ", "--shard ",  "--start ",      "--variants ",  "--published ", NULL};
+    "--help ",       "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
+    "--pair ",       "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
+    "--linear ",     "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--force ",
+    "--profile ",    "--resume ",     "--man ",     "--quiet ",     "--plot ",      "--color ",   "--stress ",
+    "--completion ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -177,7 +177,15 @@ static void test_wrong_usage(void)
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
         {64, "sweep --help", "sweep"},
+        {64, "unknown command \"calibrat\" (did you mean \"calibrate\"?)", "calibrat"},
+        {64, "unknown command \"staus\" (did you mean \"status\"?); see repose sweep --help", "sweep staus"},
+        {64, "unknown command \"trnd\" (did you mean \"trend\"?); see repose stats --help",
+         "help stats trnd"},
         {64, "unknown option --frob", "lattice --frob 3"},
+        {64, "unknown option --layres (did you mean --layers?)", "lattice --layres 3"},
+        {64, "unknown option --alhpa-deg=3 (did you mean --alpha-deg?)", "lattice --alhpa-deg=3"},
+        {64, "unknown option -J (did you mean -j?)", "sweep run d -J 2"},
+        {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64, "option --layers needs a value", "lattice --layers"},
@@ -228,6 +236,7 @@ static void test_bad_values(void)
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
         {65, "\"frob\": unknown protocol", "params frob"},
+        {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
@@ -248,9 +257,9 @@ static void test_bench(void)
 {
     enter();
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
-    GOOD("bench --start start.tsv --steps 100 --repeat 2");
+    GOOD("bench --start start.tsv --steps 300000 --repeat 2"); /* some ticks of a coarse clock */
     rp_table t = read_table("out");
-    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 100.0);
+    CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 3e5);
     CHECK_NEAR(cell(&t, 0, "share_contacts") + cell(&t, 0, "share_lists") + cell(&t, 0, "share_integration") +
                    cell(&t, 0, "share_walls"),
                1.0, 1e-14);
@@ -282,8 +291,9 @@ static void test_bad_scenes(void)
         {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
         {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
         {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs a tangential law"},
-        {"", "{ x = 0.1; y = 0.2; r = -0.1; }", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
-        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: r: missing"},
+        {"", "{ x = 0.1; y = 0.2; r = -0.1; }",
+         "s.cfg:4: particles.[0].r = -0.1: out of range, allowed: (0, inf)"},
+        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: particles.[0].r: missing"},
         {"", "", "s.cfg:3: particles: no particles"},
     };
     enter();
@@ -761,14 +771,18 @@ static void test_stats_trends(void)
     FAILS(65, "pile 0: two values", "stats trend runs.tsv -x W -y theta --pair");
     FAILS(1, "at 1 different x", "stats trend runs.tsv -x W -y theta --to 3");
     write_text("runs.tsv",
-               "# law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
+               "# units: 1\tcm\t1\tdegree\t1\n# "
+               "law\ta\tb\ty\tpile\nold\t1\tu\t5\t0\nnew\t1\tu\t7\t0\nold\t1\tu\t6\t1\n"
                "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
     GOOD("stats trend runs.tsv -x law -y y --by a,b --pair");
     CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
     t = read_table("out");
     CU_ASSERT(t.n_rows == 2);
-    CU_ASSERT_STRING_EQUAL(t.names[0], "a,b");
-    CU_ASSERT_STRING_EQUAL(t.cells[0], "1,u");
+    CU_ASSERT(strstr(out, "# units: cm\t1\t1\t1\t1\tx\tx\t") != NULL); /* each with its own unit */
+    for (size_t row = 0; row < 2; row++) {
+        CU_ASSERT_STRING_EQUAL(word(&t, row, "a"), "1");
+        CU_ASSERT_STRING_EQUAL(word(&t, row, "b"), row ? "v" : "u");
+    }
     CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
     CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
@@ -807,6 +821,7 @@ static void test_stats_settings(void)
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
+    FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     GOOD("stats threshold a.tsv -x x --by law --most b");
@@ -1539,6 +1554,16 @@ static void test_limits(void)
     CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
     CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
     FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    for (int reduce = 0; reduce < 2; reduce++) {
+        GOOD("sweep export d%s", reduce ? " --reduce" : "");
+        CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
+    }
+    rp_table points = read_table("out");
+    for (size_t k = 0; k < 2; k++) {
+        CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
+        CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
+    }
+    rp_table_free(&points);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "1 time_limit"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
     CU_ASSERT(shell("! ls t | grep -q .") == 0);
@@ -1589,6 +1614,20 @@ static void test_energy_growth(void)
     leave();
 }
 
+/* A sweep's rows have no such warning: its plan has one, for all points without damping. */
+static void test_undamped_sweep(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
+                        "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
+    CU_ASSERT(strncmp(err, "repose sweep: warning: gamma_n = 0 at 3 of 6 grid points: ", 58) == 0);
+    CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
+    write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    leave();
+}
+
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
@@ -1623,6 +1662,11 @@ static void test_run_stopped(void)
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
     CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    /* without tables to write meanwhile as well: the steps between two looks at the signal are few */
+    CU_ASSERT(failed(
+        __FILE__, __LINE__,
+        shell("\"$REPOSE\" run s.cfg --set steps=2000000000 >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"),
+        75, "stopped at step"));
     /* neither a run that can go on nor that of another process is thrown away */
     CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
     FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");
@@ -1727,6 +1771,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};

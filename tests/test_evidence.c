@@ -365,7 +365,7 @@ static const sweep_protocol *protocol_of(const config_t *config)
 static size_t check_statement(const char *id, const char *text, const config_t *config,
                               const sweep_protocol *protocol)
 {
-    size_t checked = 0;
+    size_t n_checked = 0;
     for (const char *equals = text; (equals = strchr(equals, '=')); equals++) {
         const char *end = equals, *begin;
         while (end > text && end[-1] == ' ') end--;
@@ -385,9 +385,9 @@ static size_t check_statement(const char *id, const char *text, const config_t *
             right &= holds(n, values, to);
         if (!right) fprintf(stderr, "claim %s: \"%s\": the sweep has no %s = %g\n", id, text, key, value);
         CU_ASSERT(right);
-        checked++;
+        n_checked++;
     }
-    return checked;
+    return n_checked;
 }
 
 /* What a claim of Lee & Herrmann does not say is as the header line `at` has it, but in sweeps of boxes of
@@ -420,7 +420,7 @@ static void check_at(const rp_table *t, size_t row, const char *path, const conf
 static void test_settings(void)
 {
     rp_table t;
-    size_t checked = 0;
+    size_t n_checked = 0;
     CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         static const char *const texts[] = {"answer", "statement", "note"};
@@ -432,12 +432,12 @@ static void test_settings(void)
         CU_ASSERT(config_read_file(&config, path));
         const sweep_protocol *protocol = protocol_of(&config);
         for (size_t k = 0; k < 3 && protocol; k++)
-            checked += check_statement(word(&t, row, "id"), word(&t, row, texts[k]), &config, protocol);
+            n_checked += check_statement(word(&t, row, "id"), word(&t, row, texts[k]), &config, protocol);
         if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0) check_at(&t, row, path, &config, protocol);
         config_destroy(&config);
     }
     rp_table_free(&t);
-    CU_ASSERT(checked > 100);
+    CU_ASSERT(n_checked > 100);
 }
 
 /* A sweep file without comments, its blanks single. */

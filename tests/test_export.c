@@ -100,7 +100,7 @@ static void test_sources(void)
 }
 
 #define SWEEP                                                                                                \
-    "protocol = \"repose\"; replicas = 2; seed = 3;\nfixed = { W = 1.0; H = 1.0; };\n"                       \
+    "protocol = \"repose\"; replicas = 2; seed = 3;\nfixed = { W = 1.0; H = 1.25; };\n"                      \
     "grid = { mu = [0.1, 0.3]; };\n"
 
 static void test_sweep(void)

@@ -107,7 +107,7 @@ static void trace(const char *const changes[], traced *t)
 
 static void trace_free(traced *t)
 {
-    static const char *const names[] = {"series", "pile_grains", "pile_contacts", "energy"};
+    static const char *const names[] = {"series", "pile_grains", "pile_contacts", "pile_walls", "energy"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char path[64];
         snprintf(path, sizeof path, "%s/%s.tsv", t->folder, names[i]);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "dem/law.h"
 #include "dem/sim.h"
 #include "tests/check.h"
@@ -289,6 +290,31 @@ static void restitution_in_place_of_damping(void)
         }
 }
 
+/* Damping that pulls has a limit, beyond which grains of Hertz' law stick: just above the sticking speed they
+ * part, just below they do not. Restitution falls to 0 at that limit in a straight line. The search spends no
+ * time on grains that stick: 0.01 s of it were 7 s once. */
+static void little_restitution(void)
+{
+    const double k_n = 1e6, m_eff = 0.002, v = 50.0, e = 1e-6;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[DEM_HERTZ];
+    double gamma_n[3], begin = rp_cpu_clock();
+    dem_collision_result c;
+    for (int k = 0; k < 3; k++)
+        CHECK_OK(dem_damping_of(DEM_HERTZ, true, k_n, m_eff, v, (k + 1.0) * e, &gamma_n[k]));
+    CU_ASSERT(rp_cpu_clock() - begin < 2.0);
+    /* the slope changes as the root of the overlap at which the spring no longer counts, of order e */
+    CHECK_NEAR((gamma_n[0] - gamma_n[1]) / (gamma_n[1] - gamma_n[2]), 1.0, 10.0 * sqrt(e));
+    const double limit = 2.0 * gamma_n[0] - gamma_n[1];
+    CHECK_NEAR(law->sticking_speed(k_n, limit, m_eff) / v, 1.0, e);
+    for (int k = -1; k < 2; k += 2) {
+        CHECK_OK(dem_collision(DEM_HERTZ, true, k_n, limit * (1.0 + e * k), m_eff, v, &c));
+        CU_ASSERT((law->sticking_speed(k_n, limit * (1.0 + e * k), m_eff) > v) == (k > 0));
+        CU_ASSERT((c.restitution == 0.0) == (k > 0) && c.restitution < e);
+    }
+    CHECK_OK(dem_collision(DEM_HERTZ, true, k_n, gamma_n[0], m_eff, v, &c));
+    CHECK_NEAR(c.restitution, e, 1e-5 * e);
+}
+
 static void bad_restitution(void)
 {
     dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004}, {.x = 0.3, .r = 0.1, .m = 0.004}};
@@ -378,6 +404,7 @@ void suite_laws(void)
                                        {"force that an observer reads", observed_force},
                                        {"restitution has a closed form", restitution_has_closed_form},
                                        {"restitution is inverted", restitution_is_inverted},
+                                       {"restitution near 0, sticking", little_restitution},
                                        {"restitution in place of damping", restitution_in_place_of_damping},
                                        {"bad restitution", bad_restitution},
                                        {"defaults need a rate", defaults_need_a_rate},

@@ -677,6 +677,33 @@ static void test_refusals(void)
     }
 }
 
+/* Most steps of a phase, as the parameter's help has it: 4e5, times 500/gamma_n and (H/4)^2 where these
+ * exceed 1; at most 2e9. With restitution in place of gamma_n the second factor is 1. */
+static void test_patience(void)
+{
+    static const struct {
+        setting settings[4];
+        long steps;
+    } cases[] = {{{{"H", "4"}}, 400000},
+                 {{{"gamma_n", "5000"}}, 400000},
+                 {{{"gamma_n", "125"}, {"H", "2"}}, 1600000},
+                 {{{"gamma_n", "0.5"}}, 200000000},
+                 {{{"H", "6"}}, 900000},
+                 {{{"H", "6"}, {"restitution", "0.4"}}, 900000},
+                 {{{"restitution", "0.4"}}, 400000},
+                 {{{"gamma_n", "50"}, {"H", "400"}, {"N", "9"}}, 2000000000},
+                 {{{"gamma_n", "50"}, {"max_steps", "7000"}}, 7000}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        sweep_box_run run;
+        sweep_result result;
+        void *box = make_params(cases[i].settings); /* begins with the box */
+        CHECK_OK(sweep_box_begin_filled(&run, box, 1, 0, NULL, &result));
+        CU_ASSERT_EQUAL(run.max_steps, cases[i].steps);
+        CHECK_OK(sweep_box_end(&run, RP_OK));
+        free(box);
+    }
+}
+
 void suite_repose(void)
 {
     static const check_case cases[] = {{"every variant of the surface", test_surfaces},
@@ -689,6 +716,7 @@ void suite_repose(void)
                                        {"all outputs by a second method", test_outputs},
                                        {"a stable pile", test_stands},
                                        {"an unfinished slide", test_restless},
+                                       {"most steps of a phase", test_patience},
                                        {"refusals", test_refusals},
                                        {0}};
     check_register("protocol repose", cases);

@@ -256,7 +256,7 @@ static int shell(const char *line)
     const char *name = getenv("REPOSE");
     if (!realpath(name ? name : "build/repose", program))
         CU_FAIL_FATAL("no program; REPOSE=path of the program");
-    snprintf(text, sizeof text, "cd %s && export REPOSE='%s' && %s", folder, program, line);
+    snprintf(text, sizeof text, "cd %s; export REPOSE='%s'; %s", folder, program, line);
     const int status = system(text);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -769,16 +769,47 @@ static void stopped_sweep(void)
     int status = 75, kept = 0;
     for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
         char line[256];
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" sweep run d -j 2 >counts 2>err & sleep %d.%03d; kill -TERM $! 2>none; wait $! "
-                 "2>none",
-                 ms / 1000, ms % 1000);
+        snprintf(
+            line, sizeof line,
+            "\"$REPOSE\" sweep run d -j 2 >counts 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; wait $! "
+            "2>/dev/null",
+            ms / 1000, ms % 1000);
         status = shell(line); /* 75, or 143 if the signal came before the first run */
         kept += shell("ls d/snapshots/???????????????????????????????? >kept 2>&1") == 0;
     }
     CU_ASSERT(status == 0 && kept > 0);
     CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
     CU_ASSERT(shell("! test -e d/snapshots") == 0);
+    leave();
+}
+
+/* One run of a sweep that is stopped again and again leaves the tables of the undisturbed one. */
+static void stopped_row(void)
+{
+    static const char *const files[] = {
+        "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; measure = [\"theta_r\", \"theta_t\"]; "
+        "tilt_rate_deg = 0.01; };",
+        "protocol = \"drop\"; fixed = { N = 90; radius_width = 0.03; rest_force = 0.1; };"};
+    enter();
+    for (int k = 0; k < 2; k++) {
+        write_bytes("r.cfg", files[k], strlen(files[k]));
+        CU_ASSERT(shell("rm -rf d whole && \"$REPOSE\" run r.cfg --row 1 -o d >row && mv d whole") == 0);
+        int status = 75, kept = 0;
+        for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
+            char line[256];
+            snprintf(
+                line, sizeof line,
+                "\"$REPOSE\" run r.cfg --row 1 -o d >again 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; "
+                "wait $! 2>/dev/null",
+                ms / 1000, ms % 1000);
+            status = shell(line);
+            kept += access(in_folder("d/unfinished/snapshot"), F_OK) == 0;
+        }
+        CU_ASSERT(status == 0 && kept > 0);
+        CU_ASSERT(equal_files());
+        CU_ASSERT(
+            shell("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest") == 0);
+    }
     leave();
 }
 
@@ -800,6 +831,7 @@ void suite_snapshot(void)
         {"protocol drop", protocol_drop},
         {"sweep rows", sweep_rows},
         {"stopped sweep", stopped_sweep},
+        {"stopped row", stopped_row},
         {0}};
     check_register("snapshot", cases);
 }

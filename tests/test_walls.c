@@ -105,12 +105,13 @@ static void galilean(void)
 {
     static const double V[2] = {31.0, -17.0};
     dem_state s[2][2];
+    dem_ledger l[2];
     double t = 0.0;
     for (int moving = 0; moving < 2; moving++) {
         dem_grain grains[2] = {{.x = 0.5, .y = 0.25, .r = R, .m = M, .vx = 20.0, .vy = -40.0, .omega = 30.0},
                                {.x = 0.3, .y = 0.6, .r = 0.08, .m = 0.003, .vx = 5.0, .vy = -60.0}};
         dem_definition def = dem_definition_default();
-        def.rotation = true;
+        def.rotation = def.ledger = true;
         grains_on_floor(&def, 2, grains);
         def.n_walls = 2;
         def.walls[1] = grains_line(0.9, 0.5, -1.0, 0.0, &def.material);
@@ -124,9 +125,14 @@ static void galilean(void)
         CHECK_OK(dem_run(sim, 1200));
         CHECK_OK(dem_states(sim, s[moving]));
         CU_ASSERT(s[moving][0].omega != 30.0 && s[moving][1].omega != 0.0); /* both have touched */
+        CU_ASSERT(dem_ledger_read(sim, &l[moving]));
         t = dem_time(sim);
         dem_free(sim);
     }
+    /* losses are those of relative motion; the walls' work is not */
+    CHECK_NEAR(l[1].sliding, l[0].sliding, 1e-8 * l[0].sliding);
+    CHECK_NEAR(l[1].normal_damping, l[0].normal_damping, 1e-8 * l[0].normal_damping);
+    CU_ASSERT(l[0].sliding > 0.0 && l[0].normal_damping > 0.0 && l[1].wall_work != l[0].wall_work);
     for (int i = 0; i < 2; i++) {
         CHECK_NEAR(s[1][i].x, s[0][i].x + V[0] * t, 1e-10);
         CHECK_NEAR(s[1][i].y, s[0][i].y + V[1] * t, 1e-10);

@@ -161,6 +161,9 @@ static outcome damped_bound(const impact *p, const outcome *exact, double dt)
 #undef FIRST_AND_SECOND
 }
 
+/* gamma_n (m_eff/k_n)^(2/5) v^(-1/5), beyond which grains of Hertz' law stick. */
+static const double hertz_threshold = 1.12798813552017;
+
 static case_problem
     elastic_problem = {"elastic", "closed forms", "w^2 dt^2: contact and separation within a step"},
     damped_problem = {"damped", "closed forms (linear); Runge-Kutta to 1e-13 (Hertz)",
@@ -243,7 +246,7 @@ static void damped(void)
  * always separates. Bisection with the solver of single impacts gives the threshold. */
 static void check_sticking(impact *p)
 {
-    const double limit = p->law == DEM_HERTZ ? 1.12799 : 1.0;
+    const double limit = p->law == DEM_HERTZ ? hertz_threshold : 1.0;
     for (int side = -1; side <= 1; side += 2) {
         p->gamma_n = damping_of(p, (1.0 + 0.01 * side) * limit);
         const double t = elastic_exact(p).time, dt = t / 1000.0;
@@ -267,11 +270,11 @@ static void sticking(void)
         *(c.restitution > 0.0 ? &parts : &sticks) = s;
     }
     /* half a unit of the last printed digit, and the bisection */
-    case_near(&sticking_problem, "threshold", 1.12799, 0.5 * (parts + sticks), 0.5e-5 + sticks - parts,
-              "hertz, bisection with single impacts");
+    case_near(&sticking_problem, "threshold", hertz_threshold, 0.5 * (parts + sticks),
+              0.5e-5 + sticks - parts, "hertz, bisection with single impacts");
     const double stick = dem_normal_descriptors[DEM_HERTZ].sticking_speed(1e6, 500.0, M_EFF);
-    case_near(&sticking_problem, "sticking speed", 1.12799, 500.0 * pow(M_EFF / 1e6, 0.4) * pow(stick, -0.2),
-              1e-13, "hertz, dem_sticking_speed");
+    case_near(&sticking_problem, "sticking speed", hertz_threshold,
+              500.0 * pow(M_EFF / 1e6, 0.4) * pow(stick, -0.2), 1e-13, "hertz, dem_sticking_speed");
 }
 
 /* The solver with dominant damping: linear impacts in closed form, and continuity at a damping of 1e4, above
@@ -370,7 +373,7 @@ static void damping_range(void)
             const double t = elastic_exact(&p).time, dt = t / 1000.0 / fmax(1.0, 2.0 * number);
             for (int clipped = 0; clipped < 2; clipped++) {
                 p.clipped = clipped;
-                const bool sticks = !clipped && number > (law == DEM_HERTZ ? 1.12799 : 1.0 - 1e-12);
+                const bool sticks = !clipped && number > (law == DEM_HERTZ ? hertz_threshold : 1.0 - 1e-12);
                 const outcome exact = sticks ? (outcome){.time = INFINITY} : damped_exact(&p);
                 double *r = row + 1 + 4 * clipped;
                 r[0] = exact.restitution;

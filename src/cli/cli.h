@@ -50,6 +50,7 @@
     X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
 #define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
+#define CLI_QUIET(X)   X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
 #define CLI_CLAIMS(X)                                                                                        \
     X(TEXT, tables, "", "results,build/tables", "",                                                          \
       "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
@@ -89,15 +90,27 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 /* The last word of a command's name, the one to type. */
 const char *cli_own_name(const cli_command *command);
 
+/* The error of a word that is none of these commands, with the nearest one; `group`: "" or their group's
+ * name.
+ */
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group);
+
 /* Of the command line that was parsed last: argument number i, NULL beyond their end; all of them; whether
  * option `name` was given. */
 const char *cli_argument(int i);
 char *const *cli_arguments(void);
 bool cli_given(const char *name);
 
-/* sweep_run with these options, workers below 1: one per processor; its progress on a terminal, and a line
- * for each run that fails. */
-rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts);
+/* Warn of the g of SI among values in cgs: of a scene, and of a sweep's file whose units have been read. */
+void cli_warn_gravity(const char *path, double g);
+void cli_warn_sweep(const char *path);
+
+/* The defaults again, once a table has told its system of units. */
+void cli_defaults_in_units(void);
+
+/* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
+ * a line for each run that fails. */
+rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
 /* How many runs are planned, stored and missing, and how many have which status. */
@@ -225,6 +238,7 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(stress)                                                                                                \
     X(stats)                                                                                                 \
     X(run)                                                                                                   \
+    X(view)                                                                                                  \
     X(sweep)                                                                                                 \
     X(export)                                                                                                \
     X(calibrate)                                                                                             \

@@ -48,8 +48,8 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     rp_status status = cli_claim_sweep(folder, file, o->force);
     if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
     if (!status)
-        status =
-            cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, &counts);
+        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, false,
+                               &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;

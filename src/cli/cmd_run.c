@@ -10,6 +10,7 @@
 
 #include "cli/cli.h"
 #include "cli/unfinished.h"
+#include "cli/watch.h"
 #include "core/clock.h"
 #include "core/config.h"
 #include "dem/scene.h"
@@ -26,6 +27,9 @@
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
     CLI_FORCE(X)                                                                                             \
+    CLI_QUIET(X)                                                                                             \
+    X(BOOL, plot, "", "false", "",                                                                           \
+      "follow energies and surface while the scene runs, in a window or, without a screen, as text")         \
     X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
@@ -72,6 +76,9 @@ typedef struct {
     bool resumable;      /* the growing tables are in `unfinished` */
     sweep_file file[CLI_GROWING];
     cli_unfinished unfinished;
+    bool quiet;
+    cli_progress progress;
+    cli_plot plot;
 } outputs;
 
 /* Every table gets rows of each frame. */
@@ -196,13 +203,45 @@ static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
     fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
-static void show_progress(const dem_sim *sim, long steps)
+/* Plots of text carry the progress in their title. */
+static rp_status start_watch(outputs *o, const scene_run *r, const run_options *options)
 {
-    static int last = -1;
-    int percent = steps > 0 ? (int)(100 * dem_step(sim) / steps) : 100;
-    if (!isatty(STDERR_FILENO) || percent == last) return;
-    last = percent;
-    fprintf(stderr, "\rstep %ld of %ld, %d %%%s", dem_step(sim), steps, percent, percent == 100 ? "\n" : "");
+    o->quiet = options->quiet;
+    rp_status status = options->plot ? cli_plot_open(&o->plot) : RP_OK;
+    o->progress = cli_progress_start(o->quiet || (o->plot.open && o->plot.text), isatty(STDERR_FILENO),
+                                     rp_clock(), dem_step(r->sim), r->plan.steps);
+    return status;
+}
+
+static void show_progress(outputs *o, const dem_sim *sim, bool last)
+{
+    char title[120];
+    const double now = rp_clock();
+    cli_progress_show(&o->progress, now, dem_step(sim), stderr);
+    cli_progress_text(&o->progress, now, dem_step(sim), title);
+    cli_plot_show(&o->plot, sim, title, last);
+}
+
+/* The end of the closing line, in which the end of a line in a folder's name is a blank. */
+static void report_place(const char *directory)
+{
+    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
+    for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
+    fputc('\n', stderr);
+}
+
+/* What happened, in one line. */
+static void report_end(const scene_run *r, const char *directory)
+{
+    bool rest;
+    cli_slope slope;
+    if (cli_at_rest(r->sim, &rest) || cli_slope_of(r->sim, &slope)) return;
+    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g s; %s", dem_count(r->sim), dem_step(r->sim),
+            dem_time(r->sim), rest ? "at rest" : "not at rest");
+    if (rest && !isnan(slope.theta))
+        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.3g to %.3g (method 3)",
+                slope.theta, slope.se, slope.x[0], slope.x[1]);
+    report_place(directory);
 }
 
 static volatile sig_atomic_t stop_signal;
@@ -234,7 +273,7 @@ static rp_status advance(scene_run *r, outputs *out)
         /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
         if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         const long step = dem_step(r->sim);
-        show_progress(r->sim, p->steps);
+        show_progress(out, r->sim, step == p->steps);
         if (!status) growth_sample(&r->energy, r->sim);
         const bool stopped = stop_signal && step < p->steps;
         if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
@@ -256,23 +295,37 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
     if (!status) growth_report(&r->energy, r->sim, out->file[STATES].out);
+    cli_plot_close(&out->plot);
     return outputs_close(out, status);
 }
 
-static rp_status run_scene(scene_run *r, const char *directory)
+static rp_status run_scene(scene_run *r, const run_options *o)
 {
+    const char *directory = o->o;
     outputs out = {.tables = {.directory = directory, .header = provenance},
                    .resumable = r->plan.snapshot > 0};
     char stage[4096] = "";
-    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, stage) : RP_OK;
+    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, false, stage) : RP_OK;
     if (status) return status;
     if (*stage) out.tables.directory = stage;
     cli_on_stop(note_stop);
-    status = outputs_open(&out, r);
+    status = start_watch(&out, r, o);
+    if (!status) status = outputs_open(&out, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
     status = finish_scene(r, &out, status);
-    return *stage ? cli_stage_close(directory, stage, status) : status;
+    if (*stage) status = cli_stage_close(directory, stage, status);
+    if (!status && !o->quiet) report_end(r, directory);
+    return status;
+}
+
+static void report_row(const sweep_protocol *protocol, const sweep_result *result, const char *directory)
+{
+    fprintf(stderr, "repose run: %s", result->status);
+    for (size_t k = 0; protocol->outputs[k].name; k++)
+        if (strcmp(protocol->outputs[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
+            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result->values[k]);
+    report_place(directory);
 }
 
 static rp_status run_row(const char *path, const run_options *o)
@@ -282,13 +335,21 @@ static rp_status run_row(const char *path, const run_options *o)
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
-    char stage[4096];
+    static volatile bool stopped;
+    char stage[4096], snapshot[4096 + 16];
     snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
     rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
-    if (!status) status = cli_stage_open(o->o, stage);
+    if (!status) status = cli_stage_open(o->o, true, stage);
     if (status) return status;
-    cli_stage_stops(stage);
-    const sweep_tables tables = {stage, o->every > 0 ? o->every : 100, provenance, o->ledger};
+    snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
+    cli_stage_stops(stage, &stopped);
+    const sweep_tables tables = {.directory = stage,
+                                 .every = o->every > 0 ? o->every : 100,
+                                 .header = provenance,
+                                 .ledger = o->ledger,
+                                 .snapshot = snapshot,
+                                 .interval = CLI_SNAPSHOT,
+                                 .stop = &stopped};
     status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
@@ -304,6 +365,7 @@ static rp_status run_row(const char *path, const run_options *o)
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
+    if (!o->quiet && strncmp(result.status, "ok", 2) == 0) report_row(protocol, &result, o->o);
     return strncmp(result.status, "ok", 2) == 0
                ? RP_OK
                : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
@@ -345,6 +407,7 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
     rp_status status = dem_scene_read(path, &o->set, scene);
+    if (!status) cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return status;
 }
@@ -375,7 +438,7 @@ static rp_status run_file(const char *path, const run_options *o)
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
-    if (!status) status = run_scene(&r, o->o);
+    if (!status) status = run_scene(&r, o);
     if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
@@ -421,7 +484,8 @@ static rp_status resume(const run_options *o)
     printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     cli_command_line_set(r.plan.command);
-    status = finish_scene(&r, &out, RP_OK);
+    status = finish_scene(&r, &out, start_watch(&out, &r, o));
+    if (!status && !o->quiet) report_end(&r, o->resume);
     dem_free(r.sim);
     return status;
 }
@@ -435,17 +499,18 @@ static rp_status run_any(void *values)
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     path = cli_data(path);
     rp_status status = is_sweep(path, &sweep);
-    if (!status && sweep && o->snapshot > 0)
-        status = rp_fail(RP_USAGE, "--snapshot goes with a scene; %s is a sweep file", path);
+    if (!status && sweep && (o->snapshot > 0 || o->plot))
+        status = rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
+                         o->plot ? "plot" : "snapshot", path);
     return status ? status : sweep ? run_row(path, values) : run_file(path, values);
 }
 
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] | [SCENE.cfg] "
-    "--resume "
-    "DIR | SWEEP.cfg [--row N] [--every N] [--ledger] -o DIR [--force]",
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] [--plot] "
+    "[--quiet] | [SCENE.cfg] --resume DIR [--plot] [--quiet] | SWEEP.cfg [--row N] [--every N] [--ledger] "
+    "-o DIR [--force] [--quiet]",
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
@@ -454,6 +519,9 @@ const cli_command cmd_run = {
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
     "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
     "--force writes over those of the same names.\n"
+    "The run ends with one line on standard error: grains, steps, at rest or not (mean kinetic energy below\n"
+    "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
+    "The pile ends at an upright wall that has opened, else where its grains end.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
     "SIGINT,\n"
@@ -463,7 +531,10 @@ const cli_command cmd_run = {
     "or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
-    "folder gets the tables of this run. For a box: grains, contacts, energies, and a file scene.cfg that\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after "
+    "a\n"
+    "stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file scene.cfg "
+    "that\n"
     "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",

@@ -61,7 +61,7 @@ static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
     const cli_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     char names[512];
     snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
-    rp_status status = cli_group_rows(t, o->by, ',', &r->groups);
+    rp_status status = cli_group_rows(t, o->by, '\t', &r->groups);
     if (!status) status = cli_rows_read(t, names, &choice, &r->of);
     for (size_t i = 0; !status && i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
@@ -102,19 +102,16 @@ static void print_size(const stats_trend *t, double p_holm)
                  stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
-static void print_header(const rows *r, const trend_options *o, bool size)
+static rp_status print_header(const rp_table *t, const rows *r, const trend_options *o, bool size)
 {
-    char text[1024];
-    snprintf(text, sizeof text, "%s%s%s", grouped(o) ? o->by : "", grouped(o) ? ", " : "",
-             size ? SIZE_COLUMNS : TREND_COLUMNS);
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    rp_table_header(stdout, text);
+    return cli_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS);
 }
 
-static rp_status fit_groups(const rows *r, const trend_options *o, bool size)
+static rp_status fit_groups(const rp_table *t, const rows *r, const trend_options *o, bool size)
 {
     const size_t n_groups = r->of.n_groups, *first = r->of.first;
     stats_trend *trends = cli_memory(n_groups, sizeof *trends);
@@ -132,15 +129,15 @@ static rp_status fit_groups(const rows *r, const trend_options *o, bool size)
     }
     if (with_result == 0) return group;
     stats_holm(n_groups, p, p_holm);
-    print_header(r, o, size);
-    for (size_t g = 0; g < n_groups; g++) {
+    rp_status status = print_header(t, r, o, size);
+    for (size_t g = 0; g < n_groups && !status; g++) {
         if (grouped(o)) printf("%s\t", r->groups.words[g]);
         if (size)
             print_size(&trends[g], p_holm[g]);
         else
             print_trend(&trends[g], first[g + 1] - first[g], p_holm[g], o);
     }
-    return RP_OK;
+    return status;
 }
 
 /* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear. */
@@ -176,7 +173,7 @@ static rp_status trend_or_size(rp_table *table, const trend_options *o, bool siz
     rp_status status = number_words(table, o, r.x_words);
     if (!status) status = read_rows(table, o, &r);
     if (status) return status;
-    status = fit_groups(&r, o, size);
+    status = fit_groups(table, &r, o, size);
     return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
 }
 

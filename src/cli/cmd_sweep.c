@@ -22,6 +22,17 @@ void cli_print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
+/* An energy that grows is seen in a run's tables, and not in its row. */
+static void warn_undamped(const char *file, const sweep_counts *counts)
+{
+    if (counts->undamped > 0)
+        fprintf(stderr,
+                "repose sweep: warning: gamma_n = 0 at %zu of %zu grid points: without damping the energy of "
+                "a run "
+                "can grow, at any dt; repose run %s --row N -o DIR writes it\n",
+                counts->undamped, counts->points, file);
+}
+
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
@@ -37,6 +48,8 @@ static rp_status act_plan(void *values)
     if (!status)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                sweep_protocols, cli_watch(), &counts);
+    if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
+    if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
                counts.points, counts.replicas, counts.stored);
@@ -54,7 +67,8 @@ static const cli_command plan = {
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
     "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
-    "  piles = \"own\";                                      # shared: the same piles at every grid point",
+    "  piles = \"own\";                                      # shared: the same piles at every grid point\n"
+    "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
     .act = act_plan};
@@ -64,6 +78,7 @@ static const cli_command plan = {
     X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
 
 #define RUN_OPTIONS(X)                                                                                       \
+    CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     LIMITS(X)                                                                                                \
     X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")            \
@@ -89,7 +104,7 @@ static rp_status act_run(void *values)
     sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
-    if (!status) status = cli_sweep_run(cli_argument(0), options, &counts);
+    if (!status) status = cli_sweep_run(cli_argument(0), options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
     return status;
 }
@@ -159,7 +174,8 @@ static const cli_command export = {
     "write the runs, or their statistics, as a table",
     "DIR [--reduce] [-o FILE]",
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
-    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed).",
+    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs\n"
+    "that are aborted (see sweep run) are among the failed; the header then has their number.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
     .act = act_export};
@@ -260,7 +276,9 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
-    if (!status) status = cli_sweep_run(o->o, options, &counts);
+    if (!status) cli_warn_sweep(file);
+    if (!status) warn_undamped(cli_argument(0), &counts);
+    if (!status) status = cli_sweep_run(o->o, options, false, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
     if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);

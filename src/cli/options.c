@@ -1,4 +1,5 @@
 /* The command line: options through a parameter schema, groups of commands; see cli.h. */
+#include "core/units.h"
 #include "cli/cli.h"
 
 #include <ctype.h>
@@ -7,6 +8,8 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "core/guess.h"
 
 enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096 };
 
@@ -112,6 +115,21 @@ static size_t index_of(const char *name)
     return i;
 }
 
+/* An option that is written with too few or too many dashes is found as well. */
+static rp_status unknown_option(const char *text)
+{
+    char word[64], nearest[96] = "";
+    const char *name = text + strspn(text, "-");
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
+    rp_guess guess = rp_guess_of(word);
+    rp_guess_schema(&guess, line.options);
+    rp_guess_try(&guess, "help");
+    if (*guess.nearest)
+        snprintf(nearest, sizeof nearest, " (did you mean %s%s?)", strlen(guess.nearest) == 1 ? "-" : "--",
+                 guess.nearest);
+    return rp_fail(RP_USAGE, "unknown option %s%s; see repose %s --help", text, nearest, line.command->name);
+}
+
 static rp_status parse(const cli_command *command, int argc, char **argv, bool *done)
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
@@ -138,8 +156,7 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
             return RP_OK;
         }
         if (c == '?') /* a letter within a group: getopt has not passed its word yet */
-            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
-                           optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);
+            return unknown_option(optopt > 0 && optopt < 256 ? letter : argv[optind - 1]);
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
                            command->name);
@@ -165,6 +182,12 @@ bool cli_given(const char *name)
     return line.given[index_of(name)];
 }
 
+void cli_defaults_in_units(void)
+{
+    for (size_t i = 0; line.options[i].name; i++)
+        if (!line.given[i]) rp_params_default(&line.options[i], line.values);
+}
+
 void cli_provenance(FILE *out)
 {
     rp_table_provenance(out, cli_command_line());
@@ -177,7 +200,7 @@ void cli_table(FILE *out)
     for (const rp_param *p = line.options; p->name; p++)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, line.values, text, sizeof text),
-                          *p->unit ? " " : "", p->unit);
+                          *p->unit ? " " : "", rp_unit(p->unit));
 }
 
 /* Read "0.1,0.25,..." */
@@ -227,13 +250,21 @@ const char *cli_own_name(const cli_command *c)
     return blank ? blank + 1 : c->name;
 }
 
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group)
+{
+    rp_guess guess = rp_guess_of(word);
+    for (; *among; among++) rp_guess_try(&guess, cli_own_name(*among));
+    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see repose %s%s--help", word, rp_guess_text(&guess),
+                   group, *group ? " " : "");
+}
+
 static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 {
     if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         if (strcmp(argv[1], cli_own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
-    if (strcmp(argv[1], "--help") != 0)
-        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group->name);
+    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
+        return cli_unknown_command(argv[1], group->group, group->name);
     printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
            group->name);
     for (const cli_command *const *c = group->group; *c; c++)

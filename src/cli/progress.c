@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "cli/watch.h"
 #include "core/clock.h"
+
+static const char bar[] = "##############################";
 
 /* "1:02:03" or "2:03"; "-" for NaN. */
 static const char *clock_text(double seconds, char *buffer, size_t size)
@@ -19,6 +22,39 @@ static const char *clock_text(double seconds, char *buffer, size_t size)
     return buffer;
 }
 
+cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from, long to)
+{
+    return (cli_progress){quiet, terminal, false, now, now + (terminal ? 0.5 : 60.0), from, to};
+}
+
+void cli_progress_text(const cli_progress *p, double now, long step, char text[120])
+{
+    char left[32];
+    const double done = (double)(step - p->from), all = (double)(p->to - p->from),
+                 seconds = done > 0.0 ? (now - p->started) * (all - done) / done : NAN;
+    snprintf(text, 120, "step %ld of %ld, %.0f %%, %s left", step, p->to,
+             floor(100.0 * (double)step / fmax((double)p->to, 1.0)), clock_text(seconds, left, sizeof left));
+}
+
+void cli_progress_show(cli_progress *p, double now, long step, FILE *out)
+{
+    char text[120];
+    const bool ends = step == p->to && p->drawn;
+    if (p->quiet || (now < p->next && !(p->terminal && ends))) return;
+    if (!p->terminal && step == p->to) return;
+    p->next = now + (p->terminal ? 0.1 : 60.0);
+    p->drawn = true;
+    cli_progress_text(p, now, step, text);
+    if (!p->terminal) {
+        fprintf(out, "repose run: %s\n", text);
+        return;
+    }
+    const int width = (int)sizeof bar - 1,
+              full = p->to > 0 ? (int)((double)step / (double)p->to * width) : width;
+    fprintf(out, "\r[%.*s%*s] %-60s%s", full, bar, width - full, "", text, ends ? "\n" : "");
+    fflush(out);
+}
+
 /* One line, redrawn in place, in plain text. */
 static void draw(const sweep_progress *p, void *context)
 {
@@ -26,7 +62,6 @@ static void draw(const sweep_progress *p, void *context)
     if (p->stored < p->planned && rp_clock() < next) return;
     next = rp_clock() + 0.1;
     *(bool *)context = true;
-    static const char bar[] = "##############################";
     char elapsed[32], left[32], line[160];
     int width = (int)sizeof bar - 1, full = (int)(p->stored * (size_t)width / p->planned);
     snprintf(line, sizeof line, "[%.*s%*s] %zu/%zu  %zu failed  %s  left %s", full, bar, width - full, "",
@@ -34,6 +69,19 @@ static void draw(const sweep_progress *p, void *context)
              clock_text(p->left, left, sizeof left));
     fprintf(stderr, "\r%-79s", line);
     fflush(stderr);
+}
+
+/* A line a minute. */
+static void print(const sweep_progress *p, void *context)
+{
+    (void)context;
+    static double next;
+    char left[32];
+    if (next <= 0.0) next = rp_clock() + 60.0;
+    if (rp_clock() < next) return;
+    next = rp_clock() + 60.0;
+    fprintf(stderr, "repose sweep: %zu of %zu runs, %zu failed, %s left\n", p->stored, p->planned, p->failed,
+            clock_text(p->left, left, sizeof left));
 }
 
 static void report(void *context, const char *format, ...)
@@ -62,11 +110,11 @@ const sweep_watch *cli_watch(void)
     return isatty(STDERR_FILENO) ? &watch : NULL;
 }
 
-rp_status cli_sweep_run(const char *dir, sweep_options options, sweep_counts *counts)
+rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {
     bool drawn = false;
     if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
-    options.watch = isatty(STDERR_FILENO) ? draw : NULL;
+    options.watch = quiet ? NULL : isatty(STDERR_FILENO) ? draw : print;
     options.context = &drawn;
     options.report = report;
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);

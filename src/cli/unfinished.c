@@ -277,7 +277,7 @@ static int stage_lock;
 /* The message of cli_stage_stops, ready for the handler of a signal. */
 static char stopped[4200];
 
-rp_status cli_stage_open(const char *directory, char stage[4096])
+rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096])
 {
     if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
@@ -286,8 +286,9 @@ rp_status cli_stage_open(const char *directory, char stage[4096])
     if (!status) status = complete_move(directory, &moved);
     if (!status) status = rp_make_directory(stage);
     if (!status) status = take_lock(directory, stage, &stage_lock);
-    if (!status) status = check_vacant(directory);
-    return status ? status : empty_folder(stage);
+    if (status) return status;
+    status = check_vacant(directory);
+    return status ? resumes ? RP_OK : status : empty_folder(stage);
 }
 
 rp_status cli_stage_close(const char *directory, const char *stage, rp_status run)
@@ -298,21 +299,30 @@ rp_status cli_stage_close(const char *directory, const char *stage, rp_status ru
         snprintf(why, sizeof why, "%s", rp_message());
         return rp_fail(run, "%s; the tables so far are in %s", why, stage);
     }
+    alarm(0);
     cli_on_stop(SIG_IGN); /* the tables are no longer where the message says */
     rp_status status = publish(directory, stage_lock);
     close(stage_lock);
     return status;
 }
 
+static volatile bool *stop_asked;
+
 static void stop(int signal_number)
 {
-    (void)signal_number;
+    if (signal_number != SIGALRM && !*stop_asked) {
+        *stop_asked = true;
+        alarm(10); /* for a run that takes no snapshots */
+        return;
+    }
     (void)!write(STDERR_FILENO, stopped, strlen(stopped));
     _exit(RP_STOPPED);
 }
 
-void cli_stage_stops(const char *stage)
+void cli_stage_stops(const char *stage, volatile bool *stop_here)
 {
+    stop_asked = stop_here;
+    signal(SIGALRM, stop);
     snprintf(stopped, sizeof stopped, "repose run: stopped; the tables so far are in %s\n", stage);
     cli_on_stop(stop);
 }

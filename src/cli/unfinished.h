@@ -50,15 +50,16 @@ void cli_unfinished_close(cli_unfinished *u);
 
 /* ---- Without snapshots */
 
-/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first. A whole
+/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first, unless it
+ * has a snapshot and the run `resumes`. A whole
  * result moves into the directory, in place of what is there; any other one stays, and the message of `run`,
  * which is returned, names its folder. Errors: RP_IO, RP_BAD_INPUT. */
-rp_status cli_stage_open(const char *directory, char stage[4096]);
+rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096]);
 rp_status cli_stage_close(const char *directory, const char *stage, rp_status run);
 
-/* SIGINT, SIGTERM and SIGHUP call `handler`, or end this process with RP_STOPPED and a message that names the
- * stage. */
+/* SIGINT, SIGTERM and SIGHUP call `handler`, or set *stop; a second one, or ten seconds, then end this
+ * process with RP_STOPPED and a message that names the stage. */
 void cli_on_stop(void (*handler)(int));
-void cli_stage_stops(const char *stage);
+void cli_stage_stops(const char *stage, volatile bool *stop);
 
 #endif

@@ -341,7 +341,9 @@ void dem_wall_forces(const dem_sim *sim, double *forces);
  * an open wall is left where both ends are equal. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
+    bool open; /* it has begun to open */
 } dem_wall_state;
+size_t dem_wall_count(const dem_sim *sim);
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);
 
 /* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that

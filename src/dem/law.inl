@@ -106,10 +106,11 @@ static inline double linear_damping_ratio(double k_n, double gamma_n, double m_e
     return 0.5 * gamma_n * sqrt(m_eff / k_n);
 }
 
-/* gamma_n (m_eff/k_n)^(2/5) v^(-1/5) = 1.12799 with Hertz' spring */
+/* gamma_n (m_eff/k_n)^(2/5) v^(-1/5) = 1.12798813552017 with Hertz' spring: the path that ends in rest at
+ * overlap 0, integrated back from there */
 static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_eff)
 {
-    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12799, 5.0);
+    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12798813552017, 5.0);
 }
 
 /* Tsuji, Tanaka & Ishida 1992: c m_eff = gamma_n sqrt(m_eff k_n) x^(1/4), with Hertz' spring, gamma_n

@@ -86,6 +86,7 @@ static void keep_pairs(rp_snapshot *s, dem_sim *sim)
     const size_t n = p->n;
     bool in_order = p->n_chunks > 0, exist = true;
     RP_KEEP(s, in_order);
+    rp_keep_check(s, rp_keep_bool(&in_order), "unknown words in its pairs");
     if (s->reading && !s->status) {
         *p = (dem_pairs){
             .rotation = sim->def.rotation, .rolling = dem_has_rolling(&sim->def), .chunk = p->chunk};
@@ -123,7 +124,7 @@ static void keep_wall_list(rp_snapshot *s, dem_sim *sim)
     bool known = true;
     for (size_t k = 0; k < n && !s->status; k++)
         known &= rp_keep_bool(&w->wall[k].joined[0]) && rp_keep_bool(&w->wall[k].joined[1]) &&
-                 rp_keep_bool(&w->line[k].moves);
+                 rp_keep_bool(&w->line[k].moves) && rp_keep_bool(&w->line[k].plain);
     rp_keep_check(s, known, "unknown words in its walls");
 }
 

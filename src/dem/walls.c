@@ -216,6 +216,11 @@ void dem_walls_move(dem_sim *sim)
     }
 }
 
+size_t dem_wall_count(const dem_sim *sim)
+{
+    return sim->def.n_walls;
+}
+
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
 {
     const dem_wall *w = &sim->walls.wall[wall];
@@ -223,14 +228,16 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                   force = sim->walls.force[wall];
     double lo = w->extent[0];
     const double hi = w->extent[1];
-    if (w->open_at_step >= 0 && sim->step >= w->open_at_step)
+    const bool open = w->open_at_step >= 0 && sim->step >= w->open_at_step;
+    if (open)
         lo = isinf(w->open_speed)
                  ? hi
                  : fmin(lo + w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step), hi);
     return (dem_wall_state){.point = {point[0], point[1]},
                             .direction = {direction[0], direction[1]},
                             .ends = {lo, hi},
-                            .force = {force[0], force[1]}};
+                            .force = {force[0], force[1]},
+                            .open = open};
 }
 
 /* Does a segment that is joined at this end (0: lower) have the contact of a grain there instead? The grain

@@ -74,12 +74,12 @@ static rp_status holdout_case(const stats_ensemble *fit, const stats_ensemble *r
                               stats_case *k)
 {
     stats_calibration c = {0}, points = {0};
-    rp_status status = stats_calibration_fit(fit, &c);
-    if (!status) status = stats_points_make(rest, &points);
+    rp_status status = stats_points_make(rest, &points);
     size_t g = 0, n = points.n_points;
     if (!status && n > 0) g = gsl_rng_uniform_int(rng, n);
     for (size_t tried = 0; !status && (n == 0 || !is_whole(&points, g % n)); g++)
         if (++tried >= n) status = rp_fail(RP_BAD_INPUT, "no piles with every angle to hold out");
+    if (!status) status = stats_calibration_fit(fit, &c);
     if (!status) status = measure_case(&c, &points, g % n, k);
     stats_calibration_free(&points);
     stats_calibration_free(&c);

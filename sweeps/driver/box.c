@@ -116,12 +116,15 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     SWEEP_ENTER(run->keep, *result);
     SWEEP_ENTER(run->keep, run->cells);
     sweep_keep_enter_sim(run->keep, &run->sim);
+    SWEEP_ENTER(run->keep, run->scene.def.walls[DEM_BOX_RIGHT].open_at_step);
     if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
     rp_status status = rp_make_directory(tables->directory);
     if (!status) status = sweep_table_open(tables, "energy.tsv", &run->energy);
-    if (!status) dem_write_energy_columns(tables->ledger, run->energy.out);
-    return status;
+    if (status) return status;
+    dem_write_energy_columns(tables->ledger, run->energy.out);
+    sweep_keep_enter_file(run->keep, run->energy.out);
+    return run->keep ? run->keep->source.status : RP_OK;
 }
 
 rp_status sweep_box_end(sweep_box_run *run, rp_status status)

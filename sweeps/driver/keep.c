@@ -2,6 +2,7 @@
 #include "sweeps/driver/keep.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -52,8 +53,29 @@ bool sweep_keep_resumes(const sweep_keep *k)
     return k && k->source.at < k->source.n;
 }
 
+static void keep_file(rp_snapshot *s, FILE *file)
+{
+    size_t n = fflush(file) == 0 && !s->reading ? (size_t)ftell(file) : 0;
+    RP_KEEP(s, n);
+    rp_keep_check(s, n <= s->n - s->at, "a table that is too long");
+    if (s->status) return;
+    char *text = malloc(n + 1);
+    bool good = text && (s->reading || pread(fileno(file), text, n, 0) == (ssize_t)n);
+    if (good) rp_keep(s, text, n);
+    if (good && s->reading) {
+        rewind(file);
+        good = ftruncate(fileno(file), 0) == 0 && fwrite(text, 1, n, file) == n;
+    }
+    if (!good) s->status = rp_fail(RP_IO, "%s: cannot keep a table", s->path ? s->path : "snapshot");
+    free(text);
+}
+
 static void keep_one(rp_snapshot *s, void *data, size_t size)
 {
+    if (size == SIZE_MAX) {
+        keep_file(s, data);
+        return;
+    }
     if (size > 0) {
         rp_keep(s, data, size);
         return;
@@ -80,6 +102,11 @@ bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
 bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim)
 {
     return sweep_keep_enter(k, sim, 0);
+}
+
+bool sweep_keep_enter_file(sweep_keep *k, FILE *file)
+{
+    return sweep_keep_enter(k, file, SIZE_MAX);
 }
 
 void sweep_keep_leave(sweep_keep *k, size_t n)

@@ -7,6 +7,8 @@
 #ifndef SWEEP_KEEP_H
 #define SWEEP_KEEP_H
 
+#include <stdio.h>
+
 #include "core/snapshot.h"
 #include "dem/dem.h"
 
@@ -20,7 +22,7 @@ typedef struct sweep_keep {
     size_t n;
     struct {
         void *data;
-        size_t size; /* 0: a dem_sim * */
+        size_t size; /* 0: a dem_sim *; SIZE_MAX: a FILE */
     } entered[SWEEP_KEEP_MOST];
 } sweep_keep;
 
@@ -41,6 +43,9 @@ bool sweep_keep_resumes(const sweep_keep *k);
  * that of the snapshot. Leave the last n. */
 bool sweep_keep_enter(sweep_keep *k, void *data, size_t size);
 bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim);
+
+/* Enter a table in the making, of rp_file_open: its text so far is that of the snapshot. */
+bool sweep_keep_enter_file(sweep_keep *k, FILE *file);
 void sweep_keep_leave(sweep_keep *k, size_t n);
 #define SWEEP_ENTER(k, variable) sweep_keep_enter(k, &(variable), sizeof(variable))
 

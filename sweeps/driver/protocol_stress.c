@@ -86,7 +86,7 @@ typedef struct {
     reading readings[N_TILTS];
     size_t n_readings;
     dem_sim *rested;   /* the pile, for the tilt at a rate */
-    long steps_before; /* of the tilt from rest to rest; -1: that has not ended */
+    long steps_before; /* of the tilt from rest to rest, once that has ended */
 } experiment;
 
 static rp_status check(const void *params)
@@ -308,9 +308,7 @@ static rp_status run_phases(experiment *e)
     SWEEP_ENTER(keep, phase);
     for (; phase < sizeof phases / sizeof *phases && !status; phase++) status = phases[phase](e);
     if (!e->box.sim) return status;
-    /* a run that ends before the tilt at a rate counts its steps twice, as in all stored results */
-    const long steps = dem_step(e->box.sim), before = e->steps_before < 0 ? steps : e->steps_before;
-    e->values[OUT_steps] = (double)(steps + before);
+    e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     return status;
 }
 
@@ -318,7 +316,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const stress_params *p = params;
-    experiment e = {.p = p, .values = result->values, .steps_before = -1};
+    experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
     dem_free(e.rested);

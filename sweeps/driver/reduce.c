@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "stats/stats.h"
+#include "core/units.h"
 #include "core/table.h"
 
 enum { N_STATISTICS = 6 };
@@ -95,12 +96,14 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
     rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
+    if (sweep_count_aborted(&counts) > 0)
+        rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(&counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
         if (!is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
-                          *p->unit ? " " : "", p->unit);
+                          *p->unit ? " " : "", rp_unit(p->unit));
     return status;
 }
 

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "core/table.h"
+#include "sweeps/driver/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it. */
 static rp_status take_lock(const char *path, const char *store, int *lock)
@@ -110,11 +111,16 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
+static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch,
+                              size_t *undamped)
 {
+    const rp_param *damping = rp_params_find(plan->protocol->schema, "gamma_n");
     rp_status status = RP_OK;
+    *undamped = 0;
     for (size_t i = 0; !status && i < plan->n_points; i++) {
         status = sweep_plan_check_point(plan, file, i);
+        const char *values = sweep_plan_point(plan, i);
+        *undamped += damping && *(const double *)(values + damping->offset) == 0.0;
         if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
     }
     return status;
@@ -127,9 +133,10 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     sweep_folder f = {.lock = -1};
     char path[4096];
     FILE *out = NULL;
+    size_t undamped = 0;
     rp_status status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
-    if (!status) status = check_points(&f.plan, file, watch);
+    if (!status) status = check_points(&f.plan, file, watch, &undamped);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = lock_folder(dir, &f.lock);
     snprintf(path, sizeof path, "%s/store.sqlite", dir);
@@ -142,6 +149,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         status = rp_file_close(path, out, RP_OK);
     }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    counts->undamped = undamped;
     sweep_folder_close(&f);
     return status;
 }
@@ -361,10 +369,23 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     return status;
 }
 
+/* Whose a snapshot is: of this run with these tables. */
+static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *tables, char owner[33])
+{
+    char text[128], key[33];
+    sweep_plan_key(plan, row, key);
+    snprintf(text, sizeof text, "%s every %ld ledger %d", key, tables->every, tables->ledger);
+    rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
+}
+
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
 {
     sweep_plan plan;
+    sweep_keep keep;
+    sweep_tables kept = *tables;
+    char owner[33], why[1024] = "";
+    kept.keep = tables->snapshot ? &keep : NULL;
     rp_status status = sweep_plan_read(file, protocols, &plan);
     *protocol = plan.protocol;
     if (!status && row >= plan.n_runs)
@@ -372,9 +393,15 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
                          plan.n_runs - 1, file);
     if (!status) status = sweep_plan_check_point(&plan, file, row / plan.replicas);
     if (!status) {
+        trace_owner(&plan, row, tables, owner);
+        if (kept.keep)
+            sweep_keep_begin(&keep, tables->snapshot, owner, tables->interval, true, why, sizeof why);
+        keep.stop = tables->stop;
         const sweep_stream stream = sweep_plan_stream(&plan, row);
-        status = plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed, stream.run,
-                                    tables, result);
+        status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
+                      : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed,
+                                           stream.run, &kept, result);
+        if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
     }
     sweep_plan_free(&plan);
     return status;

@@ -37,6 +37,7 @@ enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
+    size_t undamped;  /* grid points with gamma_n = 0; of sweep_prepare alone */
     size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
     double seconds;   /* of the latest runs, on average; NaN without any */
     char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
@@ -154,7 +155,8 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
- * *result. Errors: RP_BAD_INPUT (the file, a row it does not have), RP_IO, the protocol's. */
+ * *result. With tables->snapshot the run goes on from there. Errors: RP_BAD_INPUT (the file, a row it does
+ * not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
 

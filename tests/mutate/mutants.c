@@ -1,10 +1,10 @@
 /* Lists the mutants of C files, for tests/mutate.sh: one sign, factor, index or comparison changed at a time.
  *
- *   mutants EXCEPTIONS FILE ...    a row each: file, line, kind, original, mutant, and the outcome if it
+ *   mutants EXCEPTIONS SEED FILE ...    a row each: file, line, kind, original, mutant, and the outcome if it
  * survives: "equivalent" if EXCEPTIONS has it, else "survived"
  *
  * The rows come in the order in which to try them: by turns from each kind in each file, within these at
- * random, by their text alone. Status 2: a line of EXCEPTIONS is no mutant, or a file cannot be read.
+ * random, by their text and the seed. Status 2: a line of EXCEPTIONS is no mutant, or a file cannot be read.
  *
  * A comparison is turned round; with a whole number its limit is let in or out too, which among measured
  * numbers changes nothing. Of what writes and reads results two neighbours of a list change places, the words
@@ -36,6 +36,7 @@ typedef struct {
 static struct {
     entry *all;
     size_t n, capacity;
+    uint64_t seed;
 } list;
 
 /* A line: as it is, and with what is not to change blanked, all else in its place. */
@@ -93,14 +94,14 @@ static void offer(const char *kind, size_t from, size_t len, const char *with)
     if (strcmp(text, at_line.text) == 0) return;
     if (list.n == list.capacity)
         list.all = checked(realloc(list.all, (list.capacity = 2 * list.capacity + 64) * sizeof *list.all));
-    list.all[list.n++] =
-        (entry){.file = at_line.file,
-                .line = at_line.number,
-                .twin = at_line.twin,
-                .kind = kind,
-                .original = trimmed(at_line.text),
-                .mutant = trimmed(text),
-                .random = random_of(text, random_of(at_line.file, from + (at_line.twin << 16)))};
+    list.all[list.n++] = (entry){
+        .file = at_line.file,
+        .line = at_line.number,
+        .twin = at_line.twin,
+        .kind = kind,
+        .original = trimmed(at_line.text),
+        .mutant = trimmed(text),
+        .random = random_of(text, random_of(at_line.file, from + (at_line.twin << 16) + (list.seed << 32)))};
 }
 
 static void change_operator(size_t from, size_t len)
@@ -444,11 +445,12 @@ static int by_turn(const void *a, const void *b)
 
 int main(int n, char **arguments)
 {
-    if (n < 3) {
-        fprintf(stderr, "usage: mutants EXCEPTIONS FILE ...\n");
+    if (n < 4) {
+        fprintf(stderr, "usage: mutants EXCEPTIONS SEED FILE ...\n");
         return 2;
     }
-    for (int i = 2; i < n; i++) mutate_file(arguments[i]);
+    list.seed = strtoull(arguments[2], NULL, 10);
+    for (int i = 3; i < n; i++) mutate_file(arguments[i]);
     if (!read_exceptions(arguments[1])) return 2;
     qsort(list.all, list.n, sizeof *list.all, by_group);
     for (size_t i = 1; i < list.n; i++) {

@@ -2,9 +2,9 @@
 # Do the tests see a changed sign, factor, index or comparison? Each mutant that mutants.c lists is compiled in a
 # copy of the tree, and the suites nearest to its file run until one fails; running for ever is a failure too.
 #
-#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS    from the top of the tree; writes
-#                                                  BUILD/tables/mutate.tsv, a row a mutant, and
-#                                                  mutate_summary.tsv, a row a file
+#   sh tests/mutate/mutate.sh BUILD NUMBER JOBS SEED    from the top of the tree; writes
+#                                                       BUILD/tables/mutate.tsv, a row a mutant, and
+#                                                       mutate_summary.tsv, a row a file
 #
 # Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
 # less than 95 %. Status 2: a line of that file is no mutant, or the tests fail without one.
@@ -12,6 +12,7 @@ set -eu
 export LC_ALL=C
 unset MAKEFLAGS # of the make that runs this: the copies build their own
 limit_cpu=30    # seconds, three times what the suites of a file may take
+limit_wall=600  # on a machine that does other things too
 # what swaps arguments of other types does not compile
 flags='-O1 -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
@@ -21,7 +22,8 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
-    src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_[acflr-t]*.c
+    src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
+    src/cli/export_*.c src/cli/view_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -32,15 +34,19 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/forensics.c) echo forensics ;;
-    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate ;;
-    src/stats/*) echo calibrate ;;
+    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables ;;
+    src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
-    src/cli/*) echo evidence options tables claims cli ;;
-    sweeps/driver/pile_tables.c) echo tables piles cli ;;
-    src/stress/*) echo stress drop piles ;;
     src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
+    src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
+    src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/cmd_help.c) echo options cli install ;;
+    src/cli/cmd_run.c) echo tables options snapshot cli ;;
+    src/cli/*) echo evidence options tables columns claims cli ;;
+    sweeps/driver/pile_tables.c) echo tables piles cli ;;
+    src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
@@ -48,9 +54,10 @@ suites_of() {
         echo scene golden motion hard soft rotation dem laws ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
-    sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden ;;
-    sweeps/driver/box.c) echo repose stress flux golden keys ;;
+    sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
+    sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep tables evidence cli ;;
+    src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard golden scene dem laws ;;
     esac
 }
@@ -60,11 +67,11 @@ suites_of() {
 try() {
     (
         cd "$1"
-        make -s build/check build/repose SAN="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
+        make -s build/check build/repose WERROR="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
-        if REPOSE=build/repose timeout 300 build/check --stop "$@" >check.log 2>&1; then
+        if REPOSE=build/repose timeout $limit_wall build/check --stop "$@" >check.log 2>&1; then
             echo "survived$tab-"
         else
             echo "killed$tab$(sed -n -e 's/, [0-9.]* s$//' -e 's/^  FAILED  //p' check.log | grep -m 1 . || echo time)"
@@ -90,20 +97,20 @@ if [ "${3-}" = one ]; then
     exit
 fi
 
-build=$1 number=$2 jobs=$3
+build=$1 number=$2 jobs=$3 seed=$4
 work=$build/mutate
 # a run of the same code that was stopped goes on
-sum=$(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)
+sum="$seed $(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)"
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree" "$build/tables"
-    cp -a Makefile analytic figures src sweeps tests validation "$work/tree"
+    find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
 fi
 ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
-"$build/mutants" validation/mutants.txt $files >"$work/list"
+"$build/mutants" validation/mutants.txt "$seed" $files >"$work/list"
 
-make -s -C "$work/tree" -j "$jobs" build/check build/repose SAN="$flags" >/dev/null 2>&1
-outcome=$(try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
+make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
+outcome=$(limit_wall=6000; try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
 [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
 echo "$sum" >"$work/sum"
 

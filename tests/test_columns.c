@@ -1,0 +1,1089 @@
+/* Tables of commands and protocols whose numbers follow from other tables: every column is computed a second
+ * time, in another way, from grains and contacts, from planted rows, or from a shorter run. */
+#include <complex.h>
+#include <gsl/gsl_poly.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/random.h"
+#include "dem/scene.h"
+#include "stats/calibrate.h"
+#include "stats/stats.h"
+#include "stress/stress.h"
+#include "sweeps/driver/protocol.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+static const double deg = M_PI / 180.0;
+/* sums of some hundred rounded products */
+static const double tight = 1e-11;
+
+static double square(double x)
+{
+    return x * x;
+}
+
+/* ---- a pile: its grains and contacts as tables ---- */
+
+/* The force on the first of two bodies, from the normal force and the shear force along the normal turned
+ * clockwise. */
+typedef struct {
+    double fx, fy, lx, ly;
+    bool floor;
+} force;
+
+static force force_of(checked *c, size_t k)
+{
+    const double lx = at(c, k, "x") - at(c, k, "x_b"), ly = at(c, k, "y") - at(c, k, "y_b");
+    const double complex n = (lx + I * ly) / hypot(lx, ly),
+                         f = n * (at(c, k, "normal_force") - I * at(c, k, "shear_force"));
+    return (force){creal(f), cimag(f), lx, ly, at(c, k, "id_b") == 0.0 && at(c, k, "wall") == 1.0};
+}
+
+/* The part of the branch from x_b to x whose cells have the number `cell` in both directions: the segments
+ * between its crossings with the grid lines belong to the cells of their middles. */
+static double share(const checked *c, size_t k, double size, double column, double row)
+{
+    enum { MOST = 64 };
+    const double from[] = {cell(&c->t, k, "x_b"), cell(&c->t, k, "y_b")},
+                 to[] = {cell(&c->t, k, "x"), cell(&c->t, k, "y")};
+    double cuts[MOST] = {0.0, 1.0}, part = 0.0;
+    size_t n = 2;
+    for (int a = 0; a < 2; a++)
+        for (double line = floor(fmin(from[a], to[a]) / size); line * size <= fmax(from[a], to[a]); line++) {
+            const double s = (line * size - from[a]) / (to[a] - from[a]);
+            if (n < MOST && s > 0.0 && s < 1.0) cuts[n++] = s;
+        }
+    for (size_t i = 0; i < n; i++) {
+        double next = 1.0;
+        for (size_t j = 0; j < n; j++)
+            if (cuts[j] > cuts[i]) next = fmin(next, cuts[j]);
+        const double middle = 0.5 * (cuts[i] + next);
+        bool is_in = true;
+        for (int a = 0; a < 2; a++)
+            is_in &= floor((from[a] + middle * (to[a] - from[a])) / size) == (a ? row : column);
+        part += is_in ? next - cuts[i] : 0.0;
+    }
+    return part;
+}
+
+/* Over all planes: the largest pressure and the largest angle between traction and normal; pi/2 if one pulls.
+ */
+static void scan_planes(const double s[4], double *pressure, double *mobilised)
+{
+    enum { PLANES = 20000 };
+    *pressure = -INFINITY;
+    *mobilised = 0.0;
+    for (int k = 0; k < PLANES; k++) {
+        const double a = M_PI * k / PLANES, x = cos(a), y = sin(a);
+        const double tx = s[0] * x + s[1] * y, ty = s[2] * x + s[3] * y, normal = x * tx + y * ty;
+        *pressure = fmax(*pressure, normal);
+        *mobilised = fmax(*mobilised, normal > 0.0 ? atan(fabs(x * ty - y * tx) / normal) : M_PI_2);
+    }
+}
+
+/* ---- protocol stress, stress field, stress base ---- */
+
+enum { TILTS = 5, QUANTITIES = 6 };
+static const double tilts_deg[TILTS] = {0.0, 0.5, 1.0, 2.0, 4.0};
+
+/* n, h and the stress of a tilt over the weight normal to the floor; what grains of the pile are from
+ * balance.
+ */
+typedef struct {
+    double t, q[QUANTITIES], weight_error, balance_error;
+} response;
+
+static response read_tilt(int k, double width)
+{
+    char name[64];
+    response r = {.t = tan(tilts_deg[k] * deg)};
+    double weight = 0.0, mean_weight = 4.0 / 3.0 * M_PI * 1e-3 * 981.0;
+    snprintf(name, sizeof name, "d/tilt_%g_grains.tsv", tilts_deg[k]);
+    rp_table grains = read_table(name);
+    for (size_t i = 0; i < grains.n_rows; i++) {
+        const double x = cell(&grains, i, "x"), fx = cell(&grains, i, "fx"), fy = cell(&grains, i, "fy");
+        weight += 981.0 * cell(&grains, i, "m");
+        if (!(x > 0.0 && x < width)) continue;
+        r.weight_error += fy;
+        if (cell(&grains, i, "contacts") > 0.0)
+            r.balance_error = fmax(r.balance_error, hypot(fx, fy) / mean_weight);
+    }
+    rp_table_free(&grains);
+    r.weight_error /= weight;
+    snprintf(name, sizeof name, "d/tilt_%g_contacts.tsv", tilts_deg[k]);
+    checked c = checked_read(name);
+    const double normal = weight * cos(tilts_deg[k] * deg);
+    for (size_t i = 0; i < c.t.n_rows; i++) {
+        const force f = force_of(&c, i);
+        const double part = share(&c, i, width, 0.0, 0.0) + share(&c, i, width, 0.0, 1.0);
+        if (f.floor && cell(&c.t, i, "x") > 0.0 && cell(&c.t, i, "x") < width) {
+            r.q[0] += cell(&c.t, i, "normal_force") / normal;
+            r.q[1] -= cell(&c.t, i, "shear_force") / normal;
+        }
+        const double products[] = {f.fx * f.lx, f.fx * f.ly, f.fy * f.lx, f.fy * f.ly};
+        for (int a = 0; a < 4; a++) r.q[2 + a] += part * products[a] / (normal * 0.2);
+    }
+    rp_table_free(&c.t);
+    return r;
+}
+
+/* Line through the first four tilts: value at 0 and slope. */
+static void line_through(const response r[], int quantity, double line[2])
+{
+    double t = 0.0, v = 0.0, tt = 0.0, tv = 0.0;
+    for (int k = 0; k < 4; k++) t += r[k].t / 4.0, v += r[k].q[quantity] / 4.0;
+    for (int k = 0; k < 4; k++) {
+        tt += square(r[k].t - t);
+        tv += (r[k].t - t) * (r[k].q[quantity] - v);
+    }
+    line[1] = tv / tt;
+    line[0] = v - line[1] * t;
+}
+
+static void check_response(checked *o, double mu, double width)
+{
+    static const char *const names[QUANTITIES] = {"n", "h", "sxx", "sxy", "syx", "syy"};
+    response r[TILTS];
+    double line[QUANTITIES][2], most, mobilised, balance_error = 0.0;
+    char column[16];
+    for (int k = 0; k < TILTS; k++) {
+        r[k] = read_tilt(k, width);
+        balance_error = fmax(balance_error, r[k].balance_error);
+    }
+    for (int i = 0; i < QUANTITIES; i++) {
+        line_through(r, i, line[i]);
+        for (int a = 0; a < 2; a++) {
+            snprintf(column, sizeof column, "%s_%d", names[i], a);
+            CHECK_NEAR(at(o, 0, column), line[i][a], 1e-9);
+        }
+    }
+    const double *s = &r[0].q[2], last = r[4].t;
+    scan_planes(s, &most, &mobilised);
+    CHECK_NEAR(at(o, 0, "floor_friction_0"), r[0].q[1] / r[0].q[0], tight);
+    CHECK_NEAR(at(o, 0, "bulk_friction_0"), tan(mobilised), 1e-6);
+    CHECK_NEAR(at(o, 0, "couple_0"), (s[1] - s[2]) / (s[0] + s[3]), tight);
+    CHECK_NEAR(at(o, 0, "weight_error"), r[0].weight_error, tight);
+    CHECK_NEAR(at(o, 0, "balance_error"), balance_error, tight);
+    const double beyond = (line[1][0] + line[1][1] * last) / (line[0][0] + line[0][1] * last);
+    CHECK_NEAR(at(o, 0, "floor_friction_beyond"), r[4].q[1] / r[4].q[0] - beyond, 1e-9);
+    /* friction along the line passes mu there, from below */
+    for (int side = -1; side < 2; side += 2) {
+        const double t = tan(at(o, 0, "floor_tilt_deg") * deg) + 1e-7 * side;
+        const double friction = (line[1][0] + line[1][1] * t) / (line[0][0] + line[0][1] * t);
+        CU_ASSERT((friction > mu) == (side > 0));
+    }
+}
+
+static double slope_of(const char *grains, double width)
+{
+    GOOD("angle slope %s --width %g --cell 0.2", grains, width);
+    rp_table t = read_table("out");
+    const double theta = cell(&t, 2, "theta_deg");
+    rp_table_free(&t);
+    return theta;
+}
+
+/* A cell of the field: force times branch of the two piles, by the segments of the branches. */
+static void check_cell(checked *field, size_t row, checked piles[2], double width, double size)
+{
+    static const char *const names[] = {"sxx", "sxy", "syx", "syy"};
+    const double columns = round(width / size), column = fmod((double)row, columns),
+                 height = floor((double)row / columns);
+    double s[4] = {0.0}, most, mobilised;
+    for (size_t p = 0; p < 2; p++)
+        for (size_t k = 0; k < piles[p].t.n_rows; k++) {
+            const double part = share(&piles[p], k, size, column, height) / (2.0 * size * size);
+            if (part == 0.0) continue;
+            const force f = force_of(&piles[p], k);
+            s[0] += part * f.fx * f.lx, s[1] += part * f.fx * f.ly;
+            s[2] += part * f.fy * f.lx, s[3] += part * f.fy * f.ly;
+        }
+    CHECK_NEAR(at(field, row, "x/W"), (column + 0.5) * size / width, 1e-14);
+    CHECK_NEAR(at(field, row, "y/W"), (height + 0.5) * size / width, 1e-14);
+    const double large = fabs(s[0]) + fabs(s[3]);
+    for (int a = 0; a < 4; a++) CHECK_NEAR(at(field, row, names[a]), s[a], tight * large);
+    CHECK_NEAR(at(field, row, "p"), 0.5 * (s[0] + s[3]), tight * large);
+    CHECK_NEAR(at(field, row, "couple"), 0.5 * (s[1] - s[2]), tight * large);
+    scan_planes(s, &most, &mobilised);
+    CHECK_NEAR(at(field, row, "p") + at(field, row, "shear"), most, 1e-7 * large);
+    const double a = at(field, row, "direction"), x = cos(a), y = sin(a),
+                 angle = at(field, row, "mobilised_deg");
+    if (large > 0.0) {
+        CHECK_NEAR(x * x * s[0] + x * y * (s[1] + s[2]) + y * y * s[3], most, 1e-7 * large);
+        CHECK_NEAR(angle, mobilised / deg, 1e-3);
+    } else {
+        CU_ASSERT(isnan(a) && isnan(angle));
+    }
+}
+
+/* A column of the floor. The forces on its grains, with their weight, are what is missing in its balance; of
+ * the second pile, gravity was tilted. */
+static void check_column(checked *base, size_t row, checked contacts[2], checked grains[2], double width,
+                         double size, double slope)
+{
+    double n[2] = {0.0}, h[2] = {0.0}, weight = 0.0, net = 0.0;
+    for (size_t p = 0; p < 2; p++) {
+        for (size_t k = 0; k < contacts[p].t.n_rows; k++) {
+            const force f = force_of(&contacts[p], k);
+            if (!f.floor || floor(at(&contacts[p], k, "x") / size) != (double)row) continue;
+            n[p] += at(&contacts[p], k, "normal_force") / size;
+            h[p] -= at(&contacts[p], k, "shear_force") / size;
+        }
+        for (size_t i = 0; i < grains[p].t.n_rows; i++) {
+            if (floor(at(&grains[p], i, "x") / size) != (double)row) continue;
+            weight += 0.5 * 981.0 * at(&grains[p], i, "m") / size;
+            const double tilt = p ? 2.0 * deg : 0.0, m = at(&grains[p], i, "m");
+            net += 0.5 * (at(&grains[p], i, "fy") + 981.0 * m * (cos(tilt) - 1.0)) / size;
+        }
+    }
+    const double N = 0.5 * (n[0] + n[1]), H = 0.5 * (h[0] + h[1]), large = fabs(N) + fabs(weight) + 1.0,
+                 t2 = square(tan(slope * deg) / tan(55.0 * deg));
+    CHECK_NEAR(at(base, row, "x/W"), ((double)row + 0.5) * size / width, 1e-14);
+    CHECK_NEAR(at(base, row, "N"), N, tight * large);
+    CHECK_NEAR(at(base, row, "H"), H, tight * large);
+    CHECK_NEAR(at(base, row, "N_se"), 0.5 * fabs(n[0] - n[1]), tight * large);
+    CHECK_NEAR(at(base, row, "H_se"), 0.5 * fabs(h[0] - h[1]), tight * large);
+    CHECK_NEAR(at(base, row, "weight"), weight, tight * large);
+    CHECK_NEAR(at(base, row, "imbalance"), net, 1e-9 * large);
+    CHECK_NEAR(at(base, row, "through"), N - weight - net, 1e-9 * large);
+    const double ratio = at(base, row, "H/N");
+    if (N > 0.0)
+        CHECK_NEAR(ratio, H / N, 1e-9);
+    else
+        CU_ASSERT(isnan(ratio));
+    CHECK_NEAR(at(base, row, "N_theory"), weight / (1.0 - t2), tight * large);
+    CHECK_NEAR(at(base, row, "H_theory"), weight / (1.0 - t2) * tan(slope * deg) / square(tan(55.0 * deg)),
+               tight * large);
+}
+
+/* The pile of protocol stress, its field and its base. Two piles are the same one, upright and tilted. */
+static void test_stress(void)
+{
+    const double width = 2.0, mu = 0.4;
+    enter();
+    write_text("s.cfg", "protocol = \"stress\"; replicas = 1; seed = 1993;\n"
+                        "fixed = { W = 2.0; H = 2.0; mu = 0.4; };\n");
+    GOOD("run s.cfg -o d");
+    checked o = checked_read("out");
+    check_response(&o, mu, width);
+    CHECK_NEAR(at(&o, 0, "theta_r3_deg"), slope_of("d/pile_grains.tsv", width), tight);
+    CHECK_NEAR(at(&o, 0, "tilts"), TILTS, 0.0);
+    checked grains[2] = {checked_read("d/pile_grains.tsv"), checked_read("d/tilt_2_grains.tsv")},
+            contacts[2] = {checked_read("d/pile_contacts.tsv"), checked_read("d/tilt_2_contacts.tsv")};
+    double inside = 0.0;
+    for (size_t i = 0; i < grains[0].t.n_rows; i++)
+        inside += at(&grains[0], i, "x") > 0.0 && at(&grains[0], i, "x") < width;
+    CHECK_NEAR(at(&o, 0, "grains"), inside, 0.0);
+    /* to the last tilt at rest, then again from the pile on until it moves, 1e-3 degree a step */
+    rp_table last = read_table("d/tilt_4_grains.tsv");
+    CHECK_NEAR(at(&o, 0, "steps"), cell(&last, 0, "step") + 1e3 * at(&o, 0, "theta_t_displacement_deg"),
+               1e-6);
+    rp_table_free(&last);
+    at(&o, 0, "status");
+    CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
+    checked_end(&o);
+
+    GOOD("stress field d/pile d/tilt_2_contacts.tsv --width 2 --cell 0.42");
+    checked field = checked_read("out");
+    CU_ASSERT(field.t.n_rows >= 15 && field.t.n_rows % 5 == 0);
+    for (size_t row = 0; row < field.t.n_rows; row++) check_cell(&field, row, contacts, width, 0.4);
+    checked_end(&field);
+
+    const double slope =
+        0.5 * (slope_of("d/pile_grains.tsv", width) + slope_of("d/tilt_2_grains.tsv", width));
+    GOOD("stress base d/pile d/tilt_2 --width 2 --cell 0.42 --phi-deg 55");
+    CHECK_NEAR(strtod(strstr(out, "# theta_r_deg: ") + strlen("# theta_r_deg: "), NULL), slope, tight);
+    checked base = checked_read("out");
+    CU_ASSERT(base.t.n_rows > 5);
+    for (size_t row = 0; row < base.t.n_rows; row++)
+        check_column(&base, row, contacts, grains, width, 0.4, slope);
+    checked_end(&base);
+    for (int p = 0; p < 2; p++) rp_table_free(&grains[p].t), rp_table_free(&contacts[p].t);
+    leave();
+}
+
+/* The tilt at which a pile moves is that of protocol repose for the same pile. A run that ends early counts
+ * its steps once. */
+static void test_stress_steps(void)
+{
+    static const char *const changes[][2] = {{"W", "2.0"}, {"H", "1.0"}, {"mu", "0.4"}};
+    const sweep_protocol *const protocols[] = {&sweep_protocol_stress, &sweep_protocol_repose};
+    sweep_result r[2];
+    double found[2][2];
+    for (int k = 0; k < 2; k++) {
+        static const char *const names[] = {"theta_r3_deg", "theta_t_displacement_deg"};
+        const sweep_protocol *p = protocols[k];
+        void *params = calloc(1, p->params_size);
+        rp_params_defaults(p->schema, params);
+        for (size_t i = 0; i < 3; i++)
+            CHECK_OK(rp_params_set_text(rp_params_find(p->schema, changes[i][0]), params, changes[i][1]));
+        if (k == 1) CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "measure"), params, "theta_t"));
+        CHECK_OK(p->run(params, 1993, 2, NULL, &r[k]));
+        for (size_t i = 0; p->outputs[i].name; i++)
+            for (size_t j = 0; j < 2; j++)
+                if (strcmp(p->outputs[i].name, names[j]) == 0) found[k][j] = r[k].values[i];
+        free(params);
+    }
+    CU_ASSERT(found[0][0] == found[1][0] && found[0][1] == found[1][1] && found[0][1] > 1.0);
+
+    enter();
+    write_text("s.cfg",
+               "protocol = \"stress\"; replicas = 1; seed = 1993;\n"
+               "fixed = { W = 2.0; H = 2.0; fill_steps = 1000; rest_energy = 1e-30; max_steps = 5000; };\n");
+    CU_ASSERT(run("run s.cfg -o d") == 1 && strstr(err, "not_at_rest"));
+    rp_table t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "steps"), 6000.0, 0.0);
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- stress critical ---- */
+
+enum { RESPONSE = 12, CRITICAL_PILES = 9 };
+static const char *const response_names[RESPONSE] = {"n_0",   "n_1",   "h_0",   "h_1",   "sxx_0", "sxy_0",
+                                                     "syx_0", "syy_0", "sxx_1", "sxy_1", "syx_1", "syy_1"};
+
+/* Responses that differ in every number; of two mu, in turns. */
+static void write_responses(double r[2][CRITICAL_PILES][RESPONSE], double theta_deg[2][CRITICAL_PILES])
+{
+    static const double middle[RESPONSE] = {0.9,   -0.1, 0.08, 0.7, 1.1, -0.12,
+                                            -0.05, 1.4,  0.2,  0.9, 0.8, -0.1};
+    char path[256];
+    path_of("runs.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# status\ttheta_t_displacement_deg\tmu", file);
+    for (int a = RESPONSE - 1; a >= 0; a--) fprintf(file, "\t%s", response_names[a]);
+    for (int i = 0; i < 2 * CRITICAL_PILES; i++) {
+        const int g = i % 2, k = i / 2;
+        theta_deg[g][k] = 4.0 + 2.0 * g + 0.25 * ((k * 7) % 9) + 0.01 * k;
+        fprintf(file, "\nok\t%.17g\t%g", theta_deg[g][k], g ? 0.25 : 0.2);
+        for (int a = RESPONSE - 1; a >= 0; a--) {
+            r[g][k][a] = middle[a] + 0.01 * ((k * (a + 2) + 3 * g) % 11);
+            fprintf(file, "\t%.17g", r[g][k][a]);
+        }
+        if (i == 4) fprintf(file, "\nok\tnan\t0.2\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1");
+    }
+    fputs("\nnot_at_rest\t4\t0.2\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\n", file);
+    fclose(file);
+}
+
+/* Tilts, frictions and ranks of the piles; their errors by the library, from the same stream of random
+ * numbers. */
+static void check_critical(checked *c, size_t g, double r[CRITICAL_PILES][RESPONSE],
+                           const double theta_deg[CRITICAL_PILES], gsl_rng *rng)
+{
+    static const char *const parts[] = {"", "_se", "_lo", "_hi"};
+    const double mu = g ? 0.25 : 0.2;
+    double m[RESPONSE] = {0.0}, theta = 0.0, tilt[CRITICAL_PILES], ranks = 0.0, radians[CRITICAL_PILES], most,
+           bulk[2];
+    for (int k = 0; k < CRITICAL_PILES; k++) {
+        for (int a = 0; a < RESPONSE; a++) m[a] += r[k][a] / CRITICAL_PILES;
+        radians[k] = theta_deg[k] * deg;
+        theta += radians[k] / CRITICAL_PILES;
+        tilt[k] = (mu * r[k][0] - r[k][2]) / (r[k][3] - mu * r[k][1]);
+    }
+    for (int k = 0; k < CRITICAL_PILES; k++) { /* no two are equal */
+        int above[2] = {0, 0};
+        for (int j = 0; j < CRITICAL_PILES; j++)
+            above[0] += tilt[j] < tilt[k], above[1] += theta_deg[j] < theta_deg[k];
+        ranks += 6.0 * square(above[0] - above[1]) / (CRITICAL_PILES * (square(CRITICAL_PILES) - 1.0));
+    }
+    const double t = tan(theta);
+    for (int k = 0; k < 2; k++) {
+        double s[4];
+        for (int a = 0; a < 4; a++) s[a] = m[4 + a] + (k ? t : 0.0) * m[8 + a];
+        scan_planes(s, &most, &bulk[k]);
+    }
+    const double floor_tilt = atan((mu * m[0] - m[2]) / (m[3] - mu * m[1]));
+    const struct {
+        const char *name, *unit;
+        double value, tolerance;
+    } columns[] = {{"floor_friction_0", "", m[2] / m[0], 1e-12},
+                   {"bulk_friction_0", "", tan(bulk[0]), 1e-6},
+                   {"floor_tilt", "_deg", floor_tilt / deg, 1e-11},
+                   {"theta_t", "_deg", theta / deg, 1e-12},
+                   {"floor_less", "_deg", (floor_tilt - theta) / deg, 1e-11},
+                   {"floor_friction_t", "", (m[2] + m[3] * t) / (m[0] + m[1] * t), 1e-12},
+                   {"bulk_friction_t", "", tan(bulk[1]), 1e-6},
+                   {"rank", "", 1.0 - ranks, 1e-12}};
+    stress_response responses[CRITICAL_PILES];
+    stress_critical again;
+    memcpy(responses, r, sizeof responses);
+    CHECK_OK(stress_critical_tilts(CRITICAL_PILES, responses, radians, mu, 60, rng, &again));
+    const stress_interval *intervals = (const stress_interval *)&again;
+    CHECK_NEAR(at(c, g, "mu"), mu, 0.0);
+    CHECK_NEAR(at(c, g, "n"), CRITICAL_PILES, 0.0);
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
+        const double unit = *columns[i].unit ? deg : 1.0;
+        const double expected[] = {columns[i].value, intervals[i].se / unit, intervals[i].lo / unit,
+                                   intervals[i].hi / unit};
+        for (size_t k = 0; k < 4; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "%s%s%s", columns[i].name, parts[k], columns[i].unit);
+            CHECK_NEAR(at(c, g, name), expected[k], k ? 1e-12 : columns[i].tolerance);
+        }
+    }
+}
+
+static void test_critical(void)
+{
+    double r[2][CRITICAL_PILES][RESPONSE], theta_deg[2][CRITICAL_PILES];
+    enter();
+    write_responses(r, theta_deg);
+    GOOD("stress critical runs.tsv --bootstrap 60 --seed 77");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    CU_ASSERT(strstr(out, "# rows: 18 used, 2 left out\n") != NULL);
+    gsl_rng *rng = rp_random_alloc(77, 0, RP_PURPOSE_BOOTSTRAP);
+    for (size_t g = 0; g < 2; g++) check_critical(&c, g, r[g], theta_deg[g], rng);
+    gsl_rng_free(rng);
+    checked_end(&c);
+    leave();
+}
+
+/* ---- stress dip --profile ---- */
+
+/* Profiles with a slope to the right and a step in the middle: of each distance the mean of both sides. */
+static void test_profile(void)
+{
+    enum { PILES = 5 };
+    double n[PILES][STRESS_DIP_BINS];
+    char path[256];
+    enter();
+    path_of("piles.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# status\tright_deg\tleft_deg", file);
+    for (int k = 1; k <= STRESS_DIP_BINS; k++) fprintf(file, "\tn_%02d", k);
+    for (int i = 0; i < PILES; i++) {
+        fputs("\nok\t31\t29", file);
+        for (int k = 0; k < STRESS_DIP_BINS; k++) {
+            n[i][k] = 1.0 + 0.02 * k + 0.03 * ((i * 7 + k * 3) % 5) - (k > 6 && k < 13 ? 0.2 : 0.0);
+            fprintf(file, "\t%.17g", n[i][k]);
+        }
+    }
+    fputc('\n', file);
+    fclose(file);
+    GOOD("stress dip piles.tsv --profile --against zero");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == STRESS_DIP_BINS / 2);
+    for (size_t row = 0; row < c.t.n_rows; row++) {
+        double both[PILES], mean = 0.0, squares = 0.0;
+        for (int i = 0; i < PILES; i++) {
+            both[i] = 0.5 * (n[i][9 - row] + n[i][10 + row]);
+            mean += both[i] / PILES;
+        }
+        for (int i = 0; i < PILES; i++) squares += square(both[i] - mean);
+        CHECK_NEAR(at(&c, row, "distance"), 0.025 + 0.05 * (double)row, 1e-14);
+        CHECK_NEAR(at(&c, row, "N"), mean, 1e-14);
+        CHECK_NEAR(at(&c, row, "N_se"), sqrt(squares / (PILES * (PILES - 1.0))), 1e-14);
+    }
+    checked_end(&c);
+    /* what the null distribution bounds comes from the stream of the seed */
+    double means[50];
+    stress_dips d;
+    gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
+    CHECK_OK(stress_dip_ensemble(PILES, n[0], NULL, 0.1, 50, rng, means, &d));
+    gsl_rng_free(rng);
+    GOOD("stress dip piles.tsv --against zero --resamples 50 --seed 6");
+    rp_table t = read_table("out");
+    CHECK_NEAR(cell(&t, 0, "null_lo"), d.null_lo, 1e-14);
+    CHECK_NEAR(cell(&t, 0, "null_hi"), d.null_hi, 1e-14);
+    CHECK_NEAR(cell(&t, 0, "p_value"), d.p_value, 1e-14);
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- calibrate ---- */
+
+enum { CAL_POINTS = 7, CAL_EACH = 4, CAL_PILES = CAL_POINTS * CAL_EACH };
+static const double chi2_95 = 3.841458820694124;
+
+/* Both angles are lines in mu, a + b mu, and scatter alike about every point. */
+static const double line_a[2] = {2.385, 1.5}, line_b[2] = {41.7, 23.0}, line_scatter[2] = {1.37, 0.45};
+
+static double point_mu(int g)
+{
+    return 0.05 + 0.11 * g;
+}
+
+/* The piles as a table, with a row that has failed, and as arrays. */
+static void write_lines(double x[CAL_PILES], double angle[2][CAL_PILES])
+{
+    char path[256];
+    path_of("piles.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# theta_t_displacement_deg\tmu\tstatus\ttheta_r3_deg\n11\t0.3\tno_pile\t3\n", file);
+    for (int i = 0; i < CAL_PILES; i++) {
+        const int k = i % CAL_EACH;
+        x[i] = point_mu(i / CAL_EACH);
+        angle[0][i] = line_a[0] + line_b[0] * x[i] + (k % 2 ? 1.0 : -1.0) * line_scatter[0];
+        angle[1][i] = line_a[1] + line_b[1] * x[i] + (k / 2 ? 1.0 : -1.0) * line_scatter[1];
+        fprintf(file, "%.17g\t%.17g\tok\t%.17g\n", angle[1][i], x[i], angle[0][i]);
+    }
+    fclose(file);
+}
+
+/* Value, error and Fieller's interval of a line at the angle z with error e. The scatter's estimate is
+ * without bias in its logarithm: scatter sqrt(4/3) exp((log 1.5 - psi(1.5))/2). */
+static void fieller(int a, double z, double e, double expected[4])
+{
+    double x[CAL_POINTS], y[CAL_POINTS], se[CAL_POINTS];
+    const double error =
+                     0.5 * line_scatter[a] * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)),
+                 b = line_b[a];
+    stats_line line;
+    for (int g = 0; g < CAL_POINTS; g++) {
+        x[g] = point_mu(g);
+        y[g] = line_a[a] + b * x[g];
+        se[g] = error;
+    }
+    CHECK_OK(stats_line_fit(CAL_POINTS, x, y, se, false, &line));
+    const double at_x = (z - line_a[a]) / b;
+    const double v = square(line.intercept_se) + 2.0 * at_x * line.covariance + square(at_x * line.slope_se);
+    expected[0] = at_x;
+    expected[1] = sqrt(e * e + v) / b;
+    CU_ASSERT(gsl_poly_solve_quadratic(b * b - chi2_95 * square(line.slope_se),
+                                       -2.0 * b * (z - line_a[a]) - 2.0 * chi2_95 * line.covariance,
+                                       square(z - line_a[a]) - chi2_95 * (e * e + square(line.intercept_se)),
+                                       &expected[2], &expected[3]) == 2);
+}
+
+/* The search knows a parameter to 1e-7 of its range. */
+#define SEARCH 1e-7
+
+static void check_found(checked *c, size_t row, const char *parameter, const double expected[4],
+                        const stats_calibrated *boot)
+{
+    at(c, row, "parameter"), at(c, row, "status");
+    CU_ASSERT_STRING_EQUAL(word(&c->t, row, "parameter"), parameter);
+    CU_ASSERT_STRING_EQUAL(word(&c->t, row, "status"), "ok");
+    CHECK_NEAR(at(c, row, "value"), expected[0], SEARCH);
+    CHECK_NEAR(at(c, row, "se"), expected[1], SEARCH);
+    CHECK_NEAR(at(c, row, "lower"), expected[2], SEARCH);
+    CHECK_NEAR(at(c, row, "upper"), expected[3], SEARCH);
+    CHECK_NEAR(at(c, row, "boot_se"), boot->boot_se, 1e-14);
+    CHECK_NEAR(at(c, row, "boot_lower"), boot->boot_lower, 1e-14);
+    CHECK_NEAR(at(c, row, "boot_upper"), boot->boot_upper, 1e-14);
+}
+
+/* Each angle alone, by Fieller's theorem; the bootstrap by the library, with the stream of the seed. */
+static void test_calibrate(void)
+{
+    static const char *const options[2][2] = {{"theta-r-deg", "error-deg"},
+                                              {"theta-t-deg", "theta-t-error-deg"}};
+    double x[CAL_PILES], angle[2][CAL_PILES], expected[4];
+    enter();
+    write_lines(x, angle);
+    for (int a = 0; a < 2; a++) {
+        const double z = a ? 10.31 : 19.31, e = a ? 0.43 : 0.83;
+        stats_calibration fit;
+        stats_calibrated r[STATS_MAX_PARAMS];
+        const stats_ensemble piles = {CAL_PILES, 1, 1, {x}, {angle[a]}};
+        const stats_measured m = {{z}, {e}};
+        fieller(a, z, e, expected);
+        gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_BOOTSTRAP);
+        CHECK_OK(stats_calibration_fit(&piles, &fit));
+        CHECK_OK(stats_calibration_invert(&fit, &m, r));
+        CHECK_OK(stats_calibration_bootstrap(&piles, &fit, &m, 30, rng, r));
+        gsl_rng_free(rng);
+        stats_calibration_free(&fit);
+        GOOD("calibrate --runs piles.tsv --%s %g --%s %g --bootstrap 30 --seed 12", options[a][0], z,
+             options[a][1], e);
+        CU_ASSERT(strstr(out, "# range: 0.05 to 0.71\n") != NULL);
+        checked c = checked_read("out");
+        CU_ASSERT_FATAL(c.t.n_rows == 1);
+        check_found(&c, 0, "mu", expected, r);
+        checked_end(&c);
+    }
+    /* without the angle that is asked for, in every row or as a column */
+    shell("sed 's/^[0-9.]*\t/nan\t/' piles.tsv >no_tilt.tsv; sed -e 's/^# theta_t_displacement_deg\t/# /' -e "
+          "'s/^[0-9.]*\t//' piles.tsv >one.tsv");
+    for (int k = 0; k < 2; k++) {
+        const char *const file = k ? "one.tsv" : "no_tilt.tsv";
+        FAILS(65, "no values of \"theta_t_displacement_deg\"",
+              "calibrate --runs %s --theta-t-deg 9 --theta-t-error-deg 1", file);
+        GOOD("calibrate --runs %s --theta-r-deg 19.31 --error-deg 0.83 --bootstrap 2", file);
+    }
+    /* one pile alone has the tilt, and it is the last */
+    shell("sed -e 's/^[0-9.]*\t/nan\t/' -e '$s/^nan/7/' piles.tsv >last.tsv");
+    FAILS(65, "angle 1 of 0 piles", "calibrate --runs last.tsv --theta-t-deg 9 --theta-t-error-deg 1");
+    leave();
+}
+
+/* A parabola has two solutions, a row each, in order; planes have two parameters. */
+static void test_calibrate_rows(void)
+{
+    char path[256];
+    enter();
+    path_of("piles.tsv", path);
+    FILE *file = fopen(path, "w");
+    fputs("# mu\ttheta_r3_deg\n", file);
+    for (int i = 0; i < 36; i++) {
+        const double mu = 0.1 * (i / 4);
+        fprintf(file, "%.17g\t%.17g\n", mu, 30.0 - 100.0 * square(mu - 0.385) + (i % 2 ? 0.5 : -0.5));
+    }
+    fclose(file);
+    CU_ASSERT(run("calibrate --runs piles.tsv --theta-r-deg 25 --error-deg 0.3 --bootstrap 2") == 1);
+    CU_ASSERT(strstr(err, "mu: several: ") != NULL);
+    rp_table t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 2);
+    for (size_t k = 0; k < 2; k++) {
+        const double root = 0.385 + (k ? 1.0 : -1.0) * sqrt(0.05);
+        CHECK_NEAR(cell(&t, k, "value"), root, 1e-6);
+        CU_ASSERT(cell(&t, k, "lower") < root && root < cell(&t, k, "upper"));
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "status"), "several");
+    }
+    CU_ASSERT(cell(&t, 0, "upper") < cell(&t, 1, "lower"));
+    rp_table_free(&t);
+
+    file = fopen(path, "w");
+    fputs("# mu_roll\ttheta_r3_deg\ttheta_t_displacement_deg\tmu\n", file);
+    for (int i = 0; i < 48; i++) {
+        const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
+        fprintf(file, "%.17g\t%.17g\t%.17g\t%.17g\n", y, 3.0 + 25.0 * x + 20.0 * y + (i % 2 ? 0.5 : -0.5),
+                1.0 + 30.0 * x - 14.0 * y + (i / 2 % 2 ? 0.5 : -0.5), x);
+    }
+    fclose(file);
+    const double x = 0.3739, y = 0.1187;
+    GOOD(
+        "calibrate --runs piles.tsv --fit mu,mu_roll --theta-r-deg %.10g --error-deg 0.2 --theta-t-deg %.10g "
+        "--theta-t-error-deg 0.3 --bootstrap 2",
+        3.0 + 25.0 * x + 20.0 * y, 1.0 + 30.0 * x - 14.0 * y);
+    t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 2);
+    for (size_t k = 0; k < 2; k++) {
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "parameter"), k ? "mu_roll" : "mu");
+        CHECK_NEAR(cell(&t, k, "value"), k ? y : x, 1e-6);
+    }
+    CU_ASSERT(strstr(out, "# range: 0.1 to 0.7\n# range: 0 to 0.3\n") != NULL);
+    rp_table_free(&t);
+    leave();
+}
+
+/* The header line of a trial: how many of its rows cover, and how many have two limits. */
+static void check_coverage(checked *c, const char *angles)
+{
+    size_t n = 0, covered = 0, ok = 0, ok_covered = 0;
+    double width = 0.0;
+    char text[256];
+    for (size_t row = 0; row < c->t.n_rows; row++) {
+        if (strcmp(word(&c->t, row, "angles"), angles) != 0) continue;
+        const double truth = at(c, row, "truth"), lower = at(c, row, "lower"), upper = at(c, row, "upper");
+        const bool in = at(c, row, "covered") == 1.0, two = !isnan(lower) && !isnan(upper);
+        n++, covered += in, ok += two, ok_covered += two && in;
+        if (two) width += upper - lower;
+        CU_ASSERT(in == !(truth < lower || truth > upper));
+        CU_ASSERT((strcmp(word(&c->t, row, "status"), "ok") == 0) == two);
+    }
+    CU_ASSERT(n > 0);
+    snprintf(text, sizeof text, "# covered_%s_mu: %zu of %zu\n", angles, covered, n);
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, text));
+    snprintf(text, sizeof text,
+             "# found_%s_mu: %zu of %zu with two limits, %zu of them cover; mean width %.3g\n", angles, ok, n,
+             ok_covered, width / (double)ok);
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, text));
+}
+
+/* Rows of --verify against the library's cases of the same angles. */
+static size_t check_cases(checked *c, size_t row, unsigned mask, size_t n, const stats_case cases[])
+{
+    static const char *const words[] = {"", "theta_r", "theta_t", "both"};
+    static const char *const columns[2][2] = {{"theta_r_deg", "error_deg"},
+                                              {"theta_t_deg", "theta_t_error_deg"}};
+    for (size_t k = 0; k < n; k++, row++) {
+        const stats_calibrated *f = &cases[k].found[0];
+        size_t used = 0;
+        at(c, row, "angles"), at(c, row, "parameter"), at(c, row, "status");
+        CU_ASSERT_STRING_EQUAL(word(&c->t, row, "angles"), words[mask]);
+        CU_ASSERT_STRING_EQUAL(word(&c->t, row, "parameter"), "mu");
+        CHECK_NEAR(at(c, row, "truth"), cases[k].truth[0], 0.0);
+        for (size_t a = 0; a < 2; a++) {
+            const double angle = at(c, row, columns[a][0]), error = at(c, row, columns[a][1]);
+            if (!(mask & 1u << a)) {
+                CU_ASSERT(isnan(angle) && isnan(error));
+                continue;
+            }
+            CHECK_NEAR(angle, cases[k].measured.angle[used], 1e-14 * angle);
+            CHECK_NEAR(error, cases[k].measured.error[used++], 1e-14 * error);
+        }
+        CHECK_NEAR(at(c, row, "covered"), cases[k].covered[0], 0.0);
+        const double numbers[][2] = {
+            {at(c, row, "value"), f->value},
+            {at(c, row, "se"), f->se},
+            {at(c, row, "lower"), f->n_solutions ? f->solutions[0].lower : NAN},
+            {at(c, row, "upper"), f->n_solutions ? f->solutions[f->n_solutions - 1].upper : NAN}};
+        for (size_t i = 0; i < 4; i++)
+            CU_ASSERT(numbers[i][0] == numbers[i][1] || (isnan(numbers[i][0]) && isnan(numbers[i][1])));
+        CU_ASSERT_STRING_EQUAL(word(&c->t, row, "status"), stats_calibrated_words[f->status]);
+    }
+    return row;
+}
+
+static stats_ensemble ensemble_of(unsigned mask, size_t n, const double x[], double angle[2][CAL_PILES])
+{
+    stats_ensemble e = {.n = n, .n_params = 1, .x = {x}};
+    for (size_t a = 0; a < 2; a++)
+        if (mask & 1u << a) e.angle[e.n_angles++] = angle[a];
+    return e;
+}
+
+/* Planted piles: the angle is the mean of a point's, its error the scatter over the root of their number. */
+static void test_verify(void)
+{
+    enum { PLANTED = 10, HELD = 4 };
+    double x[CAL_PILES], angle[2][CAL_PILES], planted[PLANTED], measured[2][CAL_PILES], expected[4];
+    stats_case cases[PLANTED];
+    char path[256];
+    size_t row = 0, n;
+    enter();
+    write_lines(x, angle);
+    path_of("planted.tsv", path);
+    FILE *file = fopen(path, "w");
+    fputs("# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n", file);
+    for (int i = 0; i < PLANTED; i++) {
+        planted[i] = 0.13 + 0.1 * (i / 2);
+        for (int a = 0; a < 2; a++)
+            measured[a][i] = line_a[a] + line_b[a] * planted[i] + (i % 2 ? 0.3 : -0.2) * line_scatter[a];
+        fprintf(file, "%.17g\t%.17g\t%.17g\n", planted[i], measured[0][i], measured[1][i]);
+    }
+    fclose(file);
+    GOOD("calibrate --runs piles.tsv --verify 100 --planted planted.tsv");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 3 * PLANTED / 2);
+    for (unsigned mask = 1; mask <= 3; mask++) {
+        const stats_ensemble piles = ensemble_of(mask, CAL_PILES, x, angle),
+                             known = ensemble_of(mask, PLANTED, planted, measured);
+        stats_calibration fit;
+        CHECK_OK(stats_calibration_fit(&piles, &fit));
+        CHECK_OK(stats_calibration_planted(&fit, &known, PLANTED, cases, &n));
+        stats_calibration_free(&fit);
+        row = check_cases(&c, row, mask, n, cases);
+    }
+    for (size_t k = 0; k < PLANTED; k++) { /* of one angle by Fieller's theorem */
+        const int a = k >= PLANTED / 2;
+        const double z = line_a[a] + line_b[a] * at(&c, k, "truth") + 0.05 * line_scatter[a],
+                     e = at(&c, k, a ? "theta_t_error_deg" : "error_deg");
+        fieller(a, z, e, expected);
+        CHECK_NEAR(
+            e, line_scatter[a] * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)) / sqrt(2.0),
+            1e-9);
+        CHECK_NEAR(at(&c, k, "truth"), planted[k % 5 * 2], 0.0);
+        CHECK_NEAR(at(&c, k, "value"), expected[0], SEARCH);
+        CHECK_NEAR(at(&c, k, "se"), expected[1], SEARCH);
+        CHECK_NEAR(at(&c, k, "lower"), expected[2], SEARCH);
+        CHECK_NEAR(at(&c, k, "upper"), expected[3], SEARCH);
+    }
+    check_coverage(&c, "theta_r");
+    check_coverage(&c, "theta_t");
+    check_coverage(&c, "both");
+    checked_end(&c);
+
+    file = fopen(path, "w");
+    fputs("# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n", file);
+    for (int i = 0; i < CAL_PILES; i++) { /* no half of a point is without scatter */
+        for (int a = 0; a < 2; a++)
+            angle[a][i] = line_a[a] + line_b[a] * x[i] + 0.2 * line_scatter[a] * (i * (5 + a) % 11 - 5);
+        fprintf(file, "%.17g\t%.17g\t%.17g\n", x[i], angle[0][i], angle[1][i]);
+    }
+    fclose(file);
+    const int ended = run("calibrate --runs planted.tsv --verify %d --planted hold-out --seed 5", HELD);
+    CU_ASSERT(ended == 0 || ended == 1); /* 1: fewer than 90 % cover */
+    c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 3 * HELD);
+    row = 0;
+    for (unsigned mask = 1; mask <= 3; mask++) {
+        const stats_ensemble piles = ensemble_of(mask, CAL_PILES, x, angle);
+        gsl_rng *rng = rp_random_alloc(5, mask, RP_PURPOSE_BOOTSTRAP);
+        CHECK_OK(stats_calibration_holdout(&piles, HELD, rng, cases));
+        gsl_rng_free(rng);
+        row = check_cases(&c, row, mask, HELD, cases);
+    }
+    checked_end(&c);
+    leave();
+}
+
+/* ---- bench ---- */
+
+/* Numbers of the simulation by another one of the same three grains; times by what they are of each other. */
+static void test_bench(void)
+{
+    const dem_grain grains[] = {
+        {.x = 0.1, .y = 0.1, .r = 0.1}, {.x = 0.3, .y = 0.1, .r = 0.1}, {.x = 0.2, .y = 0.274, .r = 0.1}};
+    dem_grain heavy[3];
+    enum { STEPS = 300000 };
+    enter();
+    write_text("start.tsv", "# y\tx\tr\n0.1\t0.1\t0.1\n0.1\t0.3\t0.1\n0.274\t0.2\t0.1\n");
+    GOOD("bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 1);
+    dem_definition def = dem_definition_default();
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, 0.41, &wall);
+    memcpy(heavy, grains, sizeof heavy);
+    for (int i = 0; i < 3; i++) heavy[i].m = 4.0 / 3.0 * M_PI * 1e-3;
+    def.grains = heavy;
+    def.n_grains = 3;
+    dem_sim *sim = NULL;
+    dem_counts before, after;
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_OK(dem_run(sim, 2000));
+    dem_count_work(sim, &before);
+    CHECK_OK(dem_run(sim, STEPS));
+    dem_count_work(sim, &after);
+    dem_free(sim);
+    CHECK_NEAR(at(&c, 0, "grains"), 3.0, 0.0);
+    CHECK_NEAR(at(&c, 0, "steps"), STEPS, 0.0);
+    CHECK_NEAR(at(&c, 0, "contacts"), (double)after.contacts / 3.0, 1e-15);
+    CHECK_NEAR(at(&c, 0, "pairs"), (double)after.pairs / 3.0, 1e-15);
+    CHECK_NEAR(at(&c, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
+    CU_ASSERT(after.contacts == 2 && after.pairs == 3);
+    const double lists = at(&c, 0, "share_lists"), walls = at(&c, 0, "share_walls"),
+                 contacts = at(&c, 0, "share_contacts"), integration = at(&c, 0, "share_integration");
+    CHECK_NEAR(contacts + lists + integration + walls, 1.0, 1e-14);
+    CU_ASSERT(contacts >= 0.0 && lists >= 0.0 && integration >= 0.0 && walls >= 0.0);
+    const double median = at(&c, 0, "median"), best = at(&c, 0, "best");
+    CHECK_NEAR(at(&c, 0, "bound") * (contacts + integration), median, 1e-14 * median);
+    CU_ASSERT(best >= median && median > 0.0);
+    /* the best run was no shorter than the whole took */
+    CU_ASSERT(at(&c, 0, "seconds") >= 3.0 * STEPS / (1e6 * best) - 0.01); /* tick of a coarse clock */
+    const double bytes = at(&c, 0, "bytes"), peak = at(&c, 0, "peak_bytes");
+    /* of the sanitizers' memory the library knows nothing */
+    CU_ASSERT(check_fast() || (3.0 * bytes > 3.0 * sizeof(dem_state) && 3.0 * bytes < 1e6));
+    CU_ASSERT(peak >= 0.0 && 3.0 * peak < 1e8);
+    checked_end(&c);
+    leave();
+}
+
+/* ---- series of protocol flux ---- */
+
+static void no_header(FILE *table)
+{
+    (void)table;
+}
+
+/* A series of so many insertions, of the same grains whatever the number; tables in the folder d. */
+static void make_series(int insertions)
+{
+    static const char *const changes[][2] = {{"W", "1.3"}, {"mu", "0.25"}, {"entry_width", "0.4"}};
+    const sweep_protocol *p = &sweep_protocol_flux;
+    const rp_param *schema = p->schema;
+    void *params = calloc(1, p->params_size);
+    char folder[256], number[16];
+    sweep_result result;
+    path_of("d", folder);
+    const sweep_tables tables = {folder, 1000000, no_header};
+    snprintf(number, sizeof number, "%d", insertions);
+    rp_params_defaults(schema, params);
+    for (size_t i = 0; i < 3; i++)
+        CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[i][0]), params, changes[i][1]));
+    CHECK_OK(rp_params_set_text(rp_params_find(schema, "insertions"), params, number));
+    CHECK_OK(p->run(params, 1993, 0, &tables, &result));
+    free(params);
+}
+
+/* A row of the longest series, from the last state of one that ends there. */
+static void check_row(checked *all, size_t row)
+{
+    const double width = 1.3, cell_width = width / round(width / 0.2);
+    double inside = 0.0, first = 0.0, others = 0.0, left = 0.0;
+    rp_table grains = read_table("d/pile_grains.tsv");
+    for (size_t i = 0; i < grains.n_rows; i++) {
+        const double x = cell(&grains, i, "x"), y = cell(&grains, i, "y");
+        if (!(x > 0.0 && x < width)) continue;
+        inside++;
+        if (x < cell_width)
+            first = fmax(first, y);
+        else
+            others = fmax(others, y);
+    }
+    CHECK_NEAR(at(all, row, "step"), cell(&grains, 0, "step"), 0.0);
+    CHECK_NEAR(at(all, row, "insertion"), (double)row + 1.0, 0.0);
+    CHECK_NEAR(at(all, row, "grains"), inside, 0.0);
+    CHECK_NEAR(at(all, row, "tower"), fmax(first - others, 0.0) / 0.2, 1e-12);
+    CHECK_NEAR(at(all, row, "theta_r3_deg"), slope_of("d/pile_grains.tsv", width), tight);
+    /* every grain of the first layer or put in later is inside, or has left */
+    for (size_t k = 0; k <= row; k++) left += at(all, k, "outflow");
+    CHECK_NEAR(inside + left, at(all, 0, "grains") + (double)row, 0.0);
+    rp_table_free(&grains);
+}
+
+static void test_series(void)
+{
+    static const int lengths[] = {40, 39, 38, 37, 30, 21, 12, 4};
+    double most = 0.0, left = 0.0;
+    enter();
+    make_series(lengths[0]);
+    checked all = checked_read("d/series.tsv");
+    CU_ASSERT_FATAL(all.t.n_rows == (size_t)lengths[0]);
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        if (i > 0) make_series(lengths[i]);
+        check_row(&all, (size_t)lengths[i] - 1);
+        most = fmax(most, at(&all, (size_t)lengths[i] - 1, "tower"));
+    }
+    for (size_t k = 0; k < all.t.n_rows; k++) left += at(&all, k, "outflow");
+    CU_ASSERT(most > 0.0 && left > 2.0);
+    checked_end(&all);
+    leave();
+}
+
+/* ---- outputs of protocol drop ---- */
+
+enum { DROPPED = 60 };
+
+/* The straight line through the highest points of columns, of one side. */
+static double side_angle(const rp_table *grains, const bool away[], double sign)
+{
+    double x_top = 0.0, height = 0.0, top[40] = {0.0}, n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (size_t i = 0; i < grains->n_rows; i++) {
+        const double here = cell(grains, i, "y") + cell(grains, i, "r");
+        if (!away[i] && here > height) height = here, x_top = cell(grains, i, "x");
+    }
+    for (size_t i = 0; i < grains->n_rows; i++) {
+        const double along = sign * (cell(grains, i, "x") - x_top);
+        if (away[i] || along < 0.0) continue;
+        double *t = &top[(size_t)along];
+        *t = fmax(*t, cell(grains, i, "y") + cell(grains, i, "r"));
+    }
+    for (int k = 0; top[k] > 0.1 * height; k++) {
+        if (top[k] > 0.9 * height) continue;
+        n++, x += k, y += top[k], xx += k * k, xy += k * top[k];
+    }
+    return -atan((n * xy - x * y) / (n * xx - x * x)) / deg;
+}
+
+/* Order of six neighbours about each disk. */
+static double mean_order(const rp_table *grains, const bool away[])
+{
+    double sum = 0.0, n = 0.0;
+    for (size_t i = 0; i < grains->n_rows; i++) {
+        double complex order = 0.0;
+        double neighbours = 0.0;
+        for (size_t j = 0; j < grains->n_rows && !away[i]; j++) {
+            const double dx = cell(grains, j, "x") - cell(grains, i, "x"),
+                         dy = cell(grains, j, "y") - cell(grains, i, "y");
+            if (i == j || away[j] || hypot(dx, dy) > 1.25 * (cell(grains, i, "r") + cell(grains, j, "r")))
+                continue;
+            order += cexp(6.0 * I * atan2(dy, dx));
+            neighbours++;
+        }
+        if (neighbours >= 2.0) sum += cabs(order) / neighbours, n++;
+    }
+    return sum / n;
+}
+
+static void check_base(checked *o, const rp_table *grains, const rp_table *contacts, double limit)
+{
+    double x[DROPPED], r[DROPPED], N[DROPPED], total = 0.0, moment = 0.0, weight = 0.0, width = INFINITY,
+                                               disks = 0.0;
+    size_t n = 0;
+    for (size_t k = 0; k < contacts->n_rows; k++) {
+        if (cell(contacts, k, "id_b") != 0.0 || fabs(cell(contacts, k, "x")) > limit) continue;
+        x[n] = cell(contacts, k, "x"), N[n] = cell(contacts, k, "normal_force");
+        for (size_t i = 0; i < grains->n_rows; i++)
+            if (cell(grains, i, "id") == cell(contacts, k, "id_a")) r[n] = cell(grains, i, "r");
+        total += N[n], moment += N[n] * x[n], n++;
+    }
+    for (size_t i = 0; i < grains->n_rows; i++)
+        if (fabs(cell(grains, i, "x")) <= limit) weight += cell(grains, i, "m");
+    const double centroid = moment / total;
+    for (size_t k = 0; k < n; k++) { /* the least width that holds 98 % */
+        double held = 0.0;
+        for (size_t j = 0; j < n; j++) held += fabs(x[j] - centroid) <= fabs(x[k] - centroid) ? N[j] : 0.0;
+        if (held >= 0.98 * total) width = fmin(width, 2.0 * fabs(x[k] - centroid));
+    }
+    for (size_t k = 0; k < n; k++) disks += fabs(x[k] - centroid) <= 0.5 * width;
+    CHECK_NEAR(at(o, 0, "centroid"), centroid, 1e-12);
+    CHECK_NEAR(at(o, 0, "width"), width, 1e-12);
+    CHECK_NEAR(at(o, 0, "base_disks"), disks, 0.0);
+    CHECK_NEAR(at(o, 0, "balance"), 1.0 - total / weight, 1e-12);
+    /* load left of a line, each disk's spread evenly over its width; bins are differences */
+    double left[21], pressure[20], dip = 0.0;
+    for (int b = 0; b <= 20; b++) {
+        const double line = centroid + width * (b / 20.0 - 0.5);
+        left[b] = 0.0;
+        for (size_t k = 0; k < n; k++)
+            left[b] += N[k] * fmin(fmax(0.5 + 0.5 * (line - x[k]) / r[k], 0.0), 1.0);
+    }
+    for (int b = 0; b < 20; b++) {
+        char name[16];
+        snprintf(name, sizeof name, "n_%02d", b + 1);
+        pressure[b] = 20.0 * (left[b + 1] - left[b]) / (left[20] - left[0]);
+        CHECK_NEAR(at(o, 0, name), pressure[b], 1e-11);
+        const double distance = fabs(b - 9.5);
+        dip += distance < 2.0 ? pressure[b] / 4.0 : distance < 6.0 ? -pressure[b] / 8.0 : 0.0;
+    }
+    CHECK_NEAR(at(o, 0, "dip"), dip, 1e-12);
+}
+
+/* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
+ */
+static void test_drop(void)
+{
+    const double limit = 10.0;
+    enter();
+    write_text("s.cfg",
+               "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
+               "fixed = { N = %d; radius_width = 0.05; mu_roll = 0.03; x_limit = %.1f; };\n",
+               DROPPED, limit);
+    GOOD("run s.cfg -o d");
+    checked o = checked_read("out"), drops = checked_read("d/drops.tsv");
+    rp_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
+    bool away[DROPPED];
+    double disks = 0.0, height = 0.0, touching = 0.0, most = 0.0, large = 0.0;
+    CU_ASSERT_FATAL(grains.n_rows == DROPPED && drops.t.n_rows == DROPPED);
+    for (size_t i = 0; i < DROPPED; i++) {
+        CHECK_NEAR(at(&drops, i, "drop"), (double)i + 1.0, 0.0);
+        most = fmax(most, at(&drops, i, "moved")), large += at(&drops, i, "moved") > 10.0;
+        CU_ASSERT(at(&drops, i, "moved") <= (double)i);
+        away[i] = fabs(cell(&grains, i, "x")) > limit;
+        if (away[i]) continue;
+        disks++;
+        touching += cell(&grains, i, "contacts");
+        height = fmax(height, cell(&grains, i, "y") + cell(&grains, i, "r"));
+    }
+    CU_ASSERT(disks > 40.0 && disks < DROPPED && large > 0.0);
+    CHECK_NEAR(at(&o, 0, "disks"), disks, 0.0);
+    CHECK_NEAR(at(&o, 0, "away"), DROPPED - disks, 0.0);
+    CHECK_NEAR(at(&o, 0, "height"), height, 0.0);
+    CHECK_NEAR(at(&o, 0, "contacts"), touching / disks, 1e-14);
+    CHECK_NEAR(at(&o, 0, "moved_max"), most, 0.0);
+    CHECK_NEAR(at(&o, 0, "moved_share"), large / DROPPED, 1e-14);
+    CHECK_NEAR(at(&o, 0, "left_deg"), side_angle(&grains, away, -1.0), 1e-11);
+    CHECK_NEAR(at(&o, 0, "right_deg"), side_angle(&grains, away, 1.0), 1e-11);
+    CHECK_NEAR(at(&o, 0, "psi6"), mean_order(&grains, away), 1e-12);
+    CHECK_NEAR(at(&o, 0, "capped"), 0.0, 0.0);
+    CU_ASSERT(fmod(at(&o, 0, "steps"), 20.0) == 0.0 && at(&o, 0, "steps") > 20.0 * DROPPED);
+    /* ten looks in a row, of 20 steps each, end the relaxation */
+    CU_ASSERT(fmod(at(&o, 0, "relax_steps"), 20.0) == 0.0 && at(&o, 0, "relax_steps") >= 200.0);
+    CU_ASSERT(at(&o, 0, "settled") >= 0.0 && at(&o, 0, "settled") < 0.1 * disks);
+    at(&o, 0, "status");
+    CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
+    check_base(&o, &grains, &contacts, limit);
+    rp_table_free(&grains);
+    rp_table_free(&contacts);
+    checked_end(&drops);
+    checked_end(&o);
+    leave();
+}
+
+void suite_columns(void)
+{
+    static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
+                                       {"tilt and steps of protocol stress", test_stress_steps},
+                                       {"stress critical", test_critical},
+                                       {"stress dip, profile", test_profile},
+                                       {"calibrate: value and interval", test_calibrate},
+                                       {"calibrate: several rows", test_calibrate_rows},
+                                       {"calibrate: cases of --verify", test_verify},
+                                       {"bench", test_bench},
+                                       {"series of protocol flux", test_series},
+                                       {"protocol drop", test_drop},
+                                       {0}};
+    check_register("columns", cases);
+}

@@ -1,0 +1,426 @@
+/* What is seen. Pictures by their contents: an svg file has each grain, force and wall at its position, in
+ * its colour and width; a gif file has every frame. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/watch.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* ---- the marks of an svg file ---- */
+
+typedef struct {
+    double x, y, r; /* of a circle; of a line the first point, and its width */
+    double x2, y2;
+    char color[32];
+} mark;
+
+enum { MOST = 400 };
+static mark circles[MOST], strokes[MOST];
+static size_t n_circles, n_strokes;
+
+/* The straight lines of a path. */
+static void read_path(const char *path, double width)
+{
+    mark m = {.r = width};
+    int length = 0;
+    double x, y;
+    char how;
+    if (sscanf(path, "<path stroke='%31[^']' d='%n", m.color, &length) != 1 || length == 0) return;
+    for (path += length; sscanf(path, " %c%lf,%lf%n", &how, &x, &y, &length) == 3; path += length) {
+        m.x = m.x2, m.y = m.y2, m.x2 = x, m.y2 = y;
+        if (how == 'L' && n_strokes < MOST) strokes[n_strokes++] = m;
+    }
+}
+
+/* gnuplot draws each grain by two points, its outline and its fill. */
+static void read_svg(const char *name)
+{
+    static char text[1 << 20];
+    double width = 0.0;
+    n_circles = n_strokes = 0;
+    slurp(name, text, sizeof text);
+    CU_ASSERT(strncmp(text, "<?xml", 5) == 0 && strstr(text, "</svg>") != NULL);
+    for (const char *tag = text; (tag = strchr(tag, '<')); tag++) {
+        mark m;
+        if (strncmp(tag, "<path", 5) == 0) read_path(tag, width);
+        if (strncmp(tag, "<g fill", 7) == 0) width = strtod(strstr(tag, "stroke-width=") + 14, NULL);
+        if (n_circles < MOST &&
+            sscanf(tag, "<use xlink:href='#gpPt6' transform='translate(%lf,%lf) scale(%lf)' color='%31[^']",
+                   &m.x, &m.y, &m.r, m.color) == 4)
+            circles[n_circles++] = m;
+    }
+}
+
+static const mark *find_stroke(const char *color)
+{
+    const mark *found = NULL;
+    for (size_t k = 0; k < n_strokes; k++)
+        if (strcmp(strokes[k].color, color) == 0) found = &strokes[k]; /* the last: drawn on top */
+    return found;
+}
+
+static size_t count_strokes(const char *color)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < n_strokes; k++) n += strcmp(strokes[k].color, color) == 0;
+    return n;
+}
+
+/* ---- pictures ---- */
+
+static const char OUTLINE[] = "rgb(168, 168, 168)", GRAIN[] = "rgb(238, 238, 238)",
+                  STRONGEST[] = "rgb(  8,  24,  58)", WALL[] = "rgb( 64,  64,  64)",
+                  PULL[] = "rgb(213,  94,   0)", PRESS[] = "rgb(  0, 114, 178)";
+
+/* Three grains of different radii on a floor, SI units: forces of 6 and 0.5 N between them, 12 N below. */
+static void write_pile(void)
+{
+    write_text("states.tsv", "# units: 1\ts\t1\tm\tm\tm\tkg\nstep\tt\tid\tx\ty\tr\tm\n7\t0.5\t1\t0\t1\t1\t3\n"
+                             "7\t0.5\t2\t2.5\t1.5\t1.5\t5\n7\t0.5\t3\t5\t1.5\t1\t4\n");
+    write_text("contacts.tsv",
+               "# units: 1\ts\t1\t1\t1\tm\tm\tm\tm\tN\tN\n"
+               "step\tt\tid_a\tid_b\twall\tx\ty\tx_b\ty_b\tnormal_force\tshear_force\n"
+               "7\t0.5\t2\t0\t1\t2.5\t1.5\t2.5\t0\t12\t0\n7\t0.5\t1\t2\t0\t0\t1\t2.5\t1.5\t6\t0\n"
+               "7\t0.5\t2\t3\t0\t2.5\t1.5\t5\t1.5\t-0.5\t0\n");
+    write_text("walls.tsv", "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
+                            "7\t0.5\t1\t0\t0\t0\t1\t-inf\tinf\n7\t0.5\t2\t-1\t0\t1\t0\t-3\t-3\n"
+                            "7\t0.5\t3\t6\t0\t-1\t0\t0\t2\n");
+}
+
+/* Pixels a metre, from the first two grains' centres: the axes have one scale, y upwards. */
+static void test_circles(void)
+{
+    static const double x[] = {0.0, 2.5, 5.0}, y[] = {1.0, 1.5, 1.5}, r[] = {1.0, 1.5, 1.0};
+    enter();
+    write_pile();
+    GOOD("view . -o a.svg");
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 6);
+    const double scale = (circles[1].x - circles[0].x) / 2.5;
+    CU_ASSERT(scale > 60.0);
+    for (int i = 0; i < 6; i++) {
+        const mark *c = &circles[i];
+        CU_ASSERT_STRING_EQUAL(c->color, i < 3 ? OUTLINE : GRAIN);
+        CHECK_NEAR(c->x - circles[0].x, scale * (x[i % 3] - x[0]), 0.02); /* hundredths are printed */
+        CHECK_NEAR(c->y - circles[0].y, -scale * (y[i % 3] - y[0]), 0.02);
+        /* the picture is a whole number of pixels wide, up to half a pixel of 680 less */
+        CHECK_NEAR(c->r, scale * r[i % 3] + (i < 3 ? 0.25 : -0.25), 0.03 + scale * r[i % 3] * 0.5 / 680.0);
+    }
+    leave();
+}
+
+/* Each force is a line between the centres of its contact, the strongest last. Its colour and its width are
+ * those of its force over the largest, in twelve steps. */
+static void test_forces(void)
+{
+    enter();
+    write_pile();
+    GOOD("view . -o a.svg");
+    read_svg("a.svg");
+    const mark *strong = find_stroke(STRONGEST), *pull = find_stroke(PULL), *wall = find_stroke(WALL);
+    CU_ASSERT_FATAL(strong && pull && wall && n_circles == 6);
+    const double scale = (circles[1].x - circles[0].x) / 2.5;
+    CU_ASSERT(count_strokes(STRONGEST) == 2 && count_strokes(PULL) == 1); /* with the sample in the key */
+    for (size_t k = 0; k < n_strokes; k++) {
+        const mark *m = &strokes[k];
+        if (strcmp(m->color, STRONGEST) == 0 && m->x == m->x2) { /* 12 of 12 */
+            CHECK_NEAR(m->x, circles[1].x, 0.02);
+            CHECK_NEAR(fabs(m->y2 - m->y), 1.5 * scale, 0.02);
+            strong = m;
+        }
+    }
+    CHECK_NEAR(pull->r / strong->r, 0.5 / 11.5, 0.02);
+    const mark *half = NULL;  /* 6 of 12 */
+    CU_ASSERT(strong > pull); /* the strongest is drawn last */
+    for (size_t k = 0; k < n_strokes; k++)
+        if (fabs(strokes[k].r / strong->r - 5.5 / 11.5) < 0.01) half = &strokes[k];
+    CU_ASSERT_FATAL(half != NULL);
+    CHECK_NEAR(half->x, circles[0].x, 0.02);
+    CHECK_NEAR(half->y, circles[0].y, 0.02);
+    CHECK_NEAR(half->x2, circles[1].x, 0.02);
+    CHECK_NEAR(half->y2, circles[1].y, 0.02);
+    CU_ASSERT(count_strokes(WALL) == 2); /* the open wall has nothing left */
+    CU_ASSERT(shell("grep -q 'normal force 12 N' a.svg && grep -q 'x (m)' a.svg && "
+                    "grep -q 'step 7, t = 0.5 s, 3 grains' a.svg") == 0);
+    leave();
+}
+
+/* Colours run from the least to the largest value of the column; of both signs, white is 0. */
+static void test_colors(void)
+{
+    enter();
+    write_pile();
+    GOOD("view . -o a.svg --color m");
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 6);
+    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb(255, 247, 188)");
+    CU_ASSERT_STRING_EQUAL(circles[4].color, "rgb(204,  76,   2)");
+    CU_ASSERT_STRING_EQUAL(circles[5].color, "rgb(254, 153,  41)");
+    CU_ASSERT(shell("grep -q 'm (kg)' a.svg") == 0);
+    write_text("t.csv", "x,y,r,charge\n0,0,1,-4\n3,0,1,0\n6,0,1,4\n");
+    GOOD("view t.csv -o a.svg --color charge");
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 6);
+    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb( 43, 123, 186)");
+    CU_ASSERT_STRING_EQUAL(circles[4].color, "rgb(247, 247, 247)");
+    CU_ASSERT_STRING_EQUAL(circles[5].color, "rgb(230,  97,   1)");
+    leave();
+}
+
+/* One force of 12 N along y through a cell of 3 m times 3 m: the stress is 12 N * 1.5 m / 9 m^2 along y and
+ * none along x, and the pressure on the base 12 N / 3 m. */
+static void test_stress(void)
+{
+    enter();
+    write_pile();
+    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
+    GOOD("view . -o a.svg --stress --base --cell 3");
+    read_svg("a.svg");
+    CU_ASSERT(count_strokes(PRESS) == 2); /* with the key's */
+    size_t upright = 0;
+    for (size_t k = 0; k < n_strokes; k++) {
+        if (strcmp(strokes[k].color, PRESS) != 0 || strokes[k].y == strokes[k].y2) continue;
+        CHECK_NEAR(strokes[k].x, strokes[k].x2, 0.02);
+        CHECK_NEAR(fabs(strokes[k].y2 - strokes[k].y), 0.9 * 3.0 * (circles[1].x - circles[0].x) / 2.5, 0.02);
+        upright++;
+    }
+    CU_ASSERT(upright == 1);
+    /* the pressure's axis ends above 4, not above 12 */
+    CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
+    CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
+    CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
+    leave();
+}
+
+/* ---- frames ---- */
+
+/* 2 frames of a scene whose right wall rises; the second one is the last. */
+static void write_moving(void)
+{
+    write_text("s.cfg",
+               "dt = 1.0e-5; steps = 100; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+               "  { point = [1.0, 0.0]; direction = [-1.0, 0.0]; extent = [0.0, 0.5]; open_at_step = 10; "
+               "open_speed = 100.0; } );\n"
+               "particles = ( { x = 0.3; y = 0.0999; r = 0.1; }, { x = 0.5; y = 0.3; r = 0.1; } );\n");
+}
+
+static void test_frames(void)
+{
+    enter();
+    write_moving();
+    CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
+    GOOD("view d -o a.gif --fps 20");
+    CU_ASSERT(shell("head -c 6 a.gif | grep -qx GIF89a") == 0);
+    /* a graphic control extension a frame, with its delay in hundredths of a second */
+    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 3") == 0);
+    CU_ASSERT(shell("LC_ALL=C grep -aPq '\\x21\\xf9\\x04.\\x05\\x00' a.gif") == 0);
+    GOOD("view d -o a.gif --frame 1");
+    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 1") == 0);
+    double top[3];
+    static const char *const frames[] = {"0", "step=50", "last"};
+    for (int k = 0; k < 3; k++) {
+        char line[64];
+        GOOD("view d -o a.svg --frame %s --window -0.2,1.2,-0.2,0.8", frames[k]);
+        snprintf(line, sizeof line, "grep -q 'step %d, ' a.svg", 50 * k);
+        CU_ASSERT(shell(line) == 0);
+        read_svg("a.svg");
+        const mark *wall = find_stroke(WALL);
+        CU_ASSERT_FATAL(wall && n_circles == 4 && wall->x == wall->x2);
+        top[k] = fabs(wall->y2 - wall->y) / (circles[1].x - circles[0].x) * 0.2;
+    }
+    CHECK_NEAR(top[0], 0.5, 1e-3);
+    CHECK_NEAR(top[1], 0.46, 1e-3);
+    CHECK_NEAR(top[2], 0.41, 1e-3);
+    leave();
+}
+
+/* A film by ffmpeg where it is installed; else the message names its package. */
+static void test_film(void)
+{
+    enter();
+    write_moving();
+    CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
+    if (shell("command -v ffmpeg >which") == 0) {
+        GOOD("view d -o a.mp4");
+        CU_ASSERT(shell("head -c 8 a.mp4 | tail -c 4 | grep -q ftyp") == 0);
+        CU_ASSERT(
+            shell("test \"$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "
+                  "a.mp4)\" = 3") == 0);
+    } else {
+        FAILS(1, "ffmpeg: cannot start: No such file or directory; Debian has it in the package ffmpeg",
+              "view d -o a.mp4");
+        CU_ASSERT(shell("! ls | grep -q mp4") == 0);
+    }
+    leave();
+}
+
+/* ---- kinds of folders and files ---- */
+
+static void test_kinds(void)
+{
+    enter();
+    write_pile();
+    GOOD("view states.tsv -o a.png");
+    CU_ASSERT(shell("head -c 8 a.png | od -An -tx1 | grep -q '89 50 4e 47 0d 0a 1a 0a'") == 0);
+    /* 18 cm at 80 pixels */
+    CU_ASSERT(shell("head -c 20 a.png | tail -c 4 | od -An -tx1 | grep -q '00 00 05 a0'") == 0);
+    GOOD("view . -o a.pdf --width 9");
+    CU_ASSERT(shell("head -c 5 a.pdf | grep -q ^%PDF-") == 0);
+    GOOD("pile --base 5 --eps 1e-3 -o static");
+    GOOD("view static -o a.svg --base");
+    read_svg("a.svg");
+    CU_ASSERT(n_circles == 2 * 15);
+    CU_ASSERT(shell("grep -q 'y (sigma)' a.svg && grep -q 'pressure (m g/sigma)' a.svg") == 0);
+    write_text("r.cfg",
+               "protocol = \"repose\"; fixed = { W = 1.0; H = 1.0; fill_steps = 100; stop = \"steps\"; "
+               "relax_steps = 100; measure = [\"theta_r\"]; };\ngrid = { mu = [0.1]; };\n");
+    CU_ASSERT(run("run r.cfg -o stages") <= 1);
+    GOOD("view stages -o a.gif"); /* filled, and the pile */
+    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 2") == 0);
+    leave();
+}
+
+static void test_refusals(void)
+{
+    enter();
+    write_pile();
+    write_text("bare.tsv", "x\ty\n1\t2\n");
+    write_text("flat.tsv", "x\ty\tr\n1\t2\t0\n");
+    write_text("points.tsv", "x\ty\tr\n1\t2\t1\n");
+    write_text("file", "x\n");
+    FAILS(64, "ends in .png, .svg, .pdf, .gif or .mp4", "view . -o a.jpg");
+    FAILS(64, "-o FILE writes a picture", "view .");
+    FAILS(65, "cannot read", "view nowhere -o a.svg");
+    FAILS(65, "no column \"r\"", "view bare.tsv -o a.svg");
+    FAILS(65, "flat.tsv: row 1: x, y and a radius above 0 expected", "view flat.tsv -o a.svg");
+    FAILS(65, "no column \"age\"", "view . -o a.svg --color age");
+    FAILS(65, "there are frames 0 to 0, steps 7 to 7", "view . -o a.svg --frame 1");
+    FAILS(64, "last, all, a number or step=N", "view . -o a.svg --frame first");
+    FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window 1,0,0,1");
+    FAILS(65, "more than 100000 cells", "view . -o a.svg --base --cell 1e-4");
+    write_text("far.tsv", "x\ty\tr\n1\t2\t1\n1e200\t1e200\t1\n");
+    FAILS(65, "no window holds the grains: x over 1e+200", "view far.tsv -o a.svg");
+    FAILS(1, "--stress: no table of contacts", "view points.tsv -o a.svg --stress");
+    FAILS(1, "--base: no contacts that press on a wall", "view points.tsv -o a.svg --base");
+    FAILS(74, "cannot write", "view . -o file/a.svg");
+    CU_ASSERT(shell("mkdir empty; PATH=empty DISPLAY= \"$(command -v \"$REPOSE\")\" view . -o a.svg 2>err") ==
+                  1 &&
+              shell("grep -q 'Debian has it in the package gnuplot-nox' err") == 0);
+    CU_ASSERT(shell("! ls | grep -q svg") == 0);
+    CU_ASSERT(shell("mkdir none; \"$REPOSE\" view none -o a.svg 2>err") == 65 &&
+              shell("grep -q 'no rows in a states.tsv, disks.tsv or ..._grains.tsv' err") == 0);
+    leave();
+}
+
+/* ---- what a run says ---- */
+
+/* A staircase of fixed grains is a pile: its steps of 0.1 per diameter of 0.2 have a slope of 26.6 degrees.
+ */
+static void test_closing_line(void)
+{
+    char walls[256], grains[4096] = "";
+    enter();
+    for (int k = 0; k < 12; k++)
+        snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
+                 "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k, 2.0 - 0.1 * k);
+    snprintf(walls, sizeof walls, "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );");
+    write_text("stairs.cfg", "steps = 10; %s particles = ( %s );\n", walls, grains);
+    GOOD("run stairs.cfg -o d");
+    CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
+    CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
+    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 (method 3); tables in d\n") != NULL);
+    GOOD("run stairs.cfg -o d --quiet");
+    CU_ASSERT_STRING_EQUAL(err, "");
+    /* a pile ends at the wall that has opened; a level one has no slope */
+    write_text("open.cfg",
+               "steps = 10; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; }, { point = [2.0, 0.0]; "
+               "direction = [-1.0, 0.0]; open_at_step = 5; } ); particles = ( %s );\n",
+               grains);
+    GOOD("run open.cfg -o open");
+    CU_ASSERT(strstr(err, "over x = 0 to 2 (method 3)") != NULL);
+    write_text("level.cfg",
+               "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
+               "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",
+               walls);
+    GOOD("run level.cfg");
+    CU_ASSERT_STRING_EQUAL(
+        err, "repose run: 2 grains, 10 steps, t = 0.0005 s; at rest; states on standard output\n");
+    write_moving();
+    GOOD("run s.cfg -o moving");
+    CU_ASSERT_STRING_EQUAL(err,
+                           "repose run: 2 grains, 100 steps, t = 0.001 s; not at rest; tables in moving\n");
+    leave();
+}
+
+/* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */
+static void test_progress(void)
+{
+    char *text;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    cli_progress p = cli_progress_start(false, false, 1000.0, 100, 1100);
+    cli_progress_show(&p, 1059.0, 120, file);
+    cli_progress_show(&p, 1061.0, 200, file);
+    cli_progress_show(&p, 1120.0, 300, file);
+    cli_progress_show(&p, 1122.0, 600, file);
+    cli_progress_show(&p, 1300.0, 1100, file); /* the closing line says this */
+    fclose(file);
+    CU_ASSERT_STRING_EQUAL(text, "repose run: step 200 of 1100, 18 %, 9:09 left\n"
+                                 "repose run: step 600 of 1100, 54 %, 2:02 left\n");
+    free(text);
+    file = open_memstream(&text, &size);
+    p = cli_progress_start(false, true, 0.0, 0, 300);
+    cli_progress_show(&p, 0.4, 10, file);
+    cli_progress_show(&p, 1.0, 100, file);
+    cli_progress_show(&p, 1.05, 110, file);
+    cli_progress_show(&p, 1.06, 300, file);
+    fclose(file);
+    CU_ASSERT(strncmp(text, "\r[##########                    ] step 100 of 300, 33 %, 0:02 left", 66) == 0);
+    CU_ASSERT(strstr(text, "110") == NULL &&
+              strstr(text, "\r[##############################] step 300 of 300"));
+    CU_ASSERT(text[size - 1] == '\n');
+    free(text);
+    file = open_memstream(&text, &size);
+    p = cli_progress_start(true, true, 0.0, 0, 300);
+    cli_progress_show(&p, 100.0, 300, file);
+    fclose(file);
+    CU_ASSERT(size == 0);
+    free(text);
+}
+
+/* Without a screen gnuplot draws text on standard error, and the tables are the same. */
+static void test_plot(void)
+{
+    enter();
+    write_moving();
+    GOOD("run s.cfg --every 50");
+    CU_ASSERT(
+        shell("cp out plain; DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" run s.cfg --every 50 --plot >out 2>err") ==
+        0);
+    CU_ASSERT(equal_tables("out", "plain"));
+    CU_ASSERT(
+        shell(
+            "grep -q 'step 100 of 100, 100 %' err && grep -q 'kinetic energy' err && grep -q surface err && "
+            "tail -n 1 err | grep -q 'repose run: 2 grains'") == 0);
+    write_text("r.cfg", "protocol = \"repose\";\n");
+    FAILS(64, "--plot goes with a scene", "run r.cfg --plot -o d");
+    leave();
+}
+
+void suite_view(void)
+{
+    static const check_case cases[] = {{"grains", test_circles},
+                                       {"forces and walls", test_forces},
+                                       {"colours", test_colors},
+                                       {"stress and base", test_stress},
+                                       {"frames", test_frames},
+                                       {"film", test_film},
+                                       {"folders and files", test_kinds},
+                                       {"refusals", test_refusals},
+                                       {"closing line of a run", test_closing_line},
+                                       {"progress of a run", test_progress},
+                                       {"plot of a run", test_plot},
+                                       {0}};
+    check_register("view", cases);
+}
