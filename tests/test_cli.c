@@ -177,7 +177,15 @@ static void test_wrong_usage(void)
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
         {64, "sweep --help", "sweep"},
+        {64, "unknown command \"calibrat\" (did you mean \"calibrate\"?)", "calibrat"},
+        {64, "unknown command \"staus\" (did you mean \"status\"?); see repose sweep --help", "sweep staus"},
+        {64, "unknown command \"trnd\" (did you mean \"trend\"?); see repose stats --help",
+         "help stats trnd"},
         {64, "unknown option --frob", "lattice --frob 3"},
+        {64, "unknown option --layres (did you mean --layers?)", "lattice --layres 3"},
+        {64, "unknown option --alhpa-deg=3 (did you mean --alpha-deg?)", "lattice --alhpa-deg=3"},
+        {64, "unknown option -J (did you mean -j?)", "sweep run d -J 2"},
+        {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64, "option --layers needs a value", "lattice --layers"},
@@ -228,6 +236,7 @@ static void test_bad_values(void)
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
         {65, "\"frob\": unknown protocol", "params frob"},
+        {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
@@ -282,8 +291,9 @@ static void test_bad_scenes(void)
         {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
         {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
         {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs a tangential law"},
-        {"", "{ x = 0.1; y = 0.2; r = -0.1; }", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
-        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: r: missing"},
+        {"", "{ x = 0.1; y = 0.2; r = -0.1; }",
+         "s.cfg:4: particles.[0].r = -0.1: out of range, allowed: (0, inf)"},
+        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: particles.[0].r: missing"},
         {"", "", "s.cfg:3: particles: no particles"},
     };
     enter();
@@ -811,6 +821,7 @@ static void test_stats_settings(void)
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
+    FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     GOOD("stats threshold a.tsv -x x --by law --most b");

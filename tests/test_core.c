@@ -1,12 +1,14 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/config.h"
+#include "core/guess.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "core/version.h"
@@ -532,6 +534,38 @@ static void statuses(void)
     CU_ASSERT_STRING_EQUAL(rp_message(), "file:7: value 3");
 }
 
+/* Costs by hand, and words between which no letter is right. */
+static void guesses(void)
+{
+    static const struct {
+        const char *a, *b;
+        size_t cost;
+    } pairs[] = {{"", "", 0},          {"", "mu", 4},       {"mu", "mu", 0},          {"mu", "nu", 2},
+                 {"k_n", "k-n", 1},    {"W", "w", 1},       {"theta", "tehta", 2},    {"plan", "pln", 2},
+                 {"pln", "plan", 2},   {"mass", "Ma_s", 3}, {"kitten", "sitting", 6}, {"ab", "bca", 6},
+                 {"radius", "rho", 10}};
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        CU_ASSERT_EQUAL(rp_edit_distance(pairs[i].a, pairs[i].b), pairs[i].cost);
+        CU_ASSERT_EQUAL(rp_edit_distance(pairs[i].b, pairs[i].a), pairs[i].cost);
+    }
+    char many[128];
+    memset(many, 'x', 127), many[127] = '\0';
+    CU_ASSERT_EQUAL(rp_edit_distance(many, "mu"), SIZE_MAX);
+    CU_ASSERT_EQUAL(rp_edit_distance(many + 64, many + 64), 0);
+    static const char *const nearest[][2] = {
+        {"sprin", "spring"}, {"frict", "friction"}, {"K", "k"},      {"x", ""},
+        {"ab", ""},          {"frob", ""},          {"noen", "none"}};
+    for (size_t i = 0; i < sizeof nearest / sizeof *nearest; i++) {
+        rp_guess guess = rp_guess_of(nearest[i][0]);
+        rp_guess_words(&guess, "spring | springs | k friction|none");
+        CU_ASSERT_STRING_EQUAL(guess.nearest, nearest[i][1]);
+        CU_ASSERT_EQUAL(*rp_guess_text(&guess) != '\0', *nearest[i][1] != '\0');
+    }
+    rp_guess guess = rp_guess_of(many);
+    rp_guess_words(&guess, many);
+    CU_ASSERT_STRING_EQUAL(rp_guess_text(&guess), "");
+}
+
 void suite_core(void)
 {
     static const check_case cases[] = {{"statuses and messages", statuses},
@@ -539,6 +573,7 @@ void suite_core(void)
                                        {"refused values", refused_values},
                                        {"keys", keys},
                                        {"keys with inherited parameters", inherited},
+                                       {"the word that was meant", guesses},
                                        {"parameter files", files},
                                        {"whole numbers in parameter files", whole_numbers},
                                        {"large parameter files", large_files},

@@ -90,6 +90,11 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 /* The last word of a command's name, the one to type. */
 const char *cli_own_name(const cli_command *command);
 
+/* The error of a word that is none of these commands, with the nearest one; `group`: "" or their group's
+ * name.
+ */
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group);
+
 /* Of the command line that was parsed last: argument number i, NULL beyond their end; all of them; whether
  * option `name` was given. */
 const char *cli_argument(int i);

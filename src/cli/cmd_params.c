@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "core/guess.h"
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
@@ -95,7 +96,12 @@ static rp_status print_all(void *values)
         print_scene();
         found = true;
     }
-    return found ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol; repose params lists them", name);
+    if (found) return RP_OK;
+    rp_guess guess = rp_guess_of(name);
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) rp_guess_try(&guess, (*p)->name);
+    rp_guess_try(&guess, "scene");
+    return rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol%s; repose params lists them", name,
+                   rp_guess_text(&guess));
 }
 
 const cli_command cmd_params = {

@@ -107,15 +107,15 @@ int main(int argc, char **argv)
         cli_overview(stderr);
         return RP_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0) {
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         cli_overview(stdout);
         return finish("", RP_OK);
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
         printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
     for (const cli_command *const *c = cli_commands; *c; c++)
         if (strcmp(argv[1], (*c)->name) == 0) return finish(argv[1], cli_run(*c, argc - 1, argv + 1));
-    return finish("", rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", argv[1]));
+    return finish("", cli_unknown_command(argv[1], cli_commands, ""));
 }

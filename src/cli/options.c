@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/guess.h"
+
 enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096 };
 
 /* The command line that was parsed last. */
@@ -113,6 +115,21 @@ static size_t index_of(const char *name)
     return i;
 }
 
+/* An option that is written with too few or too many dashes is found as well. */
+static rp_status unknown_option(const char *text)
+{
+    char word[64], nearest[96] = "";
+    const char *name = text + strspn(text, "-");
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
+    rp_guess guess = rp_guess_of(word);
+    rp_guess_schema(&guess, line.options);
+    rp_guess_try(&guess, "help");
+    if (*guess.nearest)
+        snprintf(nearest, sizeof nearest, " (did you mean %s%s?)", strlen(guess.nearest) == 1 ? "-" : "--",
+                 guess.nearest);
+    return rp_fail(RP_USAGE, "unknown option %s%s; see repose %s --help", text, nearest, line.command->name);
+}
+
 static rp_status parse(const cli_command *command, int argc, char **argv, bool *done)
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
@@ -139,8 +156,7 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
             return RP_OK;
         }
         if (c == '?') /* a letter within a group: getopt has not passed its word yet */
-            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
-                           optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);
+            return unknown_option(optopt > 0 && optopt < 256 ? letter : argv[optind - 1]);
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
                            command->name);
@@ -234,13 +250,21 @@ const char *cli_own_name(const cli_command *c)
     return blank ? blank + 1 : c->name;
 }
 
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group)
+{
+    rp_guess guess = rp_guess_of(word);
+    for (; *among; among++) rp_guess_try(&guess, cli_own_name(*among));
+    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see repose %s%s--help", word, rp_guess_text(&guess),
+                   group, *group ? " " : "");
+}
+
 static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 {
     if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         if (strcmp(argv[1], cli_own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
-    if (strcmp(argv[1], "--help") != 0)
-        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group->name);
+    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
+        return cli_unknown_command(argv[1], group->group, group->name);
     printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
            group->name);
     for (const cli_command *const *c = group->group; *c; c++)

@@ -25,6 +25,11 @@ rp_status rp_config_scan_text(const char *name, const char *text);
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
                           const char *const *others);
 
+/* The error of a key that the schema and `others` do not have: its path, the nearest key, those that are
+ * allowed, and `more`. */
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
+                            const char *const *others, const char *more);
+
 /* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/guess.h"
 #include "core/units.h"
 
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
@@ -139,9 +140,12 @@ static rp_status set_word(const rp_param *param, void *field, const rp_value *va
 {
     if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
     int index = word_index(param->range, value->s);
-    if (index < 0)
-        return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s", param->name, value->s,
-                       param->range);
+    if (index < 0) {
+        rp_guess guess = rp_guess_of(value->s);
+        rp_guess_words(&guess, param->range);
+        return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s%s", param->name, value->s,
+                       param->range, rp_guess_text(&guess));
+    }
     if (param->type == RP_CHOICE)
         *(int *)field = index;
     else

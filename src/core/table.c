@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/guess.h"
 #include "core/params.h"
 #include "core/units.h"
 #include "core/version.h"
@@ -368,18 +369,25 @@ int rp_table_column(const rp_table *table, const char *name)
     return -1;
 }
 
-rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+static rp_status no_column(const rp_table *table, const char *name, const char *expected)
 {
-    char found[256] = "";
-    *column = rp_table_column(table, name);
-    if (*column >= 0) return RP_OK;
+    char found[512] = "";
+    rp_guess guess = rp_guess_of(name);
     for (size_t i = 0, used = 0; table->names && table->names[0] && i < table->n_columns; i++) {
+        rp_guess_try(&guess, table->names[i]);
         if (used < sizeof found)
             used += (size_t)snprintf(found + used, sizeof found - used, " %s", table->names[i]);
         if (used >= sizeof found) strcpy(found + sizeof found - 5, " ...");
     }
-    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"; expected header: %s; found:%s", table->path, name,
-                   expected, *found ? found : " none");
+    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"%s%s%s; found:%s", table->path, name,
+                   rp_guess_text(&guess), expected ? "; expected header: " : "", expected ? expected : "",
+                   *found ? found : " none");
+}
+
+rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+{
+    *column = rp_table_column(table, name);
+    return *column >= 0 ? RP_OK : no_column(table, name, expected);
 }
 
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
@@ -420,7 +428,7 @@ rp_status rp_table_where(rp_table *table, const char *condition)
     snprintf(name, sizeof name, "%.*s", (int)length, condition);
     const char *value = condition + length + strlen(op);
     const int column = rp_table_column(table, name);
-    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, name);
+    if (column < 0) return no_column(table, name, NULL);
     if (strchr("<>", *op) && !as_number(value, &number))
         return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", condition, value);
     size_t kept = 0;

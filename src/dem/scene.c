@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "core/config.h"
+#include "core/guess.h"
 #include "core/table.h"
 #include "core/units.h"
 #include "dem/definition.h"
@@ -437,6 +438,15 @@ static rp_status read_value(const char *value, config_t *one)
     return status ? status : rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
 }
 
+static rp_status no_group(const config_t *config, const char *name, const char *text)
+{
+    const config_setting_t *root = config_root_setting(config);
+    rp_guess guess = rp_guess_of(name);
+    for (int i = 0; i < config_setting_length(root); i++)
+        rp_guess_try(&guess, config_setting_name(config_setting_get_elem(root, (unsigned)i)));
+    return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
+}
+
 /* Put "group.key=value" into the tree that was read, in place of what stands there. */
 static rp_status change(config_t *config, const char *text)
 {
@@ -460,8 +470,8 @@ static rp_status change(config_t *config, const char *text)
     }
     int type = config_setting_type(value);
     if (!parent || !config_setting_is_group(parent) || config_setting_is_aggregate(value))
-        status = rp_fail(RP_BAD_INPUT, "--set %s: %s", text,
-                         parent ? "one number, word or boolean expected" : "the file has no such group");
+        status = parent ? rp_fail(RP_BAD_INPUT, "--set %s: one number, word or boolean expected", text)
+                        : no_group(config, path, text);
     if (!status) {
         if (config_setting_get_member(parent, key)) config_setting_remove(parent, key);
         config_setting_t *member = config_setting_add(parent, key, type);

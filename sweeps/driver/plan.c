@@ -66,9 +66,10 @@ static rp_status find_param(const sweep_protocol *protocol, const config_setting
                             const rp_param **param)
 {
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
-    return *param ? RP_OK
-                  : rp_config_fail(setting, "%s: unknown key; see repose params %s",
-                                   config_setting_name(setting), protocol->name);
+    if (*param) return RP_OK;
+    char more[64];
+    snprintf(more, sizeof more, "; see repose params %s", protocol->name);
+    return rp_config_unknown(setting, protocol->schema, NULL, more);
 }
 
 static int length(const config_setting_t *group)
