@@ -1,11 +1,12 @@
-/* The pages for people, README.md and docs: each command block runs, and prints what the page shows. Blocks of
- * a page run in order, in one temporary folder that looks like the repository's root.
+/* The pages for people, README.md and docs: each command block runs, and prints what the page shows. Blocks
+ * of a page run in order, in one temporary folder that looks like the repository's root.
  *
  *   ```sh or ```python             commands; the block must succeed
- *   ```text, right after it        its output and messages: `...` stands for any text within a line, and alone
- *                                  in a line for any lines; blanks are equal to tabs; lines with # are left out.
- *                                  A last command that fails shows its message, `repose ...`.
- *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its place */
+ *   ```text, right after it        its output and messages: `...` stands for any text within a line, and
+ * alone in a line for any lines; blanks are equal to tabs; lines with # are left out. A last command that
+ * fails shows its message, `repose ...`.
+ *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
+ * place */
 #include <ctype.h>
 #include <glob.h>
 #include <stdlib.h>
@@ -79,7 +80,8 @@ static char *next_output(char **text)
     return line;
 }
 
-/* Whether the output is as shown; else the first line that is shown and missing, or the first one too many. */
+/* Whether the output is as shown; else the first line that is shown and missing, or the first one too many.
+ */
 static bool output_matches(char *shown, char *output, const char **missing)
 {
     bool gap = false;
@@ -107,7 +109,7 @@ static void run_block(block *b)
     }
     write_text("block", "%s\n", b->instead[0] ? b->instead : b->commands);
     char line[256];
-    snprintf(line, sizeof line, ": >err; PATH=$PWD/build:$PATH %s block >out 2>&1",
+    snprintf(line, sizeof line, ": >err; cd page; PATH=$PWD/build:$PATH %s ../block >../out 2>&1",
              b->python && !b->instead[0] ? "PYTHONPATH=python python3" : "sh -e");
     const int status = shell(line);
     const bool message = strncmp(b->expected, "repose", 6) == 0 || strstr(b->expected, "\nrepose");
@@ -128,14 +130,18 @@ static void append(char *text, const char *line)
     strcat(text, line);
 }
 
-/* The folder: links to what stands in the repository's root, and the program in build. */
+/* Folder `page` of the test's folder: links to what stands in the repository's root, and the program in
+ * build. */
 static void make_folder(void)
 {
     char root[512], line[2048];
     enter();
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
-    snprintf(line, sizeof line, "ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" build/ >out 2>err",
-             root);
+    snprintf(
+        line, sizeof line,
+        "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" build/; }"
+        " >out 2>err",
+        root);
     CU_ASSERT_EQUAL_FATAL(shell(line), 0);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
     unsetenv("MAKEFLAGS"), unsetenv("REPOSE_DATA");
@@ -192,13 +198,17 @@ static void every_command(void)
     CU_ASSERT_EQUAL_FATAL(glob("README.md", GLOB_APPEND, NULL, &found), 0);
     for (size_t i = 0; i < found.gl_pathc; i++) {
         bool listed = false;
-        for (size_t k = 0; k < sizeof pages / sizeof *pages; k++) listed |= !strcmp(pages[k], found.gl_pathv[i]);
+        for (size_t k = 0; k < sizeof pages / sizeof *pages; k++)
+            listed |= !strcmp(pages[k], found.gl_pathv[i]);
         FILE *file = fopen(found.gl_pathv[i], "r");
         char *line = NULL;
         size_t size = 0;
+        bool fence = false;
         for (int number = 1; getline(&line, &size, file) > 0; number++) {
             const char *p = line + strspn(line, " ");
-            const bool command = p - line >= 4 && (!strncmp(p, "repose ", 7) || !strncmp(p, "make ", 5) || *p == '$');
+            fence ^= strncmp(line, "```", 3) == 0;
+            const bool command = !fence && p - line >= 4 &&
+                                 (!strncmp(p, "repose ", 7) || !strncmp(p, "make ", 5) || *p == '$');
             const bool right = !command && (listed || strncmp(line, "```sh", 5) != 0);
             if (!right) fprintf(stderr, "%s:%d: no test runs %s", found.gl_pathv[i], number, line);
             CU_ASSERT(right);
