@@ -25,7 +25,9 @@ named = panels > 1
 columns = panels > 1 && across == 1 ? 2 : 1
 width = 8.6*across*columns
 breaks(s, n) = n < 2 || (s[n:n] eq ' ' && s[n - 6:n - 1] ne 'Italic') ? n : breaks(s, n - 1)
-fold(s, n, between) = strlen(s) <= n ? s : s[1:breaks(s, n) - 1].between.fold(s[breaks(s, n) + 1:*], n, between)
+marks(s) = strstrt(s, '{/:Italic') ? 1 + marks(s[strstrt(s, '{/:Italic') + 9:*]) : 0
+room(s, n) = n + 11*marks(s[1:n])
+fold(s, n, between) = strlen(s) <= room(s, n) ? s : s[1:breaks(s, room(s, n)) - 1].between.fold(s[breaks(s, room(s, n)) + 1:*], n, between)
 lines(s) = s eq '' ? 0 : 1 + (strstrt(s, "\n") ? lines(s[strstrt(s, "\n") + 1:*]) : 0)
 heading = fold(heading, int(5.2*width), "}\n{/:Bold ")
 remark = fold(remark, int(5.6*width), "\n")
@@ -33,8 +35,8 @@ top = line_height*(lines(heading) + lines(remark) + shared) + 0.25
 cell_height = line_height*(legend + named) + 0.3 + panel_height + 1.15
 height = top + cell_height*ceil(1.0*panels/columns)
 
-# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown: for pages.
-dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : 274.
+# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown, for pages: 220.
+dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : 220.
 font = sprintf('DejaVu Sans,%g', letters)
 if (terminal eq 'svg') set terminal svg size width*96/2.54, height*96/2.54 font sprintf('DejaVu Sans,%g', letters*96/72) background 'white' enhanced
 if (terminal eq 'pdf') set terminal pdfcairo size width cm, height cm font font fontscale dots/96 linewidth dots/96 pointscale dots/96 enhanced
@@ -77,7 +79,7 @@ set ytics offset 0.4, 0
 set xlabel offset 0, 0.6
 set ylabel offset 0.4, 0
 # of labels beside tics that are powers of ten, whose markup gnuplot counts
-powers = 2.4
+powers = 1.8
 set format '%h'
 set samples 1001
 set grid lw 0.5 lc rgb '#e0e0e0'

@@ -8,7 +8,6 @@ set xlabel 'iteration (thousands)'
 set ylabel 'energy per grain (erg)'
 set logscale y
 set format y '10^{%T}'
-set ylabel offset powers
 set yrange [1e-9:100]
 set xrange [0:*]
 set arrow 1 from opened/1000, graph 0 to opened/1000, graph 1 nohead ls guide

@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, figure 2(a): angle of repose against the height of the box.
 # tables: lh2a.tsv lh2a_trend.tsv
-heading = 'Angle of repose against the height of the box'
+heading = 'Angle of repose against height of the box'
 remark = sprintf('bars: standard error over %d piles at most; changes: over the whole range of {/:Italic H}', most('lh2a.tsv', 'n'))
 legend = 3
 load 'figures/style.gp'

@@ -17,7 +17,7 @@ set ytics 10
 eval panel(1, '(a) fastest grains')
 set xlabel 'iteration (10^5)'
 set arrow 1 from level/1e5, graph 0 to level/1e5, graph 1 nohead ls guide
-plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 0.7 lc 'black' title v_cut('0'), \
+plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 1 lc 'black' title v_cut('0'), \
      for [k=0:1] '' using (column('step')/1e5):(from_level(column('step'), first('theta_deg') + (2*k - 1)*first('theta_sd_deg'))) \
        with lines ls 12 title k ? '' : 'mean ± standard deviation', \
      opened with lines ls theory title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', opened)
@@ -25,5 +25,5 @@ unset arrow 1
 eval panel(2, '(b) slower grains')
 set xlabel 'grains added'
 plot for [row in '10 20'] t('lh5_row'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
-       with lines lw 0.7 lc rgb (row eq '10' ? '#000000' : '#0072b2') title v_cut(row), \
+       with lines lw 1 lc rgb (row eq '10' ? '#000000' : '#0072b2') title v_cut(row), \
      opened with lines ls theory notitle

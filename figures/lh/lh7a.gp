@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, figure 7(a): measured theta_R + theta_T against theta_MS of (3).
 # tables: lh3_compare.tsv lh5.tsv
-heading = 'Angle of marginal stability: measured, and equation (3)'
+heading = 'Marginal stability: measured, and by (3)'
 remark = sprintf('bars: standard error over %d piles, {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'))
 legend = 4
 load 'figures/style.gp'

@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, in its four forms.
 # tables: lh3_compare.tsv
-heading = 'Tilting angle: measured, and equation (4) in four forms'
+heading = 'Tilting angle: measured, and by (4)'
 remark = sprintf('bars: standard error over %d piles (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'))
 legend = 5
 load 'figures/style.gp'

@@ -1,6 +1,6 @@
 # Lee & Herrmann 1993, section 3: friction of grains against friction of floor and walls, in boxes of three sizes.
 # tables: lh_grain_trend.tsv lh_wall.tsv lh_wall_trend.tsv lh_wall_trend_bottom.tsv
-heading = 'Change with the friction of grains, and of walls'
+heading = 'Change with friction of grains and of walls'
 remark = sprintf('straight lines through the means; bars: standard error over %d piles; the other friction is 0.2', most('lh_wall.tsv', 'n'))
 legend = 3
 load 'figures/style.gp'
