@@ -37,11 +37,13 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
-    "--pair ",       "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--force ",
-    "--profile ",    "--resume ",     "--man ",     "--quiet ",     "--plot ",      "--color ",   "--stress ",
-    "--completion ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
+    "--help ",      "--study ",   "--where ",     "--bare ",       "--set ",
+    "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
+    "--runs ",      "--missing ", "--outline ",   "--disks ",      "--linear ",
+    "--set-again ", "--summary ", "--threshold ", "--map ",        "--ledger ",
+    "--force ",     "--profile ", "--resume ",    "--man ",        "--quiet ",
+    "--plot ",      "--color ",   "--stress ",    "--completion ", "--json ",
+    "--shard ",     "--start ",   "--variants ",  "--published ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -173,6 +175,7 @@ static void test_wrong_usage(void)
 {
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
+        {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
@@ -322,12 +325,32 @@ static void test_bad_scenes(void)
     leave();
 }
 
+/* Scenes and sweeps are files of the same syntax: each command says which command takes the other. */
+static void test_sweep_or_scene(void)
+{
+    enter();
+    write_text("scene.cfg", "fill = { N = 4; W = 1.0; H = 1.0; };\n");
+    write_text("sweep.cfg", "protocol = \"pile\"; replicas = 1;\n");
+    write_text("tables.cfg", "tables = [\"tables_a = tent\"];\n");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep plan scene.cfg -o d");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep make scene.cfg -o d");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep",
+          "calibrate --theta-r-deg 20 --error-deg 1 --sweep scene.cfg -o d");
+    FAILS(64, "scene.cfg is a scene", "run scene.cfg --row 1 -o d");
+    FAILS(64, "sweep.cfg is a sweep file; repose run sweep.cfg --row N -o DIR", "run sweep.cfg");
+    FAILS(64, "repose sweep make sweep.cfg -o DIR makes all", "run sweep.cfg --row 0");
+    FAILS(65, "tables.cfg is a sweep file of tables alone; repose sweep make", "run tables.cfg -o d");
+    leave();
+}
+
 static void test_bad_sweeps(void)
 {
     static const struct {
         const char *file, *text;
     } list[] = {
         {"protocol = \"frob\"; seed = 1; replicas = 1;", "frob"},
+        {"particles = ( { x = 0.0; y = 0.1; r = 0.1; } );",
+         "s.cfg: a scene (it has particles), no sweep; repose run s.cfg simulates it"},
         {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
         {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
         {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { frob = 1; };", "frob: unknown key"},
@@ -348,7 +371,7 @@ static void test_bad_sweeps(void)
         CU_ASSERT(out[0] == '\0' && access(path, F_OK) != 0);
     }
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
-    FAILS(64, "needs -o DIR", "run s.cfg");
+    FAILS(64, "--row N -o DIR", "run s.cfg");
     FAILS(64, "--set goes with a scene", "run s.cfg --set mu=0.3 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
@@ -1744,6 +1767,7 @@ void suite_cli(void)
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},
+                                       {"sweep or scene", test_sweep_or_scene},
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},

@@ -75,6 +75,7 @@ typedef struct cli_command {
     const struct cli_command *const *group;               /* subcommands, to NULL; no `act` */
     const rp_param *protocol; /* schema whose options come first, and the size of its values */
     size_t protocol_size;
+    bool prints_table; /* on standard output, as all that have on_table do: with --json */
 } cli_command;
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
@@ -149,6 +150,11 @@ rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_rea
 rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
 size_t cli_mark(void);
 void cli_release(size_t mark);
+
+/* Keep what is printed on standard output from here on; and print it as JSON if it is a table, unless the
+ * command failed. Errors: RP_NO_MEMORY; `status`. */
+rp_status cli_capture(void);
+rp_status cli_capture_end(rp_status status);
 
 /* Start a table with provenance; cli_table notes the numbers and words among the values of the options too.
  */

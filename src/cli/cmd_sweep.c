@@ -123,6 +123,7 @@ static const cli_command run = {
     "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
+    .prints_table = true,
     .act = act_run};
 
 static rp_status act_status_of(void *values)
@@ -148,6 +149,7 @@ static const cli_command status_of = {
     "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
+    .prints_table = true,
     .act = act_status_of};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
@@ -178,6 +180,7 @@ static const cli_command export = {
     "that are aborted (see sweep run) are among the failed; the header then has their number.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
+    .prints_table = true,
     .act = act_export};
 
 static rp_status act_digest(void *values)

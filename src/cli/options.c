@@ -11,7 +11,13 @@
 
 #include "core/guess.h"
 
-enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096 };
+enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096, GENERIC_AT = MOST_BYTES };
+
+/* Options of every command that prints a table. */
+#define GENERIC_OPTIONS(X)                                                                                   \
+    X(BOOL, json, "", "false", "",                                                                           \
+      "print the table as JSON: header lines, units, and rows as objects; nan as null")
+CLI_OPTIONS(generic, GENERIC_OPTIONS)
 
 /* The command line that was parsed last. */
 static struct {
@@ -20,7 +26,7 @@ static struct {
     rp_param options[MAX_OPTIONS + 1]; /* with names as they are typed */
     char names[MAX_OPTIONS][MAX_NAME];
     bool given[MAX_OPTIONS];
-    _Alignas(max_align_t) char values[MOST_BYTES];
+    _Alignas(max_align_t) char values[MOST_BYTES + sizeof(generic_options)];
     int n_arguments;
     char *const *arguments;
 } line;
@@ -59,7 +65,7 @@ static rp_status add_options(const rp_param *schema, size_t offset)
     for (const rp_param *p = schema; p && p->name; p++) {
         const size_t n = line.n_options++;
         if (n == MAX_OPTIONS || strlen(p->name) >= MAX_NAME ||
-            offset + p->offset + sizeof(rp_texts) > MOST_BYTES)
+            (offset < GENERIC_AT && offset + p->offset + sizeof(rp_texts) > MOST_BYTES))
             return rp_fail(RP_BROKEN, "repose %s: no room for option %s", line.command->name, p->name);
         strcpy(line.names[n], p->name);
         for (char *c = line.names[n]; (c = strchr(c, '_'));) *c = '-';
@@ -70,13 +76,19 @@ static rp_status add_options(const rp_param *schema, size_t offset)
     return RP_OK;
 }
 
+static bool prints_table(const cli_command *c)
+{
+    return c->on_table || c->prints_table;
+}
+
 rp_status cli_options_of(const cli_command *command, const rp_param **options)
 {
     memset(&line, 0, sizeof line);
     line.command = command;
     *options = line.options;
     rp_status status = add_options(command->protocol, 0);
-    return !status && command->options ? add_options(command->options(), command->protocol_size) : status;
+    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
+    return !status && prints_table(command) ? add_options(generic_params(), GENERIC_AT) : status;
 }
 
 static rp_status set_option(size_t i, const char *text)
@@ -198,7 +210,7 @@ void cli_table(FILE *out)
     char text[256];
     cli_provenance(out);
     for (const rp_param *p = line.options; p->name; p++)
-        if (p->type != RP_TEXT && p->type != RP_TEXTS)
+        if (p->type != RP_TEXT && p->type != RP_TEXTS && p->offset < GENERIC_AT)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, line.values, text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
 }
@@ -272,11 +284,29 @@ static rp_status run_of_group(const cli_command *group, int argc, char **argv)
     return RP_OK;
 }
 
+static rp_status act(const cli_command *command)
+{
+    return command->on_table ? act_on_table(command) : command->act(line.values);
+}
+
+/* Standard output as JSON; a file that the command writes in its place would stay a table. */
+static rp_status act_as_json(const cli_command *command)
+{
+    const rp_param *o = rp_params_find(line.options, "o");
+    if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
+        strcmp(*(const char **)(line.values + o->offset), "-") != 0)
+        return rp_fail(RP_USAGE,
+                       "--json is of standard output; repose export --to json -o FILE writes a file");
+    rp_status status = cli_capture();
+    return status ? status : cli_capture_end(act(command));
+}
+
 rp_status cli_run(const cli_command *command, int argc, char **argv)
 {
     bool done = false;
     if (command->group) return run_of_group(command, argc, argv);
     rp_status status = parse(command, argc, argv, &done);
     if (status || done) return status;
-    return command->on_table ? act_on_table(command) : command->act(line.values);
+    const generic_options *o = (const generic_options *)(line.values + GENERIC_AT);
+    return o->json ? act_as_json(command) : act(command);
 }

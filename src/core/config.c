@@ -4,11 +4,25 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
-#include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/guess.h"
 #include "core/table.h"
+
+/* libconfig says "syntax error" and the line, no more. */
+static void explain(const char *path, const char *error, char hint[256])
+{
+    char *text = NULL;
+    *hint = '\0';
+    if (strstr(error, "mismatched element type"))
+        strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
+    else if (strstr(error, "syntax error") && !rp_file_read(path, &text)) {
+        strcpy(hint, " ");
+        if (!rp_config_syntax(text, hint + 1, 255)) *hint = '\0';
+    }
+    free(text);
+}
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
@@ -21,12 +35,11 @@ rp_status rp_config_read(const char *path, config_t *config)
     if (status) return status;
     config_set_include_dir(config, folder);
     if (config_read_file(config, path) == CONFIG_FALSE) {
-        const char *file = config_error_file(config), *text = config_error_text(config);
-        const char *hint = text && strstr(text, "mismatched element type")
-                               ? ": [ ] holds one type only; write 0.0 for 0, or use ( )"
-                               : "";
-        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file ? file : path, config_error_line(config),
-                       text ? text : "cannot read", hint);
+        char hint[256];
+        const char *file = config_error_file(config) ? config_error_file(config) : path,
+                   *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+        explain(file, text, hint);
+        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
     }
     return RP_OK;
 }

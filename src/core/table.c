@@ -321,18 +321,17 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
     return take_row(r, line, n, line_number);
 }
 
-static rp_status read_table(const char *path, bool texts, rp_table *table)
+/* Split the text that the table has. */
+static rp_status split_text(bool texts, rp_table *table)
 {
-    *table = (rp_table){.path = path};
     reading r = {.table = table, .texts = texts, .most_rows = 1};
-    rp_status status = rp_file_read(path, &table->text);
-    if (status) return status;
+    rp_status status = RP_OK;
     if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
         memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
     for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
     r.most_cells = strlen(table->text) / 2 + 1;
     table->lines = calloc(r.most_rows, sizeof *table->lines);
-    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     size_t line_number = 0;
     for (char *next = table->text, *line; (line = next) && !status;) {
         next = strchr(line, '\n');
@@ -341,6 +340,19 @@ static rp_status read_table(const char *path, bool texts, rp_table *table)
     }
     static char none[] = "";
     return status || table->names ? status : take_names(&r, r.above ? r.above : none);
+}
+
+static rp_status read_table(const char *path, bool texts, rp_table *table)
+{
+    *table = (rp_table){.path = path};
+    rp_status status = rp_file_read(path, &table->text);
+    return status ? status : split_text(texts, table);
+}
+
+rp_status rp_table_parse(const char *name, char *text, rp_table *table)
+{
+    *table = (rp_table){.path = name, .text = text};
+    return split_text(true, table);
 }
 
 rp_status rp_table_read(const char *path, rp_table *table)

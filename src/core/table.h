@@ -69,6 +69,9 @@ rp_status rp_table_read(const char *path, rp_table *table);
 /* The same for a table whose cells hold blanks: only tabs separate them, or commas in a table without
  * tabs. */
 rp_status rp_table_read_texts(const char *path, rp_table *table);
+
+/* The same for a text from malloc, which the table takes; `name` is for messages, and borrowed. */
+rp_status rp_table_parse(const char *name, char *text, rp_table *table);
 void rp_table_free(rp_table *table);
 
 /* Index of a column, or -1. */

@@ -19,6 +19,16 @@ typedef struct {
     int piles, units;
 } head;
 
+rp_status sweep_refuse_scene(const char *file, const config_setting_t *root)
+{
+    static const char *const keys[] = {"particles", "particles_file", "fill", "walls"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && !config_setting_get_member(root, "protocol"); i++)
+        if (config_setting_get_member(root, keys[i]))
+            return rp_fail(RP_BAD_INPUT, "%s: a scene (it has %s), no sweep; repose run %s simulates it",
+                           file, keys[i], file);
+    return RP_OK;
+}
+
 /* The file's settings apart from `fixed` and `grid`. */
 static rp_status read_head(const char *file, const config_setting_t *root,
                            const sweep_protocol *const *protocols, head *h)
@@ -39,11 +49,12 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; defaults are converted"},
         {0}};
+    rp_status status = sweep_refuse_scene(file, root);
+    if (status) return status;
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    const rp_status status =
-        rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    status = rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
     rp_units_set((rp_units)h->units);
     return status;
 }
