@@ -116,8 +116,8 @@ LONGEST := lh5 lh2b lh_gamma lh3
 PAGES   := paper-repro $(addprefix docs/,claims choices beyond misprints validation)
 make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
 	$(REPOSE) report figures/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
-# Small pictures that paper-repro.md and README show.
-SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' figures/paper-repro.md.in README.md)))
+# Small pictures that paper-repro.md, README and docs show.
+SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' figures/paper-repro.md.in README.md docs/*.md)))
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg) \
@@ -167,7 +167,7 @@ fig-%: $(B)/figures/%.svg
 $(B)/figures/shown/%.png: $(B)/figures/%.svg
 	@mkdir -p $(@D)
 	@gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; file='$(@:.png=)'" figures/style.gp $(wildcard figures/*/$*.gp)
-	@pngquant --force --output $@ 24 $@
+	@for colours in 64 16; do pngquant --force --nofs --output $@ $$colours $@; [ $$(stat -c %s $@) -gt 100000 ] || break; done
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc

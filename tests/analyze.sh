@@ -38,7 +38,7 @@ done <<END
 lattice --base 20 --alpha-deg 30
 tent --x1 0.38 --outer-deg 30 --inner-deg 45
 pile --base 20 --alpha-deg 30
-run $build/analyze/scene.cfg --ledger -o $build/analyze/run
+run $build/analyze/scene.cfg --ledger --force -o $build/analyze/run
 angle slope tests/fuzz/corpus/angle_slope/pile --width 4
 angle phi tests/fuzz/corpus/angle_phi/piles --bootstrap 5
 stress dip tests/fuzz/corpus/stress_dip/piles --resamples 9

@@ -27,6 +27,7 @@
     X(suite_ledger)                                                                                          \
     X(suite_snapshot)                                                                                        \
     X(suite_walls)                                                                                           \
+    X(suite_docs)                                                                                            \
     X(suite_examples)                                                                                        \
     X(suite_scene)                                                                                           \
     X(suite_keys)                                                                                            \

@@ -37,11 +37,13 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",       "--study ",      "--where ",   "--bare ",      "--set ",       "--reduce ",  "--base ",
-    "--pair ",       "--successive ", "-o ",        "--runs ",      "--missing ",   "--outline ", "--disks ",
-    "--linear ",     "--set-again ",  "--summary ", "--threshold ", "--map ",       "--ledger ",  "--force ",
-    "--profile ",    "--resume ",     "--man ",     "--quiet ",     "--plot ",      "--color ",   "--stress ",
-    "--completion ", "--shard ",      "--start ",   "--variants ",  "--published ", NULL};
+    "--help ",      "--study ",   "--where ",     "--bare ",       "--set ",
+    "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
+    "--runs ",      "--missing ", "--outline ",   "--disks ",      "--linear ",
+    "--set-again ", "--summary ", "--threshold ", "--map ",        "--ledger ",
+    "--force ",     "--profile ", "--resume ",    "--man ",        "--quiet ",
+    "--plot ",      "--color ",   "--stress ",    "--completion ", "--json ",
+    "--shard ",     "--start ",   "--variants ",  "--published ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -173,11 +175,20 @@ static void test_wrong_usage(void)
 {
     static const failure list[] = {
         {64, "unknown command \"frob\"", "frob"},
+        {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
         {64, "sweep --help", "sweep"},
+        {64, "unknown command \"calibrat\" (did you mean \"calibrate\"?)", "calibrat"},
+        {64, "unknown command \"staus\" (did you mean \"status\"?); see repose sweep --help", "sweep staus"},
+        {64, "unknown command \"trnd\" (did you mean \"trend\"?); see repose stats --help",
+         "help stats trnd"},
         {64, "unknown option --frob", "lattice --frob 3"},
+        {64, "unknown option --layres (did you mean --layers?)", "lattice --layres 3"},
+        {64, "unknown option --alhpa-deg=3 (did you mean --alpha-deg?)", "lattice --alhpa-deg=3"},
+        {64, "unknown option -J (did you mean -j?)", "sweep run d -J 2"},
+        {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64, "option --layers needs a value", "lattice --layers"},
@@ -228,6 +239,7 @@ static void test_bad_values(void)
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
         {65, "\"frob\": unknown protocol", "params frob"},
+        {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
@@ -282,8 +294,9 @@ static void test_bad_scenes(void)
         {"dt = 1e400;", GRAIN, "s.cfg:1: dt"},
         {"steps = ;", GRAIN, "s.cfg:1: syntax error"},
         {"tangential = { mu = 0.2; };", GRAIN, "s.cfg:1: mu = 0.2: needs a tangential law"},
-        {"", "{ x = 0.1; y = 0.2; r = -0.1; }", "s.cfg:4: r = -0.1: out of range, allowed: (0, inf)"},
-        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: r: missing"},
+        {"", "{ x = 0.1; y = 0.2; r = -0.1; }",
+         "s.cfg:4: particles.[0].r = -0.1: out of range, allowed: (0, inf)"},
+        {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: particles.[0].r: missing"},
         {"", "", "s.cfg:3: particles: no particles"},
     };
     enter();
@@ -312,12 +325,32 @@ static void test_bad_scenes(void)
     leave();
 }
 
+/* Scenes and sweeps are files of the same syntax: each command says which command takes the other. */
+static void test_sweep_or_scene(void)
+{
+    enter();
+    write_text("scene.cfg", "fill = { N = 4; W = 1.0; H = 1.0; };\n");
+    write_text("sweep.cfg", "protocol = \"pile\"; replicas = 1;\n");
+    write_text("tables.cfg", "tables = [\"tables_a = tent\"];\n");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep plan scene.cfg -o d");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep make scene.cfg -o d");
+    FAILS(65, "scene.cfg: a scene (it has fill), no sweep",
+          "calibrate --theta-r-deg 20 --error-deg 1 --sweep scene.cfg -o d");
+    FAILS(64, "scene.cfg is a scene", "run scene.cfg --row 1 -o d");
+    FAILS(64, "sweep.cfg is a sweep file; repose run sweep.cfg --row N -o DIR", "run sweep.cfg");
+    FAILS(64, "repose sweep make sweep.cfg -o DIR makes all", "run sweep.cfg --row 0");
+    FAILS(65, "tables.cfg is a sweep file of tables alone; repose sweep make", "run tables.cfg -o d");
+    leave();
+}
+
 static void test_bad_sweeps(void)
 {
     static const struct {
         const char *file, *text;
     } list[] = {
         {"protocol = \"frob\"; seed = 1; replicas = 1;", "frob"},
+        {"particles = ( { x = 0.0; y = 0.1; r = 0.1; } );",
+         "s.cfg: a scene (it has particles), no sweep; repose run s.cfg simulates it"},
         {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
         {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
         {"protocol = \"repose\"; seed = 1; replicas = 1; fixed = { frob = 1; };", "frob: unknown key"},
@@ -338,7 +371,7 @@ static void test_bad_sweeps(void)
         CU_ASSERT(out[0] == '\0' && access(path, F_OK) != 0);
     }
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
-    FAILS(64, "needs -o DIR", "run s.cfg");
+    FAILS(64, "--row N -o DIR", "run s.cfg");
     FAILS(64, "--set goes with a scene", "run s.cfg --set mu=0.3 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
@@ -811,6 +844,7 @@ static void test_stats_settings(void)
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
+    FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     GOOD("stats threshold a.tsv -x x --by law --most b");
@@ -1733,6 +1767,7 @@ void suite_cli(void)
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},
+                                       {"sweep or scene", test_sweep_or_scene},
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},

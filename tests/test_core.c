@@ -1,12 +1,14 @@
 /* Core: parameter schema, parameter files, random streams, tables. */
 #include <fcntl.h>
 #include <gsl/gsl_cdf.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/config.h"
+#include "core/guess.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "core/version.h"
@@ -169,6 +171,56 @@ static void files(void)
     config_destroy(&config);
     CHECK_FAILS(rp_config_read("/tmp", &config), RP_BAD_INPUT, "is a directory");
     config_destroy(&config);
+}
+
+/* A syntax error says where, and what is expected there. */
+static void syntax(void)
+{
+    static const char *const cases[][2] = {
+        {"a = = 1.0;", ":1: syntax error at \"=\": a value expected"},
+        {"a 1.0;", ":1: syntax error at \"1.0\": \"=\" expected after a key"},
+        {"a = 1.0;\nword = slow;", ":2: syntax error at \"slow\": a value expected; words stand in quotes"},
+        {"a = 0,5;", ":1: syntax error at \"5\": a key expected; decimal numbers have a point, no comma"},
+        {"a = 0.5;;", ":1: syntax error at \";\": a key expected"},
+        {"a = 0.5 2;", ":1: syntax error at \"2\": \";\", a key expected"},
+        {"g = {\n a = 1.0;\n", "syntax error at the end of the file: a key or \"}\" for line 1 expected"},
+        {"g = { a = (1.0, 2.0; };", ":1: syntax error at \";\": \",\" or \")\" for line 1 expected"},
+        {"set = [ (1) ];",
+         ":1: syntax error at \"(\": a value expected; lists of lists or groups are in ( )"},
+        {"a = 1.0; # note",
+         ":1: syntax error at the end of the file: an end of line expected after the comment"},
+        {"a = (1.0, );", ":1: syntax error at \")\": a value expected"},
+        {"a = 1.0; }", ":1: syntax error at \"}\": a key expected"},
+        {"# a note\ntext = \"open;\nb = 1.0;", ":2: a text without its closing quote"},
+        {"text = \"open\\\"", ":1: a text without its closing quote"},
+        {"a = 1.0;\n/* b = 1.0;\n", ":2: a comment without */"},
+        {"a = 1.0; /*/", ":1: a comment without */"}};
+    values v;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        CHECK_FAILS(read_text(cases[i][0], &v), RP_BAD_INPUT, cases[i][1]);
+}
+
+/* With each byte of a file left out or replaced, our reading finds an error where libconfig does. */
+static void syntax_agrees(void)
+{
+    static const char whole[] = "a = -1.0e3; b : \"x\" \"y\" # c\n"
+                                "g = { t = true, h = 0x1F; l = ( 1, { k = [ 2, 3 ]; }, ( ) ); }; n=[]";
+    static const char others[] = " ;:={}[](),\"x5#";
+    for (size_t i = 0; i + 1 < sizeof whole; i++)
+        for (size_t k = 0; k < sizeof others; k++) {
+            char text[sizeof whole], message[256];
+            strcpy(text, whole);
+            text[i] = others[k]; /* the last one ends the text */
+            if (rp_config_scan_text("text", text)) continue;
+            config_t config;
+            config_init(&config);
+            const bool read = config_read_string(&config, text) == CONFIG_TRUE,
+                       wrong = !read && strstr(config_error_text(&config), "syntax error");
+            const bool agrees = !(read || wrong) || rp_config_syntax(text, message, sizeof message) == wrong;
+            if (!agrees) fprintf(stderr, "%s: libconfig %s\n", text, read ? "reads it" : "has an error");
+            CU_ASSERT(agrees);
+            config_destroy(&config);
+        }
 }
 
 /* What libconfig would wrap or read for minutes is refused, and comments and texts hold no numbers. */
@@ -532,6 +584,38 @@ static void statuses(void)
     CU_ASSERT_STRING_EQUAL(rp_message(), "file:7: value 3");
 }
 
+/* Costs by hand, and words between which no letter is right. */
+static void guesses(void)
+{
+    static const struct {
+        const char *a, *b;
+        size_t cost;
+    } pairs[] = {{"", "", 0},          {"", "mu", 4},       {"mu", "mu", 0},          {"mu", "nu", 2},
+                 {"k_n", "k-n", 1},    {"W", "w", 1},       {"theta", "tehta", 2},    {"plan", "pln", 2},
+                 {"pln", "plan", 2},   {"mass", "Ma_s", 3}, {"kitten", "sitting", 6}, {"ab", "bca", 6},
+                 {"radius", "rho", 10}};
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        CU_ASSERT_EQUAL(rp_edit_distance(pairs[i].a, pairs[i].b), pairs[i].cost);
+        CU_ASSERT_EQUAL(rp_edit_distance(pairs[i].b, pairs[i].a), pairs[i].cost);
+    }
+    char many[128];
+    memset(many, 'x', 127), many[127] = '\0';
+    CU_ASSERT_EQUAL(rp_edit_distance(many, "mu"), SIZE_MAX);
+    CU_ASSERT_EQUAL(rp_edit_distance(many + 64, many + 64), 0);
+    static const char *const nearest[][2] = {
+        {"sprin", "spring"}, {"frict", "friction"}, {"K", "k"},      {"x", ""},
+        {"ab", ""},          {"frob", ""},          {"noen", "none"}};
+    for (size_t i = 0; i < sizeof nearest / sizeof *nearest; i++) {
+        rp_guess guess = rp_guess_of(nearest[i][0]);
+        rp_guess_words(&guess, "spring | springs | k friction|none");
+        CU_ASSERT_STRING_EQUAL(guess.nearest, nearest[i][1]);
+        CU_ASSERT_EQUAL(*rp_guess_text(&guess) != '\0', *nearest[i][1] != '\0');
+    }
+    rp_guess guess = rp_guess_of(many);
+    rp_guess_words(&guess, many);
+    CU_ASSERT_STRING_EQUAL(rp_guess_text(&guess), "");
+}
+
 void suite_core(void)
 {
     static const check_case cases[] = {{"statuses and messages", statuses},
@@ -539,7 +623,10 @@ void suite_core(void)
                                        {"refused values", refused_values},
                                        {"keys", keys},
                                        {"keys with inherited parameters", inherited},
+                                       {"the word that was meant", guesses},
                                        {"parameter files", files},
+                                       {"syntax errors", syntax},
+                                       {"syntax errors: as libconfig", syntax_agrees},
                                        {"whole numbers in parameter files", whole_numbers},
                                        {"large parameter files", large_files},
                                        {"random numbers: known answer", random_known_answer},

@@ -80,7 +80,20 @@ static void collect_names(void)
                                        "theta_r3_deg_hi95",
                                        "H",
                                        "W",
-                                       "mu"};
+                                       "mu",
+                                       "H_ratio_mean",
+                                       "H_slope_ratio_mean",
+                                       "N_centre_mean",
+                                       "weakest_level_mean",
+                                       "D_mean",
+                                       "H_ratio_se",
+                                       "D_diagonals_mean",
+                                       "N_centre_diagonals_mean",
+                                       "theta_t_displacement_deg_mean",
+                                       "theta_t_displacement_deg_se",
+                                       "theta_t_energy_deg_mean",
+                                       "theta_t_energy_deg_se",
+                                       "tilt_rate_deg"};
     static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
     char name[48];
     glob_t found;
@@ -333,7 +346,19 @@ static bool check_line(const char *words)
 
 /* ---- figures ---- */
 
-/* Draw a figure of gnuplot into a table. */
+/* Copies of the figures that draw tables: a table holds neither bars of lines nor radii, and numbers as the
+ * axes' formats have them. */
+static void copy_figures(void)
+{
+    CU_ASSERT_FATAL(
+        shell("for f in $(cd \"$OLDPWD\" && ls figures/*.gp figures/*/*.gp); do mkdir -p ${f%/*}; "
+              "sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' "
+              "-e 's/with circles .*, \\\\$/with yerrorbars notitle, \\\\/' "
+              "-e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' \"$OLDPWD/$f\" >$f; "
+              "done >out 2>err") == 0);
+}
+
+/* Draw a figure of gnuplot into a table, and as it is. */
 static bool draw(const char *figure)
 {
     char command[4096], tables[1024] = "";
@@ -342,16 +367,13 @@ static bool draw(const char *figure)
         strncat(tables, i ? " " : "", sizeof tables - strlen(tables) - 1);
         strncat(tables, fixtures[i].name, sizeof tables - strlen(tables) - 1);
     }
-    char path[256];
-    path_of("", path);
-    /* a table holds neither bars of lines nor radii, and numbers as the axes' formats have them */
     snprintf(command, sizeof command,
-             "cd \"$OLDPWD\"; sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' "
-             "-e 's/with circles .*, \\\\$/with yerrorbars notitle, \\\\/' "
-             "-e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' figures/%s.gp >%sgp; "
-             "gnuplot -e \"T='%s'; tables='%s'; terminal='svg'; file='%snone'\" figures/style.gp "
-             "-e \"set table '%sdrawn'\" %sgp -e \"save set '%sset'\" 2>%serr",
-             figure, path, path, tables, path, path, path, path, path);
+             "w=$PWD/; set -- -e \"T='$w'; tables='%s'; terminal='svg'\"; "
+             "(cd \"$OLDPWD\"; exec gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp "
+             ">${w}out 2>${w}err) & "
+             "gnuplot \"$@\" -e \"file='none'\" figures/style.gp -e \"set table '${w}drawn'\" figures/%s.gp "
+             "-e \"save set '${w}set'\" 2>table_err; status=$?; wait $! && cat table_err >>err; exit $status",
+             tables, figure, figure);
     const int status = shell(command);
     if (status != 0 || *err) fprintf(stderr, "%s: gnuplot: %s\n", figure, err);
     return status == 0 && !*err;
@@ -365,6 +387,88 @@ static bool file_holds(const char *name, const char *text)
     return strstr(file, text) != NULL;
 }
 
+/* ---- layout, from plain.svg at 96 dots an inch ---- */
+
+static const double PER_CM = 96.0 / 2.54, LEAST_LETTERS = 7.0 * 96.0 / 72.0;
+
+/* The picture is as wide as one or two columns of a journal, and no letter is below 7 points. */
+static bool letters_are_readable(const char *svg)
+{
+    const char *width = strstr(svg, " width=\"");
+    const double columns = width ? strtod(width + 8, NULL) / (8.6 * PER_CM) : NAN;
+    bool good = fabs(columns - 1.0) < 0.005 || fabs(columns - 2.0) < 0.005;
+    if (!good) fprintf(stderr, "%g columns of 8.6 cm\n", columns);
+    for (const char *font = svg; (font = strstr(font, "font-size=\"")); font++) {
+        const double size = strtod(font + 11, NULL);
+        if (!(size >= LEAST_LETTERS))
+            fprintf(stderr, "letters of %.2f pt\n", size * 72.0 / 96.0), good = false;
+    }
+    return good;
+}
+
+/* Borders of panels: closed rectangles in black. Text is drawn beside them. */
+static bool panels_are_alike(const char *svg, bool own_height)
+{
+    double first[2] = {NAN, NAN}, b[8];
+    bool good = true;
+    for (const char *path = svg; (path = strstr(path, " d='M")); path++) {
+        if (sscanf(path, " d='M%lf,%lf L%lf,%lf L%lf,%lf L%lf,%lf", b, b + 1, b + 2, b + 3, b + 4, b + 5,
+                   b + 6, b + 7) != 8 ||
+            strncmp(path - 15, "stroke='black'", 14) != 0 || !memchr(path + 4, 'Z', strcspn(path + 4, "'")))
+            continue;
+        const double size[2] = {fabs(b[4] - b[0]), fabs(b[5] - b[1])};
+        if (size[1] < PER_CM) continue; /* of colours */
+        if (isnan(first[0])) memcpy(first, size, sizeof first);
+        const bool wide = fabs(size[0] - 15.4 * PER_CM) < 3.0, narrow = fabs(size[0] - 6.8 * PER_CM) < 3.0;
+        if (!(wide || narrow) || (!own_height && fabs(size[1] - 4.6 * PER_CM) > 3.0) ||
+            fabs(size[0] - first[0]) > 1.5 || fabs(size[1] - first[1]) > 1.5) {
+            fprintf(stderr, "panel of %.2f cm x %.2f cm\n", size[0] / PER_CM, size[1] / PER_CM);
+            good = false;
+        }
+        for (const char *text = svg; (text = strstr(text, "<g transform=\"translate(")); text++) {
+            double x, y;
+            if (sscanf(text, "<g transform=\"translate(%lf,%lf)", &x, &y) != 2) continue;
+            if (x > b[0] + 2.0 && x < b[4] - 2.0 && y > fmin(b[1], b[5]) + 2.0 && y < fmax(b[1], b[5]) - 2.0)
+                fprintf(stderr, "text over data at (%g, %g)\n", x, y), good = false;
+        }
+    }
+    if (isnan(first[0])) fprintf(stderr, "no panel\n");
+    return good && !isnan(first[0]);
+}
+
+/* Curves with a title have a point. An entry of the key alone has no rows. */
+static bool legend_is_of_drawn(void)
+{
+    static char table[1 << 20];
+    slurp("drawn", table, sizeof table);
+    bool good = true;
+    for (char *title = table; (title = strstr(title, "# Curve title: ")); title++) {
+        size_t rows = 0, points = 0;
+        char *line = strchr(title, '\n') + 1;
+        for (; *line && *line != '\n'; line += strcspn(line, "\n"), line += *line == '\n') {
+            rows += *line != '#';
+            points += *line != '#' && line[strcspn(line, "u\n")] != 'u';
+        }
+        if (rows == 0 || points > 0) continue;
+        fprintf(stderr, "in the key, not drawn: %.*s\n", (int)strcspn(title, "\n"), title);
+        good = false;
+    }
+    return good;
+}
+
+static bool is_set_out(const char *figure)
+{
+    static char svg[1 << 22], text[1 << 16];
+    char path[256];
+    slurp("plain.svg", svg, sizeof svg);
+    snprintf(path, sizeof path, "figures/%s.gp", figure);
+    slurp(path, text, sizeof text);
+    const bool own_height = strstr(text, "ratio = ") || file_holds("set", "set size ratio -1");
+    const bool good = letters_are_readable(svg) & panels_are_alike(svg, own_height) & legend_is_of_drawn();
+    if (!good) fprintf(stderr, "%s: layout\n", figure);
+    return good;
+}
+
 static void test_drawn(void)
 {
     static char data[1 << 20];
@@ -375,6 +479,7 @@ static void test_drawn(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
     enter();
     collect_names();
+    copy_figures();
     while (fgets(line, sizeof line, in)) {
         number++;
         line[strcspn(line, "\n")] = '\0';
@@ -404,13 +509,15 @@ static void test_drawn(void)
         if (!is_drawn) {
             good_figure = draw(figure);
             CU_ASSERT(good_figure);
+            if (good_figure) CU_ASSERT(is_set_out(figure));
             if (good_figure) slurp("drawn", data, sizeof data);
             drawn = data;
             is_drawn = true;
         }
         if (!good_figure) continue;
         if (strcmp(line, "text") == 0) {
-            const bool shown = file_holds("set", rest) || file_holds("drawn", rest);
+            const bool shown =
+                file_holds("set", rest) || file_holds("drawn", rest) || file_holds("plain.svg", rest);
             if (!shown) fprintf(stderr, "tests/figures.txt:%d: %s: no text \"%s\"\n", number, figure, rest);
             CU_ASSERT(shown);
             continue;
@@ -457,9 +564,32 @@ static void test_all_described(void)
     globfree(&found);
 }
 
+/* A figure says what it shows, and leaves sizes and fonts to figures/style.gp. */
+static void test_style_in_one_place(void)
+{
+    static const char *const elsewhere[] = {
+        " font '", " font \"", "set terminal", "\nwidth = ", "\nheight = ", "set title", "set key"};
+    static char text[1 << 16];
+    glob_t found;
+    CU_ASSERT_FATAL(glob("figures/*/*.gp", 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        FILE *in = fopen(found.gl_pathv[i], "r");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+        text[fread(text, 1, sizeof text - 1, in)] = '\0';
+        fclose(in);
+        bool good = strstr(text, "heading = ") || strstr(text, "load 'figures/l");
+        for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++) good &= !strstr(text, elsewhere[k]);
+        if (!good) fprintf(stderr, "%s: no heading, or a size or font of its own\n", found.gl_pathv[i]);
+        CU_ASSERT(good);
+    }
+    globfree(&found);
+}
+
 void suite_figures(void)
 {
-    static const check_case cases[] = {
-        {"drawn data", test_drawn}, {"all are described", test_all_described}, {0}};
+    static const check_case cases[] = {{"drawn data", test_drawn},
+                                       {"all are described", test_all_described},
+                                       {"style in one place", test_style_in_one_place},
+                                       {0}};
     check_register("figures", cases);
 }

@@ -1,5 +1,7 @@
 /* Every option of a command that computes something changes the rows that the command prints. An option that
  * is parsed and then ignored fails here, and so does a new option without a line below. */
+#include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -282,7 +284,7 @@ static void check_covered(const char *command)
     text = rest = strdup(out);
     while ((line = strsep(&rest, "\n"))) {
         if (strncmp(line, "  -", 3) != 0 || sscanf(line, "%63s", option) != 1 ||
-            strcmp(option, "--help") == 0)
+            strcmp(option, "--help") == 0 || strcmp(option, "--json") == 0)
             continue;
         bool covered = false;
         for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
@@ -294,6 +296,53 @@ static void check_covered(const char *command)
         CU_ASSERT(covered);
     }
     free(text);
+}
+
+/* A cell of a table, and its value in JSON. */
+static bool same_value(const char *cell, const json_t *value)
+{
+    char *end;
+    const double number = strtod(cell, &end);
+    if (*end || isinf(number))
+        return value && json_is_string(value) && !strcmp(json_string_value(value), cell);
+    return isnan(number) ? json_is_null(value) : json_is_number(value) && json_number_value(value) == number;
+}
+
+/* --json prints the same table: header lines, units, names, and numbers to the last bit. */
+static void check_json(const char *command, const char *base)
+{
+    static char keep[sizeof out];
+    const int status = run("%s %s", command, base);
+    memcpy(keep, out, sizeof out);
+    rp_table t;
+    CU_ASSERT_EQUAL_FATAL(rp_table_parse("table", strdup(keep), &t), RP_OK);
+    CU_ASSERT_EQUAL(run("%s %s --json", command, base), status);
+    json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL), *rows = json_object_get(all, "rows");
+    bool same = all && json_array_size(rows) == t.n_rows &&
+                json_string_value(json_object_get(json_object_get(all, "notes"), "program"));
+    for (size_t c = 0; same && c < t.n_columns; c++)
+        same = json_is_string(json_object_get(json_object_get(all, "units"), t.names[c]));
+    for (size_t i = 0; same && i < t.n_rows * t.n_columns; i++)
+        same = same_value(t.cells[i],
+                          json_object_get(json_array_get(rows, i / t.n_columns), t.names[i % t.n_columns]));
+    if (!same) fprintf(stderr, "repose %s %s --json: another table\n", command, base);
+    CU_ASSERT(same);
+    json_decref(all);
+    rp_table_free(&t);
+}
+
+static void test_json(void)
+{
+    enter();
+    write_fixtures();
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (strcmp(lines[i].command, "bench") && strcmp(lines[i].command, "export"))
+            check_json(lines[i].command,
+                       strcmp(lines[i].base, "--x1 0.3") ? lines[i].base : "--x1 0.3 --map");
+    FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
+    CU_ASSERT_STRING_EQUAL(out, "");
+    FAILS(64, "unknown option --json", "help --json");
+    leave();
 }
 
 static void test_options(void)
@@ -372,7 +421,9 @@ static void test_failed_runs(void)
 
 void suite_options(void)
 {
-    static const check_case cases[] = {
-        {"options of commands", test_options}, {"runs without a result", test_failed_runs}, {0}};
+    static const check_case cases[] = {{"options of commands", test_options},
+                                       {"tables as JSON", test_json},
+                                       {"runs without a result", test_failed_runs},
+                                       {0}};
     check_register("options", cases);
 }

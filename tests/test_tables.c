@@ -889,11 +889,105 @@ static void test_fits(void)
     leave();
 }
 
+/* The same box in three systems of units: labels follow, defaults are converted, numbers agree. */
+static void test_systems(void)
+{
+    /* J per erg, and erg per m g sigma of the default grain: 981 * pi/6 * 0.2^4 */
+    static const struct {
+        const char *word, *note, *unit, *energies, *force;
+        double W, erg;
+    } systems[] = {
+        {"cgs", "", "cm", "erg", "dyn", 1.0, 1.0},
+        {"si", "# system: si\n", "m", "J", "N", 0.01, 1e7},
+        {"sigma", "# system: sigma\n", "sigma", "m g sigma", "m g", 5.0, M_PI / 6.0 * 0.008 * 981.0 * 0.2}};
+    double kinetic[3] = {0}, elastic[3] = {0};
+    char text[512];
+    enter();
+    for (int k = 0; k < 3; k++) {
+        const double W = systems[k].W;
+        snprintf(text, sizeof text,
+                 "units = \"%s\"; steps = 1200; tangential = { law = \"spring\"; };\n"
+                 "fill = { N = 8; W = %g; H = %g; };\n"
+                 "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n",
+                 systems[k].word, W, W);
+        write_text("s.cfg", text);
+        GOOD("run s.cfg --every 5 --force -o d");
+        rp_table t = read_table("d/energy.tsv");
+        for (size_t i = 0; i < t.n_rows; i++) {
+            kinetic[k] += cell(&t, i, "kinetic") * systems[k].erg;
+            elastic[k] += cell(&t, i, "elastic") * systems[k].erg;
+        }
+        const char *units = rp_table_find_note(&t, "units");
+        CU_ASSERT(units && strstr(units, systems[k].energies) != NULL);
+        rp_table_free(&t);
+        t = read_table("d/contacts.tsv");
+        units = rp_table_find_note(&t, "units");
+        snprintf(text, sizeof text, "\t%s\t%s\t%s\t", systems[k].unit, systems[k].force, systems[k].force);
+        CU_ASSERT(units && strstr(units, text) != NULL);
+        rp_table_free(&t);
+        CU_ASSERT(shell("cat d/states.tsv >out 2>err") == 0);
+        GOOD("stats select d/states.tsv");
+        CU_ASSERT((strstr(out, "# system: ") != NULL) == (k > 0) && strstr(out, systems[k].note) != NULL);
+    }
+    CU_ASSERT(elastic[0] > 1e-6 && kinetic[0] > 1.0);
+    for (int k = 1; k < 3; k++) { /* 12 digits of the converted values, over a fall and a few collisions */
+        CHECK_NEAR(kinetic[k], kinetic[0], 1e-6 * kinetic[0]);
+        CHECK_NEAR(elastic[k], elastic[0], 1e-5 * elastic[0]);
+    }
+    leave();
+}
+
+static void test_systems_of_sweeps(void)
+{
+    enter();
+#define SWEEP "protocol = \"repose\"; replicas = 1; fixed = { W = %s; H = %s; stop = \"steps\"; %s};\n"
+    static const char short_run[] = "fill_steps = 200; relax_steps = 200; ";
+    char text[512];
+    snprintf(text, sizeof text, SWEEP, "2.0", "2.0", short_run);
+    write_text("a.cfg", text);
+    GOOD("sweep make a.cfg -o a --tables .");
+    snprintf(text, sizeof text, "units = \"cgs\"; " SWEEP, "2.0", "2.0", short_run);
+    write_text("a.cfg", text);
+    GOOD("sweep plan a.cfg -o a");
+    CU_ASSERT(strstr(out, "1 already stored") != NULL); /* keys know numbers alone */
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
+    write_text("b.cfg", text);
+    GOOD("sweep make b.cfg -o b --tables .");
+    CU_ASSERT(shell("cat a.tsv b.tsv >out 2>err") == 0);
+    CU_ASSERT(
+        shell(
+            "grep -q '^# g: 981 cm/s^2$' a.tsv && ! grep -q '^# system' a.tsv && grep -q '^# g: 9.81 m/s^2$' "
+            "b.tsv && grep -q '^# k_n: 10000 N/m^1.5$' b.tsv && grep -q '^# system: si$' b.tsv") == 0);
+    GOOD("run b.cfg -o r");
+    GOOD("stress base r/pile --width 0.02");
+    CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
+              strstr(out, "\n# units: 1\tN/m\tN/m\t"));
+    GOOD("params repose --units si");
+    CU_ASSERT(strstr(out, "N/m^1.5    real   10000 ") != NULL);
+    /* the g of SI among values in cgs */
+    static const char warning[] = "g = 9.81 among values in cm, g and s; give units = \"si\", or g = 981";
+    snprintf(text, sizeof text, SWEEP, "2.0", "2.0", "fill_steps = 200; relax_steps = 200; g = 9.81; ");
+    write_text("w.cfg", text);
+    CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
+    write_text("w.cfg", "protocol = \"repose\"; grid = ( { g = [9.81, 981.0]; } );\n");
+    CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
+    write_text("s.cfg",
+               "gravity = [0.0, -9.81]; steps = 2; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    CU_ASSERT(run("run s.cfg") == 0 && strstr(err, warning));
+    GOOD("run s.cfg --set units=si");
+    FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "run s.cfg --set units=metric");
+    write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
+    FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
+    leave();
+}
+
 void suite_tables(void)
 {
     static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
                                        {"walls that open and turn", test_walls},
                                        {"units", test_units},
+                                       {"systems of units", test_systems},
+                                       {"systems of units of sweeps", test_systems_of_sweeps},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},
                                        {"runs and points of a sweep", test_sweep},

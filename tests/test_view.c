@@ -23,10 +23,10 @@ static size_t n_circles, n_strokes;
 static void read_path(const char *path, double width)
 {
     mark m = {.r = width};
-    int length;
+    int length = 0;
     double x, y;
     char how;
-    if (sscanf(path, "<path stroke='%31[^']' d='%n", m.color, &length) != 1) return;
+    if (sscanf(path, "<path stroke='%31[^']' d='%n", m.color, &length) != 1 || length == 0) return;
     for (path += length; sscanf(path, " %c%lf,%lf%n", &how, &x, &y, &length) == 3; path += length) {
         m.x = m.x2, m.y = m.y2, m.x2 = x, m.y2 = y;
         if (how == 'L' && n_strokes < MOST) strokes[n_strokes++] = m;

@@ -865,26 +865,26 @@ static int program(const char *format, ...)
     return status & 0x7f ? -1 : status >> 8;
 }
 
-/* The number in a named column of the last row of the answer. */
+/* The number in a named column of the last row of the answer, which messages may stand around. */
 static double last_cell(const char *column)
 {
-    const char *names = NULL, *row = NULL, *next;
-    for (const char *at = answer; *at; at = next ? next + 1 : at + strlen(at)) {
-        next = strchr(at, '\n');
-        if (*at == '#') continue;
-        if (!names)
-            names = at;
-        else
+    const char *row = NULL;
+    int place = -1;
+    for (char *at = answer, *end; *at; at = *end ? end + 1 : end) {
+        end = at + strcspn(at, "\n");
+        const char *found = place < 0 && *at != '#' ? strstr(at, column) : NULL;
+        if (found && found < end && (found == at || found[-1] == '\t') &&
+            strchr("\t\n", found[strlen(column)])) {
+            place = 0;
+            for (const char *c = at; c < found; c++) place += *c == '\t';
+        } else if (place >= 0 && memchr(at, '\t', (size_t)(end - at)))
             row = at;
     }
-    const size_t length = strlen(column);
-    while (names && row) {
-        if (strncmp(names, column, length) == 0 && strchr("\t\n", names[length])) return strtod(row, NULL);
-        names = strpbrk(names, "\t\n");
-        row = strpbrk(row, "\t\n");
-        if (!names || *names++ == '\n' || !row++) break;
+    for (int k = 0; row && k < place; k++) {
+        row = strchr(row, '\t');
+        if (row) row++;
     }
-    return NAN;
+    return row ? strtod(row, NULL) : NAN;
 }
 
 /* First line of the answer after the header. */
@@ -892,6 +892,8 @@ static void observe_answer(int status)
 {
     const char *at = answer;
     while (*at == '#' && strchr(at, '\n')) at = strchr(at, '\n') + 1;
+    if (memchr(at, '\t', strcspn(at, "\n")) && strchr(at, '\n'))
+        at = strchr(at, '\n') + 1; /* names of columns */
     OBSERVED("exit status %d: %.*s", status, (int)fmin(160.0, (double)strcspn(at, "\n\t")), at);
 }
 

@@ -1,15 +1,16 @@
 # Lee & Herrmann 1993, figure 7(a): measured theta_R + theta_T against theta_MS of (3).
 # tables: lh3_compare.tsv lh5.tsv
-stats t('lh3_compare.tsv') using (column('n')) nooutput name 'P'
+heading = 'Marginal stability: measured, and by (3)'
+remark = sprintf('bars: standard error over %d piles, {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'))
+legend = 4
+load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'angle (degrees)'
 set xrange [-0.01:0.32]
-set yrange [0:48]
-set key top left Left reverse
-set label 1 sprintf('bars: standard error over %d piles, {/:Italic θ}_T by displacement', P_max) at graph 0.98, 0.05 right font ',8'
-plot t('lh3_compare.tsv') using (column('mu')):(column('theta_rt_deg')):(column('theta_rt_se_deg')) \
-       with yerrorbars pt 7 ps 0.7 lc 2 title '{/:Italic θ}_R + {/:Italic θ}_T measured, sum for each pile', \
-     '' using (column('mu')):(column('theta_ms_deg')) with linespoints pt 6 ps 0.5 lc 7 title '{/:Italic θ}_{MS} = atan 3{/:Italic μ}, eq. (3)', \
-     '' using (column('mu')):(column('theta_rt_balanced_deg')) with linespoints pt 8 ps 0.6 lc 3 dt 2 title '{/:Italic θ}_R measured + {/:Italic θ}_T of (4), forces balanced', \
+set yrange [0:45]
+plot t('lh3_compare.tsv') using (column('mu')):(column('theta_ms_deg')) with linespoints ls 11 title '{/:Italic θ}_{MS} = atan 3{/:Italic μ}, equation (3)', \
+     '' using (column('mu')):(column('theta_rt_balanced_deg')) with linespoints ls 12 title '{/:Italic θ}_R measured + {/:Italic θ}_T of (4) balanced', \
      t('lh5.tsv') using (0.2):(column('v_cut') == 0.1 ? column('theta_ms_flux_deg_mean') : NaN):(column('theta_ms_flux_deg_se')) \
-       with yerrorbars pt 9 ps 0.9 lc 4 title '{/:Italic θ}_{MS} measured by flux, floor ends at the opening'
+       with yerrorbars ls 3 title '{/:Italic θ}_{MS} by flux, floor ends at the opening', \
+     t('lh3_compare.tsv') using (column('mu')):(column('theta_rt_deg')):(column('theta_rt_se_deg')) \
+       with yerrorbars ls ours title '{/:Italic θ}_R + {/:Italic θ}_T measured, sum for each pile'

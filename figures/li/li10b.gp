@@ -1,13 +1,4 @@
-# Liffman, Chan & Hughes 1992, figure 10(b): the weakest contact of each disk with another disk, in the equilateral pile of
-# 45 layers at eps = 1e-4, symmetric state.
+# Liffman, Chan & Hughes 1992, figure 10(b): the weakest contact of each disk with another disk, drawn as figure 10(a).
 # tables: pile_45_60_1e-4/contacts.tsv pile_45_60_1e-4/disks.tsv
-set size ratio -1
-set xlabel '{/:Italic x} / σ'
-set ylabel '{/:Italic y} / σ'
-set xrange [-1:45]
-set yrange [-0.5:39.5]
-unset grid
-unset key
-plot t('pile_45_60_1e-4/disks.tsv') using (column('x')):(column('y')):(column('r')) with circles lw 0.3 fs empty border lc rgb '#c8c8c8', \
-     t('pile_45_60_1e-4/contacts.tsv') using (column('weakest') > 0 ? column('x') : NaN):(column('y')): \
-       (column('x_b') - column('x')):(column('y_b') - column('y')) with vectors nohead lw 1.2 lc 2
+contact = 'weakest'
+load 'figures/li/li10a.gp'

@@ -1,23 +1,24 @@
 # Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks
 # in equilibrium at eps = 1e-4 (spring wells of K_s), forces of diagonal contacts alone in the same piles, and the
-# continuum (54)-(59). Unit: largest value of the soft disks.
+# continuum (54)-(59). Unit: largest value of the soft disks. figures/li/li14.gp draws by this file.
 # tables: continuum_30.tsv continuum_45.tsv continuum_50.tsv continuum_55.tsv pile_45_30_1e-4.tsv pile_45_45_1e-4.tsv
 #    pile_45_50_1e-4.tsv pile_45_55_1e-4.tsv
-width = 17.0
-height = 13.0
+if (!exists('force')) { force = 'N'; heading = 'Normal force on the base for four slopes' }
+panels = 4
+shared = 1
 load 'figures/style.gp'
-set multiplot layout 2, 2
+soft(k) = 'pile_45_'.word(slopes, k).'_1e-4.tsv'
+slopes = '30 45 50 55'
 set xlabel '{/:Italic x / B}'
-set ylabel '{/:Italic N} / max {/:Italic N}'
+set ylabel force eq 'N' ? '{/:Italic N} / max {/:Italic N}' : '{/:Italic H} / max |{/:Italic H}|'
 set xrange [0:1]
-set yrange [0:1.19]
-do for [angle in '30 45 50 55'] {
-    soft = 'pile_45_'.angle.'_1e-4.tsv'
-    stats t(soft) using (abs(column('N/(chi*g*B)'))) nooutput name 'S'
-    set title 'α = '.angle.'°, '.note(soft, 'n_disks').' disks'
-    if (angle eq '30') { set key bottom center font ',9' } else { unset key }
-    plot t('continuum_'.angle.'.tsv') using (column('x/B')):(column('N/(chi*g*B)')/S_max) with lines lw 1.5 lc 1 title 'continuum', \
-         t(soft) using (column('x/B')):(column('N/(chi*g*B)')/S_max) with points pt 6 ps 0.6 lc 7 title 'soft disks', \
-         t(soft) using (column('x/B')):(column('N_diagonals/mg')/S_max/real(note(soft, 'B'))) with points pt 2 ps 0.7 lw 0.5 lc 3 title 'diagonal contacts alone'
+set yrange [force eq 'N' ? 0 : -1.5:force eq 'N' ? 1.2 : 1.5]
+f = force.'/(chi*g*B)'
+do for [k=1:4] {
+    eval panel(k, sprintf('(%s) α = %s°, %s disks', word('a b c d', k), word(slopes, k), note(soft(k), 'n_disks')))
+    B = real(note(soft(k), 'B'))
+    stats t(soft(k)) using (abs(column(f))) nooutput name 'S'
+    plot t('continuum_'.word(slopes, k).'.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', \
+         t(soft(k)) using (column('x/B')):(column(force.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', \
+         t(soft(k)) using (column('x/B')):(column(f)/S_max) with points ls ours title 'soft disks'
 }
-unset multiplot

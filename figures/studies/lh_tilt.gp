@@ -1,32 +1,28 @@
 # Onset of motion under tilt against the tilting rate; gravity or the box is rotated.
 # tables: lh_tilt.tsv lh_tilt_static.tsv
-width = 18.0
-height = 8.0
+heading = 'Onset of motion against the rate of tilt'
+remark = 'bars: standard error over piles; lines without points: 0.1° at a time, each to rest'
+panels = 2
+shared = 3
 load 'figures/style.gp'
-tilts = t('lh_tilt.tsv')
-rests = t('lh_tilt_static.tsv')
-pick(mu, tilt, column) = sprintf("< awk -F'\t' '/^#/ { next } !n { n = NF; for (i = 1; i <= n; i++) c[$i] = i; next } $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"tilt_rate_deg\"] \"\t\" $c[\"%s_mean\"] \"\t\" $c[\"%s_se\"] }' ", mu, tilt, column, column).path('lh_tilt.tsv')
-rest(mu, tilt) = real(system(sprintf("awk -F'\t' '/^#/ { next } !n { n = NF; for (i = 1; i <= n; i++) c[$i] = i; next } $c[\"mu\"] == %g && $c[\"tilt\"] == \"%s\" { print $c[\"theta_t_static_deg_mean\"] }' ", mu, tilt).path('lh_tilt_static.tsv')))
-unset datafile
-set datafile separator tab
-set datafile missing 'nan'
+of(mu, tilt, x) = column('mu') == real(mu) && strcol('tilt') eq tilt ? x : NaN
+rest(mu, tilt) = real(system(rows_do('lh_tilt_static.tsv', '', is('mu', mu).' && '.is('tilt', tilt).' { print $c["theta_t_static_deg_mean"] }')))
+tilt(j) = word('gravity box', j)
+by(i) = word('displacement energy', i)
+rates = t('lh_tilt.tsv')
 set logscale x
 set format x '10^{%T}'
 set xrange [2e-5:1.6e-3]
 set xlabel 'rotation per step (degrees)'
-set yrange [0:10]
-set multiplot layout 1, 2
-set key top left Left reverse font ',7.5' spacing 1
-do for [mu in '0.1 0.2'] {
-    set title '{/:Italic μ} = '.mu font ',9'
-    set ylabel mu eq '0.1' ? 'tilting angle {/:Italic θ}_T (degrees)' : ''
-    plot pick(real(mu), 'gravity', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 7 ps 0.7 lc 3 title 'gravity rotated, displacement', \
-         pick(real(mu), 'gravity', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 6 ps 0.7 lc 3 dt 2 title 'gravity rotated, energy', \
-         pick(real(mu), 'box', 'theta_t_displacement_deg') using 1:2:3 with yerrorlines pt 5 ps 0.7 lc 7 title 'box rotated, displacement', \
-         pick(real(mu), 'box', 'theta_t_energy_deg') using ($1*1.06):2:3 with yerrorlines pt 4 ps 0.7 lc 7 dt 2 title 'box rotated, energy', \
-         rest(real(mu), 'gravity') with lines lc 3 dt 3 title 'gravity rotated, 0.1° at a time to rest', \
-         rest(real(mu), 'box') with lines lc 7 dt 3 title 'box rotated, 0.1° at a time to rest'
-    unset key
-    set label 1 'bars: standard error over piles' at graph 0.98, 0.04 right font ',7'
+set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
+set yrange [0:8]
+do for [k=1:2] {
+    mu = word('0.1 0.2', k)
+    eval panel(k, sprintf('(%s) {/:Italic μ} = %s', word('a b', k), mu))
+    gravity = rest(mu, 'gravity')
+    box = rest(mu, 'box')
+    plot gravity with lines ls 1 dt 3 title 'gravity rotated, static', \
+         box with lines ls 2 dt 3 title 'box rotated, static', \
+         for [j=1:2] for [i=1:2] rates using (of(mu, tilt(j), column('tilt_rate_deg')*1.06**(i - 1))):(column('theta_t_'.by(i).'_deg_mean')):(column('theta_t_'.by(i).'_deg_se')) \
+           with yerrorbars ls j pt 10 - 2*j - i title tilt(j).' rotated, by '.by(i)
 }
-unset multiplot

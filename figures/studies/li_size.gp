@@ -4,17 +4,18 @@
 # those of the others. `make studies`.
 # tables: li_size.tsv li_size_limit_180_H_continuum_rms.tsv li_size_limit_180_H_ratio.tsv
 #    li_size_limit_180_N_continuum_rms.tsv
-width = 18.0
-height = 8.0
+heading = 'Piles of 30° of growing size in the limit of hard disks'
+remark = 'lines: limit + {/:Italic c}/base for the wells close to the limit; small points: bases of 23 and 45, other steps at their ends'
+panels = 2
+legend = 6
 load 'figures/style.gp'
-set multiplot layout 1, 2
 set logscale x
 set xrange [60:1e6]
 set format x '10^{%T}'
 set xlabel 'disks'
 both = t('li_size.tsv')
 wells = 'auto 1 100'
-names = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
+names_of = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
 at(k, others) = strcol('well') eq word(wells, k) && others == (column('base') < 60) ? column('n_disks_mean') : NaN
 fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size_limit_180_".what.".tsv")))
 array limit[6]; array c[6]
@@ -26,19 +27,15 @@ do for [q = 1:3] { do for [k = 1:2] {
 # base of a pile of n disks: n = base (base + 3)/6
 base(n) = (sqrt(9 + 24*n) - 3)/2
 line(q, k, n) = limit[2*q + k - 2] + c[2*q + k - 2]/base(n)
-set ylabel 'max {/:Italic H} over that of diagonal contacts alone'
+set ylabel 'largest {/:Italic H}, ratio'
 set yrange [0.68:0.96]
-set title '(a)'
-set key top right
-plot for [k = 1:3] both using (at(k, 0)):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title word(names, k), \
-     for [k = 1:3] both using (at(k, 1)):(column('H_ratio_mean')):(sprintf('(   )')) with labels tc lt 2*k font ',9' notitle, \
-     for [k = 1:3] both using (at(k, 1)):(column('H_ratio_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k notitle, \
-     for [k = 1:2] [5490:1e6] line(1, k, x) with lines lw 0.7 lc 2*k notitle
-set ylabel 'deviation from the continuum / its maximum'
+eval panel(1, '(a) ratio to diagonal contacts alone')
+plot for [k=1:2] within(5490, 1e6, x, line(1, k, x)) with lines ls 10 + k notitle, \
+     for [k=1:3] both using (at(k, 1)):(column('H_ratio_mean')) with points ls k ps 0.35 notitle, \
+     for [k=1:3] both using (at(k, 0)):(column('H_ratio_mean')) with points ls k title word(names_of, k)
+set ylabel 'rms deviation / maximum'
 set yrange [0:0.15]
-set title '(b)'
-set key center right font ',9'
-plot for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('H_continuum_rms_mean')) with points pt 4 + 2*k ps 0.9 lc 2*k title '{/:Italic H}, '.word(names, k), \
-     for [k = 1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column('N_continuum_rms_mean')) with points pt 5 + 2*k ps 0.7 lc 2*k title '{/:Italic N}, '.word(names, k), \
-     for [k = 1:2] for [q = 2:3] [5490:1e6] line(q, k, x) with lines lw 0.7 lc 2*k notitle
-unset multiplot
+eval panel(2, '(b) deviation from the continuum')
+plot for [k=1:2] for [q=2:3] within(5490, 1e6, x, line(q, k, x)) with lines ls 10 + k notitle, \
+     for [q=1:2] for [k=1:3] both using (strcol('well') eq word(wells, k) ? column('n_disks_mean') : NaN):(column(word('H N', q).'_continuum_rms_mean')) \
+       with points ls k pt int(word('7 5 9', k)) - (q == 2) title '{/:Italic '.word('H N', q).'}, '.word(names_of, k)

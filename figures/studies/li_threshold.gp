@@ -1,10 +1,12 @@
 # Softness above which the symmetric state of an equilateral pile of k layers is unstable.
 # tables: li_threshold_runs.tsv
+heading = 'Softness above which the symmetric pile is unstable'
+remark = 'equilateral piles, {/:Italic k_x} = {/:Italic K_s}'
+load 'figures/style.gp'
 set xlabel '{/:Italic k}'
 set ylabel 'ε_c {/:Italic k}^3'
 set logscale x
 set xrange [3.5:110]
 set yrange [0:6]
 set xtics (4, 8, 16, 32, 64)
-set key bottom right
-plot t('li_threshold_runs.tsv') using (column('base')):(column('eps_c')*column('base')**3) with linespoints pt 7 ps 0.7 lc 2 title 'equilateral pile, {/:Italic k_x} = {/:Italic K_s}'
+plot t('li_threshold_runs.tsv') using (column('base')):(column('eps_c')*column('base')**3) with linespoints ls ours notitle

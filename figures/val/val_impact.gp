@@ -1,46 +1,29 @@
 # Validation of damped impacts: restitution over the range of damping, with and without attractive damped forces, and
 # its error with the bound derived from the scheme.
 # tables: validation_impact_hertz.tsv validation_impact_linear.tsv
-width = 17.0
-height = 12.0
+heading = 'Restitution of damped impacts, and its error'
+remark = 'dashed: where attractive forces start to hold pairs; time step: 1/1000 of the elastic contact, or less'
+panels = 4
+shared = 3
 load 'figures/style.gp'
 hertz = t('validation_impact_hertz.tsv')
 linear = t('validation_impact_linear.tsv')
 array tables[2] = [hertz, linear]
 array titles[2] = ['Hertz, (2a)', 'linear']
 array threshold[2] = [1.12799, 1.0]
-array where[2] = ['from 1.12799 on', 'from 1 on']
 array axis[2] = ['{/:Italic γ}_n{/:Italic m}^{2/5} {/:Italic k}^{ -2/5} {/:Italic v}^{ -1/5}', '{/:Italic γ}_n / 2({/:Italic k}/{/:Italic m})^{1/2}']
-set multiplot layout 2, 2 margins 0.09, 0.98, 0.11, 0.94 spacing 0.09, 0.06
 set logscale x
-set format x ''
-set xrange [0.009:11]
-set yrange [-0.03:1.05]
-do for [k = 1:2] {
-  set title titles[k]
-  set ylabel (k == 1 ? 'restitution' : '')
-  set key bottom left font ',8' Left reverse
-  set arrow 1 from threshold[k], graph 0 to threshold[k], graph 1 nohead dt 2 lc rgb '#606060' lw 0.8
-  set label 1 where[k]."\nattractive forces:\npairs stick" at 1.15*threshold[k], graph 0.93 left font ',8'
-  plot tables[k] using (column('damping')):(column('pulls_exact')) with lines lc 3 title 'attraction allowed, exact', \
-       '' using (column('damping')):(column('pulls')) with points pt 6 ps 0.6 lc 3 title 'simulated', \
-       '' using (column('damping')):(column('pushes_exact')) with lines lc 7 dt 4 title 'force ≥ 0, exact', \
-       '' using (column('damping')):(column('pushes')) with points pt 8 ps 0.6 lc 7 title 'simulated'
-}
-unset title
 set format x '%g'
-set logscale y
-set format y '10^{%T}'
-set yrange [1e-7:2e-2]
-do for [k = 1:2] {
-  set xlabel axis[k]
-  set ylabel (k == 1 ? 'error of the restitution' : '')
-  set key top left font ',8' Left reverse maxrows 2
-  set label 1 "time step: 1/1000\nof the elastic\ncontact, or less" at 1.15*threshold[k], graph 0.93 left font ',8'
-  set arrow 1 from threshold[k], graph 0 to threshold[k], graph 1 nohead dt 2 lc rgb '#606060' lw 0.8
-  plot tables[k] using (column('damping')):(column('pulls_error')) with points pt 6 ps 0.6 lc 3 title 'attraction allowed', \
-       '' using (column('damping')):(column('pulls_bound')) with lines lc 3 title 'bound', \
-       '' using (column('damping')):(column('pushes_error')) with points pt 8 ps 0.6 lc 7 title 'force ≥ 0', \
-       '' using (column('damping')):(column('pushes_bound')) with lines lc 7 dt 4 title 'bound'
+set xrange [0.009:11]
+do for [k=1:4] {
+  j = (k - 1)%2 + 1
+  eval panel(k, sprintf('(%s) %s, %s', word('a b c d', k), titles[j], k < 3 ? 'restitution' : 'error of the restitution'))
+  set xlabel axis[j]
+  set ylabel k < 3 ? 'restitution' : 'error'
+  set arrow 1 from threshold[j], graph 0 to threshold[j], graph 1 nohead ls guide
+  if (k < 3) { set yrange [-0.03:1.05] } else { set logscale y; set format y '10^{%T}'; set ylabel offset powers; set yrange [1e-7:2e-2] }
+  kind = k < 3 ? '' : '_error'
+  theory_of = k < 3 ? '_exact' : '_bound'
+  plot for [i=1:2] tables[j] using (column('damping')):(column(word('pulls pushes', i).theory_of)) with lines ls 10 + i title word('"attraction allowed" "force ≥ 0"', i).', exact, or bound', \
+       for [i=1:2] tables[j] using (column('damping')):(column(word('pulls pushes', i).kind)) with points ls i title word('"attraction allowed" "force ≥ 0"', i).', simulated'
 }
-unset multiplot

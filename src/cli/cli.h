@@ -75,6 +75,7 @@ typedef struct cli_command {
     const struct cli_command *const *group;               /* subcommands, to NULL; no `act` */
     const rp_param *protocol; /* schema whose options come first, and the size of its values */
     size_t protocol_size;
+    bool prints_table; /* on standard output, as all that have on_table do: with --json */
 } cli_command;
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
@@ -90,11 +91,23 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 /* The last word of a command's name, the one to type. */
 const char *cli_own_name(const cli_command *command);
 
+/* The error of a word that is none of these commands, with the nearest one; `group`: "" or their group's
+ * name.
+ */
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group);
+
 /* Of the command line that was parsed last: argument number i, NULL beyond their end; all of them; whether
  * option `name` was given. */
 const char *cli_argument(int i);
 char *const *cli_arguments(void);
 bool cli_given(const char *name);
+
+/* Warn of the g of SI among values in cgs: of a scene, and of a sweep's file whose units have been read. */
+void cli_warn_gravity(const char *path, double g);
+void cli_warn_sweep(const char *path);
+
+/* The defaults again, once a table has told its system of units. */
+void cli_defaults_in_units(void);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
@@ -137,6 +150,11 @@ rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_rea
 rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
 size_t cli_mark(void);
 void cli_release(size_t mark);
+
+/* Keep what is printed on standard output from here on; and print it as JSON if it is a table, unless the
+ * command failed. Errors: RP_NO_MEMORY; `status`. */
+rp_status cli_capture(void);
+rp_status cli_capture_end(rp_status status);
 
 /* Start a table with provenance; cli_table notes the numbers and words among the values of the options too.
  */

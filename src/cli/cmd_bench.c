@@ -234,4 +234,5 @@ const cli_command cmd_bench = {
     "`peak_bytes` the largest memory of the process so far.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
+    .prints_table = true,
     .act = measure};

@@ -113,4 +113,5 @@ const cli_command cmd_claims = {
     "Claims of paper `ours` are this program's own, beyond the papers.",
     "repose claims --paper lh",
     claims_params,
+    .prints_table = true,
     .act = print_claims};

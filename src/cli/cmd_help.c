@@ -254,10 +254,13 @@ static rp_status print_completion(void)
 static rp_status help_on(char *const *words)
 {
     const cli_command *const *c = cli_commands, *found = NULL;
+    static const cli_command *const none[] = {NULL};
     char option[] = "--help";
     for (; *words; words++, c = found->group) {
         while (c && *c && strcmp(cli_own_name(*c), *words) != 0) c++;
-        if (!c || !*c) return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", *words);
+        if (!c || !*c)
+            return cli_unknown_command(*words, found ? found->group ? found->group : none : cli_commands,
+                                       found ? found->name : "");
         found = *c;
     }
     char *line[] = {option, option, NULL};

@@ -1,10 +1,17 @@
 /* repose params: parameters and outputs of the protocols. */
+#include "core/units.h"
 #include "cli/cli.h"
 
 #include <string.h>
 
+#include "core/guess.h"
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
+
+#define PARAMS_OPTIONS(X)                                                                                    \
+    X(CHOICE, units, "", "cgs", RP_UNITS_WORDS, "system of the units and defaults shown")
+
+CLI_OPTIONS(params, PARAMS_OPTIONS)
 
 static const char *type_word(rp_type type)
 {
@@ -25,13 +32,25 @@ static const char *shown(const char *text)
     return text && *text ? text : "-";
 }
 
+/* The default as in the schema; in other units than its own converted. */
+static const char *default_of(const rp_param *p, char text[64])
+{
+    rp_param alone = *p;
+    double number;
+    if (!p->fallback) return "(required)";
+    if (p->type != RP_REAL || rp_unit(p->unit) == p->unit) return shown(p->fallback);
+    alone.offset = 0;
+    rp_params_default(&alone, &number);
+    return rp_params_text(&alone, &number, text, 64);
+}
+
 static void print_schema(const rp_param *schema)
 {
     printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
+    char text[64];
     for (const rp_param *p = schema; p->name; p++)
-        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(p->unit), type_word(p->type),
-               p->fallback ? shown(p->fallback) : "(required)",
-               p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
+        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(rp_unit(p->unit)), type_word(p->type),
+               default_of(p, text), p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
 }
 
 /* A scene file has a group of keys for each of its schemas. */
@@ -57,13 +76,14 @@ static void print_protocol(const sweep_protocol *protocol)
     print_schema(protocol->schema);
     printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
-        printf("  %-36s %-10s %s\n", o->name, shown(o->unit), o->meaning);
+        printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
 }
 
 static rp_status print_all(void *values)
 {
-    (void)values;
+    const params_options *o = values;
     const char *name = cli_argument(0);
+    rp_units_set((rp_units)o->units);
     bool found = false;
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
@@ -76,15 +96,21 @@ static rp_status print_all(void *values)
         print_scene();
         found = true;
     }
-    return found ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol; repose params lists them", name);
+    if (found) return RP_OK;
+    rp_guess guess = rp_guess_of(name);
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) rp_guess_try(&guess, (*p)->name);
+    rp_guess_try(&guess, "scene");
+    return rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol%s; repose params lists them", name,
+                   rp_guess_text(&guess));
 }
 
 const cli_command cmd_params = {
     "params",
     "every parameter of a protocol or scene file, with unit, default and range",
-    "[PROTOCOL | scene]",
+    "[PROTOCOL | scene] [--units WORD]",
     "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
     "protocol's outputs. `scene` prints the keys of a scene file. Without an argument, everything is\n"
     "printed.",
     "repose params repose",
+    params_params,
     .act = print_all};

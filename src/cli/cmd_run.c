@@ -330,7 +330,11 @@ static void report_row(const sweep_protocol *protocol, const sweep_result *resul
 
 static rp_status run_row(const char *path, const run_options *o)
 {
-    if (!*o->o) return rp_fail(RP_USAGE, "%s is a sweep file: needs -o DIR, the folder for tables", path);
+    if (!*o->o)
+        return rp_fail(RP_USAGE,
+                       "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
+                       "repose sweep make %s -o DIR makes all",
+                       path, path, path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     sweep_result result;
     const sweep_protocol *protocol;
@@ -371,11 +375,16 @@ static rp_status run_row(const char *path, const run_options *o)
                : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
+/* A sweep has a protocol, or tables alone. */
 static rp_status is_sweep(const char *path, bool *sweep)
 {
     config_t config;
     rp_status status = rp_config_read(path, &config);
     *sweep = !status && config_lookup(&config, "protocol") != NULL;
+    if (!status && !*sweep && config_lookup(&config, "tables"))
+        status = rp_fail(RP_BAD_INPUT,
+                         "%s is a sweep file of tables alone; repose sweep make %s -o DIR writes them", path,
+                         path);
     config_destroy(&config);
     return status;
 }
@@ -407,6 +416,7 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
     rp_status status = dem_scene_read(path, &o->set, scene);
+    if (!status) cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return status;
 }
@@ -538,4 +548,5 @@ const cli_command cmd_run = {
     "base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
+    .prints_table = true,
     .act = run_any};

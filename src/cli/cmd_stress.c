@@ -60,7 +60,7 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 }
 
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(double width, double cell, size_t *n, stress_pile **piles)
+static rp_status read_piles(double width, const double *cell, size_t *n, stress_pile **piles)
 {
     rp_status status = RP_OK;
     *n = 0;
@@ -68,7 +68,8 @@ static rp_status read_piles(double width, double cell, size_t *n, stress_pile **
     *piles = cli_memory(*n, sizeof **piles);
     for (size_t i = 0; i < *n && !status; i++) {
         status = pile_read(cli_argument((int)i), &(*piles)[i]);
-        if (!status) status = check_size(&(*piles)[i], cli_argument((int)i), width, cell);
+        if (i == 0) cli_defaults_in_units();
+        if (!status) status = check_size(&(*piles)[i], cli_argument((int)i), width, *cell);
     }
     if (status) return status;
     cli_table(stdout);
@@ -85,7 +86,7 @@ static rp_status print_field(void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, o->cell, &n, &piles);
+    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
     if (status) return status;
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
@@ -114,6 +115,7 @@ static const cli_command field = {
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
     field_params,
+    .prints_table = true,
     .act = print_field};
 
 /* ---- base ---- */
@@ -151,7 +153,7 @@ static rp_status print_base(void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, o->cell, &n, &piles);
+    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
     if (!status) status = mean_slope(n, piles, o, &theta);
     if (status) return status;
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
@@ -184,6 +186,7 @@ static const cli_command base = {
     "that weight.",
     "repose stress base pile --width 4",
     base_params,
+    .prints_table = true,
     .act = print_base};
 
 /* ---- group ---- */

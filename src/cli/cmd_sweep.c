@@ -48,6 +48,7 @@ static rp_status act_plan(void *values)
     if (!status)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                                sweep_protocols, cli_watch(), &counts);
+    if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
     if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
@@ -66,7 +67,8 @@ static const cli_command plan = {
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
     "  grid  = { mu = [0.1, 0.2]; k_n = [1.0e5, 1.0e6]; }; # the product; with zip = true, in pairs\n"
-    "  piles = \"own\";                                      # shared: the same piles at every grid point",
+    "  piles = \"own\";                                      # shared: the same piles at every grid point\n"
+    "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
     .act = act_plan};
@@ -121,6 +123,7 @@ static const cli_command run = {
     "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
+    .prints_table = true,
     .act = act_run};
 
 static rp_status act_status_of(void *values)
@@ -146,6 +149,7 @@ static const cli_command status_of = {
     "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
+    .prints_table = true,
     .act = act_status_of};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
@@ -176,6 +180,7 @@ static const cli_command export = {
     "that are aborted (see sweep run) are among the failed; the header then has their number.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
+    .prints_table = true,
     .act = act_export};
 
 static rp_status act_digest(void *values)
@@ -274,6 +279,7 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+    if (!status) cli_warn_sweep(file);
     if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status) status = cli_sweep_run(o->o, options, false, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);

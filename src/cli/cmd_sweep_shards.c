@@ -35,6 +35,7 @@ const cli_command cmd_sweep_merge = {
     "or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
+    .prints_table = true,
     .act = act_merge};
 
 #define SLURM_OPTIONS(X)                                                                                     \

@@ -74,16 +74,33 @@ static bool write_object(const char *key, json_t *object, FILE *out)
     return written && fputs(",\n", out) >= 0;
 }
 
-/* The header lines "# key: text", but the units. */
+/* A key that stands again has a list of its texts. */
+static void add_note(json_t *notes, const char *key, const char *text)
+{
+    json_t *known = json_object_get(notes, key);
+    if (known && !json_is_array(known)) {
+        json_t *list = json_array();
+        json_array_append(list, known);
+        json_object_set_new(notes, key, list);
+        known = list;
+    }
+    if (known)
+        json_array_append_new(known, json_string(text));
+    else
+        json_object_set_new(notes, key, json_string(text));
+}
+
+/* The header lines "# key: text", but the units. They end at the names, which are never missing. */
 static json_t *notes_of(const rp_table *t)
 {
     json_t *notes = json_object();
-    for (const char *line = t->text; t->cells && *line == '#'; line += strlen(line) + 1) {
+    const char *end = t->names[0] ? t->names[0] : t->cells ? t->cells[0] : t->text;
+    for (const char *line = t->text; line < end && *line == '#'; line += strlen(line) + 1) {
         char key[128];
         const char *colon = strstr(line, ": ");
         if (strncmp(line, "# ", 2) != 0 || !colon || colon - line >= (long)sizeof key) continue;
         snprintf(key, sizeof key, "%.*s", (int)(colon - line - 2), line + 2);
-        if (strcmp(key, "units") != 0) json_object_set_new(notes, key, json_string(colon + 2));
+        if (strcmp(key, "units") != 0) add_note(notes, key, colon + 2);
     }
     return notes;
 }

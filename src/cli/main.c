@@ -7,6 +7,7 @@
 #include <gsl/gsl_errno.h>
 
 #include "cli/cli.h"
+#include "core/units.h"
 #include "core/random.h"
 #include "core/version.h"
 
@@ -74,7 +75,9 @@ gsl_rng *cli_random(long seed, unsigned long run)
 rp_status cli_table_read(const char *path, rp_table **table)
 {
     *table = keep(cli_memory(1, sizeof **table), free_table);
-    return rp_table_read(path, *table);
+    const rp_status status = rp_table_read(path, *table);
+    rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
+    return status;
 }
 
 rp_status cli_texts_read(const char *path, rp_table **table)
@@ -104,15 +107,15 @@ int main(int argc, char **argv)
         cli_overview(stderr);
         return RP_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0) {
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         cli_overview(stdout);
         return finish("", RP_OK);
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
         printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
     for (const cli_command *const *c = cli_commands; *c; c++)
         if (strcmp(argv[1], (*c)->name) == 0) return finish(argv[1], cli_run(*c, argc - 1, argv + 1));
-    return finish("", rp_fail(RP_USAGE, "unknown command \"%s\"; see repose --help", argv[1]));
+    return finish("", cli_unknown_command(argv[1], cli_commands, ""));
 }

@@ -1,4 +1,5 @@
 /* The command line: options through a parameter schema, groups of commands; see cli.h. */
+#include "core/units.h"
 #include "cli/cli.h"
 
 #include <ctype.h>
@@ -8,7 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096 };
+#include "core/guess.h"
+
+enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096, GENERIC_AT = MOST_BYTES };
+
+/* Options of every command that prints a table. */
+#define GENERIC_OPTIONS(X)                                                                                   \
+    X(BOOL, json, "", "false", "",                                                                           \
+      "print the table as JSON: header lines, units, and rows as objects; nan as null")
+CLI_OPTIONS(generic, GENERIC_OPTIONS)
 
 /* The command line that was parsed last. */
 static struct {
@@ -17,7 +26,7 @@ static struct {
     rp_param options[MAX_OPTIONS + 1]; /* with names as they are typed */
     char names[MAX_OPTIONS][MAX_NAME];
     bool given[MAX_OPTIONS];
-    _Alignas(max_align_t) char values[MOST_BYTES];
+    _Alignas(max_align_t) char values[MOST_BYTES + sizeof(generic_options)];
     int n_arguments;
     char *const *arguments;
 } line;
@@ -56,7 +65,7 @@ static rp_status add_options(const rp_param *schema, size_t offset)
     for (const rp_param *p = schema; p && p->name; p++) {
         const size_t n = line.n_options++;
         if (n == MAX_OPTIONS || strlen(p->name) >= MAX_NAME ||
-            offset + p->offset + sizeof(rp_texts) > MOST_BYTES)
+            (offset < GENERIC_AT && offset + p->offset + sizeof(rp_texts) > MOST_BYTES))
             return rp_fail(RP_BROKEN, "repose %s: no room for option %s", line.command->name, p->name);
         strcpy(line.names[n], p->name);
         for (char *c = line.names[n]; (c = strchr(c, '_'));) *c = '-';
@@ -67,13 +76,19 @@ static rp_status add_options(const rp_param *schema, size_t offset)
     return RP_OK;
 }
 
+static bool prints_table(const cli_command *c)
+{
+    return c->on_table || c->prints_table;
+}
+
 rp_status cli_options_of(const cli_command *command, const rp_param **options)
 {
     memset(&line, 0, sizeof line);
     line.command = command;
     *options = line.options;
     rp_status status = add_options(command->protocol, 0);
-    return !status && command->options ? add_options(command->options(), command->protocol_size) : status;
+    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
+    return !status && prints_table(command) ? add_options(generic_params(), GENERIC_AT) : status;
 }
 
 static rp_status set_option(size_t i, const char *text)
@@ -112,6 +127,21 @@ static size_t index_of(const char *name)
     return i;
 }
 
+/* An option that is written with too few or too many dashes is found as well. */
+static rp_status unknown_option(const char *text)
+{
+    char word[64], nearest[96] = "";
+    const char *name = text + strspn(text, "-");
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
+    rp_guess guess = rp_guess_of(word);
+    rp_guess_schema(&guess, line.options);
+    rp_guess_try(&guess, "help");
+    if (*guess.nearest)
+        snprintf(nearest, sizeof nearest, " (did you mean %s%s?)", strlen(guess.nearest) == 1 ? "-" : "--",
+                 guess.nearest);
+    return rp_fail(RP_USAGE, "unknown option %s%s; see repose %s --help", text, nearest, line.command->name);
+}
+
 static rp_status parse(const cli_command *command, int argc, char **argv, bool *done)
 {
     struct option longs[MAX_OPTIONS + 2] = {{0}};
@@ -138,8 +168,7 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
             return RP_OK;
         }
         if (c == '?') /* a letter within a group: getopt has not passed its word yet */
-            return rp_fail(RP_USAGE, "unknown option %s; see repose %s --help",
-                           optopt > 0 && optopt < 256 ? letter : argv[optind - 1], command->name);
+            return unknown_option(optopt > 0 && optopt < 256 ? letter : argv[optind - 1]);
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
                            command->name);
@@ -165,6 +194,12 @@ bool cli_given(const char *name)
     return line.given[index_of(name)];
 }
 
+void cli_defaults_in_units(void)
+{
+    for (size_t i = 0; line.options[i].name; i++)
+        if (!line.given[i]) rp_params_default(&line.options[i], line.values);
+}
+
 void cli_provenance(FILE *out)
 {
     rp_table_provenance(out, cli_command_line());
@@ -175,9 +210,9 @@ void cli_table(FILE *out)
     char text[256];
     cli_provenance(out);
     for (const rp_param *p = line.options; p->name; p++)
-        if (p->type != RP_TEXT && p->type != RP_TEXTS)
+        if (p->type != RP_TEXT && p->type != RP_TEXTS && p->offset < GENERIC_AT)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, line.values, text, sizeof text),
-                          *p->unit ? " " : "", p->unit);
+                          *p->unit ? " " : "", rp_unit(p->unit));
 }
 
 /* Read "0.1,0.25,..." */
@@ -227,18 +262,43 @@ const char *cli_own_name(const cli_command *c)
     return blank ? blank + 1 : c->name;
 }
 
+rp_status cli_unknown_command(const char *word, const cli_command *const *among, const char *group)
+{
+    rp_guess guess = rp_guess_of(word);
+    for (; *among; among++) rp_guess_try(&guess, cli_own_name(*among));
+    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see repose %s%s--help", word, rp_guess_text(&guess),
+                   group, *group ? " " : "");
+}
+
 static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 {
     if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         if (strcmp(argv[1], cli_own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
-    if (strcmp(argv[1], "--help") != 0)
-        return rp_fail(RP_USAGE, "unknown command \"%s\"; see repose %s --help", argv[1], group->name);
+    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
+        return cli_unknown_command(argv[1], group->group, group->name);
     printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
            group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);
     return RP_OK;
+}
+
+static rp_status act(const cli_command *command)
+{
+    return command->on_table ? act_on_table(command) : command->act(line.values);
+}
+
+/* Standard output as JSON; a file that the command writes in its place would stay a table. */
+static rp_status act_as_json(const cli_command *command)
+{
+    const rp_param *o = rp_params_find(line.options, "o");
+    if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
+        strcmp(*(const char **)(line.values + o->offset), "-") != 0)
+        return rp_fail(RP_USAGE,
+                       "--json is of standard output; repose export --to json -o FILE writes a file");
+    rp_status status = cli_capture();
+    return status ? status : cli_capture_end(act(command));
 }
 
 rp_status cli_run(const cli_command *command, int argc, char **argv)
@@ -247,5 +307,6 @@ rp_status cli_run(const cli_command *command, int argc, char **argv)
     if (command->group) return run_of_group(command, argc, argv);
     rp_status status = parse(command, argc, argv, &done);
     if (status || done) return status;
-    return command->on_table ? act_on_table(command) : command->act(line.values);
+    const generic_options *o = (const generic_options *)(line.values + GENERIC_AT);
+    return o->json ? act_as_json(command) : act(command);
 }

@@ -4,8 +4,25 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
-#include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "core/guess.h"
+#include "core/table.h"
+
+/* libconfig says "syntax error" and the line, no more. */
+static void explain(const char *path, const char *error, char hint[256])
+{
+    char *text = NULL;
+    *hint = '\0';
+    if (strstr(error, "mismatched element type"))
+        strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
+    else if (strstr(error, "syntax error") && !rp_file_read(path, &text)) {
+        strcpy(hint, " ");
+        if (!rp_config_syntax(text, hint + 1, 255)) *hint = '\0';
+    }
+    free(text);
+}
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
@@ -18,19 +35,18 @@ rp_status rp_config_read(const char *path, config_t *config)
     if (status) return status;
     config_set_include_dir(config, folder);
     if (config_read_file(config, path) == CONFIG_FALSE) {
-        const char *file = config_error_file(config), *text = config_error_text(config);
-        const char *hint = text && strstr(text, "mismatched element type")
-                               ? ": [ ] holds one type only; write 0.0 for 0, or use ( )"
-                               : "";
-        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file ? file : path, config_error_line(config),
-                       text ? text : "cannot read", hint);
+        char hint[256];
+        const char *file = config_error_file(config) ? config_error_file(config) : path,
+                   *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+        explain(file, text, hint);
+        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
     }
     return RP_OK;
 }
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
 {
-    char text[768];
+    char text[3072];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -40,6 +56,49 @@ rp_status rp_config_fail(const config_setting_t *setting, const char *format, ..
     /* a setting without a line was not read from a file */
     return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "parameter file", line, text)
                     : rp_fail(RP_BAD_INPUT, "%s", text);
+}
+
+/* "walls.[2]", as --set takes it; "" for the top level. */
+static void put_path(const config_setting_t *setting, char *text, size_t size)
+{
+    const config_setting_t *parent = config_setting_parent(setting);
+    text[0] = '\0';
+    if (!parent) return;
+    put_path(parent, text, size);
+    const size_t used = strlen(text);
+    const char *name = config_setting_name(setting), *dot = used ? "." : "";
+    if (name)
+        snprintf(text + used, size - used, "%s%s", dot, name);
+    else
+        snprintf(text + used, size - used, "%s[%d]", dot, config_setting_index(setting));
+}
+
+/* "walls.[2]." of the group that holds the setting, or of the group itself. */
+enum { PATH_BYTES = 256 };
+static const char *path_within(const config_setting_t *setting, char text[PATH_BYTES])
+{
+    while (setting && !config_setting_is_group(setting)) setting = config_setting_parent(setting);
+    if (setting) put_path(setting, text, PATH_BYTES - 1);
+    return setting && *text ? strcat(text, ".") : "";
+}
+
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
+                            const char *const *others, const char *more)
+{
+    const char *name = config_setting_name(setting);
+    char path[PATH_BYTES], allowed[2048] = "";
+    size_t used = 0;
+    rp_guess guess = rp_guess_of(name);
+    rp_guess_schema(&guess, schema);
+    for (; schema->name && used < sizeof allowed; schema++)
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
+    for (; others && *others && used < sizeof allowed; others++) {
+        rp_guess_try(&guess, *others);
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", *others);
+    }
+    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s",
+                          path_within(config_setting_parent(setting), path), name, rp_guess_text(&guess),
+                          allowed, more);
 }
 
 static rp_status to_value(const config_setting_t *setting, rp_value *value)
@@ -66,24 +125,28 @@ static rp_status to_value(const config_setting_t *setting, rp_value *value)
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
 {
     rp_value value;
+    char path[PATH_BYTES];
     bool list = config_setting_is_array(setting) || config_setting_is_list(setting);
     if (param->type == RP_FLAGS && list) {
         *(unsigned *)((char *)values + param->offset) = 0;
         for (int i = 0; i < config_setting_length(setting); i++) {
             const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
             if (to_value(element, &value) != RP_OK || value.kind != RP_V_TEXT)
-                return rp_config_fail(element, "%s: a list of words expected, allowed: %s", param->name,
-                                      param->range);
+                return rp_config_fail(element, "%s%s: a list of words expected, allowed: %s",
+                                      path_within(element, path), param->name, param->range);
             if (rp_params_set(param, values, &value) != RP_OK)
-                return rp_config_fail(element, "%s", rp_message());
+                return rp_config_fail(element, "%s%s", path_within(element, path), rp_message());
         }
         return RP_OK;
     }
     if (to_value(setting, &value) != RP_OK)
-        return rp_config_fail(setting, "%s: one value expected, not a %s", param->name,
+        return rp_config_fail(setting, "%s%s: one value expected, not a %s",
+                              path_within(config_setting_parent(setting), path), param->name,
                               list ? "list" : "group");
     if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
-    return rp_params_set(param, values, &value) ? rp_config_fail(setting, "%s", rp_message()) : RP_OK;
+    return rp_params_set(param, values, &value)
+               ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message())
+               : RP_OK;
 }
 
 static bool listed(const char *const *names, const char *name)
@@ -96,6 +159,7 @@ static bool listed(const char *const *names, const char *name)
 rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
                           const char *const *others)
 {
+    char path[PATH_BYTES];
     if (!config_setting_is_group(group))
         return rp_config_fail(group, "%s: a group { ... } expected",
                               config_setting_name(group) ? config_setting_name(group) : "entry");
@@ -104,30 +168,34 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
         const char *name = config_setting_name(setting);
         if (listed(others, name)) continue;
         const rp_param *param = rp_params_find(schema, name);
-        if (!param) return rp_config_fail(setting, "%s: unknown key", name);
+        if (!param) return rp_config_unknown(setting, schema, others, "");
         rp_status status = rp_config_value(setting, param, values);
         if (status) return status;
     }
     for (; schema->name; schema++)
         if (!schema->fallback && !config_setting_get_member(group, schema->name))
-            return rp_config_fail(group, "%s: missing (%s)", schema->name, schema->meaning);
+            return rp_config_fail(group, "%s%s: missing (%s)", path_within(group, path), schema->name,
+                                  schema->meaning);
     return RP_OK;
 }
 
 rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
 {
     const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
+    char path[PATH_BYTES];
+    const char *const within = path_within(setting, path);
     const char *const expected = n == 2 ? "two numbers [a, b] expected" : "three numbers [a, b, c] expected";
     if ((!config_setting_is_array(setting) && !config_setting_is_list(setting)) ||
         config_setting_length(setting) != n)
-        return rp_config_fail(setting, "%s: %s", name, expected);
+        return rp_config_fail(setting, "%s%s: %s", within, name, expected);
     for (int i = 0; i < n; i++) {
         rp_value value;
         const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
         if (to_value(element, &value) != RP_OK || (value.kind != RP_V_INT && value.kind != RP_V_REAL))
-            return rp_config_fail(element, "%s: %s", name, expected);
+            return rp_config_fail(element, "%s%s: %s", within, name, expected);
         numbers[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
-        if (!isfinite(numbers[i])) return rp_config_fail(element, "%s: finite numbers expected", name);
+        if (!isfinite(numbers[i]))
+            return rp_config_fail(element, "%s%s: finite numbers expected", within, name);
     }
     return RP_OK;
 }

@@ -1,6 +1,7 @@
 /* What libconfig 1.5 does not refuse by itself, found in the text before libconfig reads it: whole numbers
- * that do not fit an int, which it lets wrap, and sizes for which its time grows with the square. The tokens
- * are those of libconfig's scanner, included files as well. */
+ * that do not fit an int, which it lets wrap, texts and comments without an end, which take the rest of the
+ * file, and sizes for which its time grows with the square. The tokens are those of libconfig's scanner,
+ * included files as well. */
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -70,6 +71,13 @@ static const char *included(const char *p)
     return gap && p[8 + gap] == '"' ? p + 8 + gap + 1 : NULL;
 }
 
+const char *rp_config_token_end(const char *p)
+{
+    bool whole, fits;
+    const char *end = number_end(p, &whole, &fits);
+    return end == p ? token_end(p) : end;
+}
+
 static rp_status scan_included(scan *s, const char *name, size_t length)
 {
     char path[PATH_MAX];
@@ -96,6 +104,17 @@ static rp_status count(scan *s, char c)
     return RP_OK;
 }
 
+/* Does a text or comment have its end? libconfig takes the rest of the file for its content, and is silent.
+ */
+static bool is_closed(const char *start, const char *end)
+{
+    if (*start == '"') {
+        while (++start < end && *start != '"') start += *start == '\\';
+        return start < end;
+    }
+    return strncmp(start, "/*", 2) != 0 || (end - start > 3 && end[-2] == '*' && end[-1] == '/');
+}
+
 static rp_status scan_token(scan *s, const char *text, const char **p)
 {
     bool whole = false, fits = true;
@@ -110,6 +129,9 @@ static rp_status scan_token(scan *s, const char *text, const char **p)
     if (*p - start > MOST_IN_TOKEN)
         return rp_fail(RP_BAD_INPUT, "a text, comment, gap, name or number of more than %d bytes",
                        MOST_IN_TOKEN);
+    if (!is_closed(start, *p))
+        return rp_fail(RP_BAD_INPUT, "a %s",
+                       *start == '"' ? "text without its closing quote" : "comment without */");
     if (!whole || fits) return whole ? RP_OK : count(s, *start);
     const int shown = (int)(*p - start) < 40 ? (int)(*p - start) : 40;
     return rp_fail(RP_BAD_INPUT, "%.*s: whole numbers go up to %d; write %.*s.0 for a larger number", shown,

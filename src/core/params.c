@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/guess.h"
+#include "core/units.h"
+
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
 typedef struct {
     double lo, hi;
@@ -76,17 +79,27 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name)
     return NULL;
 }
 
-void rp_params_defaults(const rp_param *schema, void *values)
+void rp_params_default(const rp_param *param, void *values)
 {
     static const size_t sizes[] = {
         [RP_REAL] = sizeof(double),   [RP_INT] = sizeof(long),       [RP_BOOL] = sizeof(bool),
         [RP_CHOICE] = sizeof(int),    [RP_FLAGS] = sizeof(unsigned), [RP_TEXT] = sizeof(char *),
         [RP_TEXTS] = sizeof(rp_texts)};
-    for (; schema->name; schema++) {
-        memset((char *)values + schema->offset, 0, sizes[schema->type]);
-        if (schema->fallback && schema->type != RP_TEXTS)
-            rp_params_set_text(schema, values, schema->fallback);
+    char *field = (char *)values + param->offset;
+    memset(field, 0, sizes[param->type]);
+    if (!param->fallback || param->type == RP_TEXTS) return;
+    rp_params_set_text(param, values, param->fallback);
+    if (param->type == RP_REAL && strspn(param->fallback, "+-.0123456789eE") == strlen(param->fallback)) {
+        double number;
+        memcpy(&number, field, sizeof number);
+        number = rp_units_value(param->unit, number);
+        memcpy(field, &number, sizeof number);
     }
+}
+
+void rp_params_defaults(const rp_param *schema, void *values)
+{
+    for (; schema->name; schema++) rp_params_default(schema, values);
 }
 
 static rp_status wrong_type(const rp_param *param, const rp_value *value, const char *wanted)
@@ -127,9 +140,12 @@ static rp_status set_word(const rp_param *param, void *field, const rp_value *va
 {
     if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
     int index = word_index(param->range, value->s);
-    if (index < 0)
-        return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s", param->name, value->s,
-                       param->range);
+    if (index < 0) {
+        rp_guess guess = rp_guess_of(value->s);
+        rp_guess_words(&guess, param->range);
+        return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s%s", param->name, value->s,
+                       param->range, rp_guess_text(&guess));
+    }
     if (param->type == RP_CHOICE)
         *(int *)field = index;
     else

@@ -30,10 +30,10 @@ typedef struct {
  * spellings ("[0, inf) | infinite | auto"). For RP_REAL "auto" stands for -1 and any other word for infinity;
  * for RP_INT one word is allowed, and stands for -1.
  * For RP_CHOICE and RP_FLAGS it lists the words: "extends | ends | absorbs".
- * `fallback` is the default as a user would write it; NULL makes the parameter required. */
+ * `fallback` is the default as a user would write it, in cgs; NULL makes the parameter required. */
 typedef struct {
     const char *name;
-    const char *unit; /* "" where there is none */
+    const char *unit; /* in cgs; "" where there is none */
     rp_type type;
     size_t offset; /* of the field in the structure that holds the values */
     const char *fallback;
@@ -55,7 +55,9 @@ typedef struct {
 /* Entry called `name`, or NULL. */
 const rp_param *rp_params_find(const rp_param *schema, const char *name);
 
-/* Write every default; parameters without one are set to zero. */
+/* Write every default, in the system of units that holds (units.h); parameters without one are set to zero.
+ */
+void rp_params_default(const rp_param *param, void *values);
 void rp_params_defaults(const rp_param *schema, void *values);
 
 /* Check `value` against `param` and store it. RP_FLAGS: sets the bit of one word (clear the field first).

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static _Thread_local char message[1024];
+static _Thread_local char message[4096];
 
 rp_status rp_fail(rp_status status, const char *format, ...)
 {

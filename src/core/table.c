@@ -13,7 +13,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/guess.h"
 #include "core/params.h"
+#include "core/units.h"
 #include "core/version.h"
 
 void rp_table_provenance(FILE *out, const char *command)
@@ -23,6 +25,7 @@ void rp_table_provenance(FILE *out, const char *command)
     rp_table_note(out, "compiler", "%s", rp_build_compiler);
     rp_table_note(out, "libraries", "%s", rp_build_libraries);
     if (command) rp_table_note(out, "command", "%s", command);
+    if (rp_units_now() != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word());
 }
 
 void rp_table_note(FILE *out, const char *key, const char *format, ...)
@@ -43,10 +46,16 @@ void rp_table_note_number(FILE *out, const char *key, double value, const char *
                   text);
 }
 
+/* Time that a run took is in seconds in every system. */
+static const char *unit_of(const char *column, const char *cgs)
+{
+    return *cgs ? strcmp(column, "seconds") ? rp_unit(cgs) : cgs : "1";
+}
+
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
 {
     fputs("# units: ", out);
-    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", *columns[i][1] ? columns[i][1] : "1");
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", unit_of(columns[i][0], columns[i][1]));
     fputc('\n', out);
     for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
     fputc('\n', out);
@@ -57,13 +66,12 @@ void rp_table_header(FILE *out, const char *columns)
     for (int names = 0; names < 2; names++) {
         if (!names) fputs("# units: ", out);
         for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
+            char name[256], label[64];
             end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
             const char *unit = memchr(c, '[', (size_t)(end - c));
-            if (c != columns) fputc('\t', out);
-            if (names)
-                fprintf(out, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
-            else
-                fprintf(out, "%.*s", unit ? (int)(end - unit) - 2 : 1, unit ? unit + 1 : "1");
+            snprintf(name, sizeof name, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
+            snprintf(label, sizeof label, "%.*s", unit ? (int)(end - unit) - 2 : 0, unit ? unit + 1 : "");
+            fprintf(out, "%s%s", c != columns ? "\t" : "", names ? name : unit_of(name, label));
         }
         fputc('\n', out);
     }
@@ -313,18 +321,17 @@ static rp_status take_line(reading *r, char *line, size_t line_number)
     return take_row(r, line, n, line_number);
 }
 
-static rp_status read_table(const char *path, bool texts, rp_table *table)
+/* Split the text that the table has. */
+static rp_status split_text(bool texts, rp_table *table)
 {
-    *table = (rp_table){.path = path};
     reading r = {.table = table, .texts = texts, .most_rows = 1};
-    rp_status status = rp_file_read(path, &table->text);
-    if (status) return status;
+    rp_status status = RP_OK;
     if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
         memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
     for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
     r.most_cells = strlen(table->text) / 2 + 1;
     table->lines = calloc(r.most_rows, sizeof *table->lines);
-    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     size_t line_number = 0;
     for (char *next = table->text, *line; (line = next) && !status;) {
         next = strchr(line, '\n');
@@ -333,6 +340,19 @@ static rp_status read_table(const char *path, bool texts, rp_table *table)
     }
     static char none[] = "";
     return status || table->names ? status : take_names(&r, r.above ? r.above : none);
+}
+
+static rp_status read_table(const char *path, bool texts, rp_table *table)
+{
+    *table = (rp_table){.path = path};
+    rp_status status = rp_file_read(path, &table->text);
+    return status ? status : split_text(texts, table);
+}
+
+rp_status rp_table_parse(const char *name, char *text, rp_table *table)
+{
+    *table = (rp_table){.path = name, .text = text};
+    return split_text(true, table);
 }
 
 rp_status rp_table_read(const char *path, rp_table *table)
@@ -361,18 +381,25 @@ int rp_table_column(const rp_table *table, const char *name)
     return -1;
 }
 
-rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+static rp_status no_column(const rp_table *table, const char *name, const char *expected)
 {
-    char found[256] = "";
-    *column = rp_table_column(table, name);
-    if (*column >= 0) return RP_OK;
+    char found[512] = "";
+    rp_guess guess = rp_guess_of(name);
     for (size_t i = 0, used = 0; table->names && table->names[0] && i < table->n_columns; i++) {
+        rp_guess_try(&guess, table->names[i]);
         if (used < sizeof found)
             used += (size_t)snprintf(found + used, sizeof found - used, " %s", table->names[i]);
         if (used >= sizeof found) strcpy(found + sizeof found - 5, " ...");
     }
-    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"; expected header: %s; found:%s", table->path, name,
-                   expected, *found ? found : " none");
+    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"%s%s%s; found:%s", table->path, name,
+                   rp_guess_text(&guess), expected ? "; expected header: " : "", expected ? expected : "",
+                   *found ? found : " none");
+}
+
+rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+{
+    *column = rp_table_column(table, name);
+    return *column >= 0 ? RP_OK : no_column(table, name, expected);
 }
 
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
@@ -413,7 +440,7 @@ rp_status rp_table_where(rp_table *table, const char *condition)
     snprintf(name, sizeof name, "%.*s", (int)length, condition);
     const char *value = condition + length + strlen(op);
     const int column = rp_table_column(table, name);
-    if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"", table->path, name);
+    if (column < 0) return no_column(table, name, NULL);
     if (strchr("<>", *op) && !as_number(value, &number))
         return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", condition, value);
     size_t kept = 0;

@@ -20,7 +20,8 @@ void rp_table_note(FILE *out, const char *key, const char *format, ...) __attrib
 /* The header line "# key: value text", the number in its shortest form; `text` is its unit. */
 void rp_table_note_number(FILE *out, const char *key, double value, const char *text);
 
-/* The line of units and the names of the columns. `columns` holds n pairs name, unit. */
+/* The line of units and the names of the columns. `columns` holds n pairs name, unit in cgs: the
+ * table has the label of the system of units that holds (units.h). */
 void rp_table_columns(FILE *out, size_t n, const char *const columns[][2]);
 
 /* The same lines from a list "name, name [unit], ...". */
@@ -68,6 +69,9 @@ rp_status rp_table_read(const char *path, rp_table *table);
 /* The same for a table whose cells hold blanks: only tabs separate them, or commas in a table without
  * tabs. */
 rp_status rp_table_read_texts(const char *path, rp_table *table);
+
+/* The same for a text from malloc, which the table takes; `name` is for messages, and borrowed. */
+rp_status rp_table_parse(const char *name, char *text, rp_table *table);
 void rp_table_free(rp_table *table);
 
 /* Index of a column, or -1. */

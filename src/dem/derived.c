@@ -4,6 +4,7 @@
 #include <gsl/gsl_roots.h>
 #include <math.h>
 
+#include "core/units.h"
 #include "core/table.h"
 #include "dem/law.h"
 #include "dem/scene.h"
@@ -167,16 +168,16 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     const double r = sim->start.radius_mean, m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
     rp_table_note(out, "kernel", "%s", sim->kernels.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
-    rp_table_note(out, "time step", "dt = %.4g s; limit %.3g s, set by %s", sim->def.dt, sim->start.dt_limit,
-                  sim->start.dt_limit_of);
+    rp_table_note(out, "time step", "dt = %.4g %s; limit %.3g %s, set by %s", sim->def.dt, rp_unit("s"),
+                  sim->start.dt_limit, rp_unit("s"), sim->start.dt_limit_of);
     if (!(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
-        rp_table_note(out, "sticking speed", "%.3g cm/s: slower impacts of two mean grains do not part",
-                      law->sticking_speed(c->k_n, c->gamma_n, m_eff));
+        rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",
+                      law->sticking_speed(c->k_n, c->gamma_n, m_eff), rp_unit("cm/s"));
     if (law->modulus)
-        rp_table_note(out, "modulus", "E* = %.3g dyn/cm^2 at the mean radius; k_n is the same for all radii",
-                      law->modulus(c->k_n, r));
-    rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, law->gamma_n_unit);
+        rp_table_note(out, "modulus", "E* = %.3g %s at the mean radius; k_n is the same for all radii",
+                      law->modulus(c->k_n, r), rp_unit("dyn/cm^2"));
+    rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, rp_unit(law->gamma_n_unit));
     if (law->damping_ratio)
         rp_table_note(out, "restitution", "%.4f of two mean grains, at any speed",
                       dem_restitution(sim->def.tension, law->damping_ratio(c->k_n, c->gamma_n, m_eff)));
@@ -185,6 +186,6 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
         dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)
         return;
     rp_table_note(out, "impact",
-                  "two mean grains at %.4g cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", v,
-                  impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
+                  "two mean grains at %.4g %s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", v,
+                  rp_unit("cm/s"), impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
 }

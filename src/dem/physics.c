@@ -1,4 +1,5 @@
 /* The physical parameters, from what is given to a definition; see physics.h. */
+#include "core/units.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -36,7 +36,7 @@
       "normal stiffness" DEM_K_N_UNITS) \
     X(MATERIAL, restitution, "restitution", "", RP_REAL, "auto", "(0, 1]", " | auto", -1.0, 1.0, \
       "of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n") \
-    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 || !rate ? -1.0 : 500.0, 1.0, \
+    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 || !rate ? -1.0 : rp_units_value("1/s", 500.0), 1.0, \
       "normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s") \
     X(SCENE, tension, "tension", "", RP_BOOL, "true", "", "", 0, 0, "whether the damped normal force may pull, as printed")
 

@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "core/config.h"
+#include "core/guess.h"
 #include "core/table.h"
+#include "core/units.h"
 #include "dem/definition.h"
 #include "dem/vec.h"
 
@@ -16,6 +18,7 @@ typedef struct {
     dem_scene scene;
     dem_physics physics;
     double y_min, turn_deg, box_turn_deg;
+    int units;
     const char *particles_file;
 } scene_file;
 
@@ -26,6 +29,9 @@ typedef struct {
 static const rp_param top_schema[] = {
     DEM_GRAIN_PARAMS(TOP){"steps", "", RP_INT, AT(scene_file, scene.steps), "20000", "[0, 2147483647]",
                           "how many steps to run"},
+    {"units", "", RP_CHOICE, AT(scene_file, units), "cgs", RP_UNITS_WORDS,
+     "of the numbers here and of the tables; defaults are converted. sigma: diameter sigma and mass m of "
+     "the default grain, and g"},
     {"skin", "cm", RP_REAL, AT(scene_file, scene.def.skin), "auto", "(0, inf) | auto",
      "of the neighbour list"},
     {"x_max", "cm", RP_REAL, AT(scene_file, scene.def.x_max), "none", "(-inf, inf) | none",
@@ -432,6 +438,15 @@ static rp_status read_value(const char *value, config_t *one)
     return status ? status : rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
 }
 
+static rp_status no_group(const config_t *config, const char *name, const char *text)
+{
+    const config_setting_t *root = config_root_setting(config);
+    rp_guess guess = rp_guess_of(name);
+    for (int i = 0; i < config_setting_length(root); i++)
+        rp_guess_try(&guess, config_setting_name(config_setting_get_elem(root, (unsigned)i)));
+    return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
+}
+
 /* Put "group.key=value" into the tree that was read, in place of what stands there. */
 static rp_status change(config_t *config, const char *text)
 {
@@ -455,8 +470,8 @@ static rp_status change(config_t *config, const char *text)
     }
     int type = config_setting_type(value);
     if (!parent || !config_setting_is_group(parent) || config_setting_is_aggregate(value))
-        status = rp_fail(RP_BAD_INPUT, "--set %s: %s", text,
-                         parent ? "one number, word or boolean expected" : "the file has no such group");
+        status = parent ? rp_fail(RP_BAD_INPUT, "--set %s: one number, word or boolean expected", text)
+                        : no_group(config, path, text);
     if (!status) {
         if (config_setting_get_member(parent, key)) config_setting_remove(parent, key);
         config_setting_t *member = config_setting_add(parent, key, type);
@@ -481,14 +496,18 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
 {
     static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
                                          "fill",    "ground", "hard",       "implicit", NULL};
+    const char *units = NULL;
     rp_status status = rp_config_read(path, config);
     for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
     if (status) return status;
     const config_setting_t *root = config_root_setting(config);
+    config_lookup_string(config, "units", &units);
+    rp_units_set(rp_units_find(units));
     rp_params_defaults(top_schema, file);
     status = rp_config_group(root, top_schema, file, others);
     if (status) return status;
     dem_definition *def = &file->scene.def;
+    def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
     def->skin = fmax(def->skin, 0.0);
@@ -567,6 +586,7 @@ static void write_top(FILE *out, const dem_scene *scene)
     file.turn_deg = def->turn_per_step * (180.0 / M_PI);
     file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
     if (scene->has_fill) file.physics.shape = scene->fill.shape;
+    file.units = (int)rp_units_now();
     write_pair(out, "gravity", def->gravity);
     rp_config_write(out, top_schema, &file);
     fputc('\n', out);

@@ -6,6 +6,7 @@
 
 #include "core/config.h"
 #include "core/table.h"
+#include "core/units.h"
 #include "core/version.h"
 
 enum { MAX_RUNS = 10000000 };
@@ -15,8 +16,18 @@ typedef struct {
     int protocol;
     long replicas, study, seed;
     bool zip;
-    int piles;
+    int piles, units;
 } head;
+
+rp_status sweep_refuse_scene(const char *file, const config_setting_t *root)
+{
+    static const char *const keys[] = {"particles", "particles_file", "fill", "walls"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && !config_setting_get_member(root, "protocol"); i++)
+        if (config_setting_get_member(root, keys[i]))
+            return rp_fail(RP_BAD_INPUT, "%s: a scene (it has %s), no sweep; repose run %s simulates it",
+                           file, keys[i], file);
+    return RP_OK;
+}
 
 /* The file's settings apart from `fixed` and `grid`. */
 static rp_status read_head(const char *file, const config_setting_t *root,
@@ -35,11 +46,17 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"zip", "", RP_BOOL, offsetof(head, zip), "false", "", "take the lists of the grid together"},
         {"piles", "", RP_CHOICE, offsetof(head, piles), "own", "own | shared",
          "random streams: every run its own, or replica k of every grid point the same"},
+        {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
+         "of the numbers here and of the tables; defaults are converted"},
         {0}};
+    rp_status status = sweep_refuse_scene(file, root);
+    if (status) return status;
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    return rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    status = rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    rp_units_set((rp_units)h->units);
+    return status;
 }
 
 /* A sweep's folder keeps one file that says everything. */
@@ -60,9 +77,10 @@ static rp_status find_param(const sweep_protocol *protocol, const config_setting
                             const rp_param **param)
 {
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
-    return *param ? RP_OK
-                  : rp_config_fail(setting, "%s: unknown key; see repose params %s",
-                                   config_setting_name(setting), protocol->name);
+    if (*param) return RP_OK;
+    char more[64];
+    snprintf(more, sizeof more, "; see repose params %s", protocol->name);
+    return rp_config_unknown(setting, protocol->schema, NULL, more);
 }
 
 static int length(const config_setting_t *group)
@@ -229,7 +247,10 @@ static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
 static rp_status find_model(sweep_plan *plan)
 {
     char fingerprint[33] = "";
+    const rp_units units = rp_units_now();
+    rp_units_set(RP_CGS); /* a fingerprint is of the physics, not of the units */
     rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
+    rp_units_set(units);
     snprintf(plan->model, sizeof plan->model, "%s %d %s %016llx", plan->protocol->name, RP_MODEL_VERSION,
              fingerprint, (unsigned long long)hash_outputs(plan->protocol));
     return status;

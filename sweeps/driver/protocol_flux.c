@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/units.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "sweeps/driver/box.h"
@@ -277,7 +278,7 @@ static rp_status write_series(const flux *f)
     if (!f->box.tables) return RP_OK;
     rp_status status = sweep_table_open(f->box.tables, "series.tsv", &series);
     if (status) return status;
-    rp_table_note(series.out, "v_cut", "%g cm/s", f->p.v_cut);
+    rp_table_note(series.out, "v_cut", "%g %s", f->p.v_cut, rp_unit("cm/s"));
     rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)
         rp_table_row(

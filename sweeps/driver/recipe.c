@@ -53,6 +53,8 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     int replicas = 0;
     recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
+    status = sweep_refuse_scene(file, root);
+    if (status) return status;
     if (tables) return read_tables(tables, recipe);
     return recipe->has_runs ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
 }

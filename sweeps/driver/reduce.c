@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "stats/stats.h"
+#include "core/units.h"
 #include "core/table.h"
 
 enum { N_STATISTICS = 6 };
@@ -102,7 +103,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
         if (!is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
-                          *p->unit ? " " : "", p->unit);
+                          *p->unit ? " " : "", rp_unit(p->unit));
     return status;
 }
 

@@ -1,0 +1,32 @@
+/* Systems of units. The program computes with plain numbers; schemas and table headers are written in cgs,
+ * and this table has each label and each default in another system. One system holds in a process: that of
+ * the scene, sweep or table that was read last. */
+#ifndef RP_UNITS_H
+#define RP_UNITS_H
+
+#include "core/status.h"
+
+RP_C_BEGIN
+
+/* sigma: the diameter sigma and mass m of the default grain (a sphere of 0.2 cm and 1 g/cm^3), and g = 981
+ * cm/s^2. */
+#define RP_UNITS_WORDS "cgs | si | sigma"
+typedef enum { RP_CGS, RP_SI, RP_SIGMA } rp_units;
+
+void rp_units_set(rp_units system);
+rp_units rp_units_now(void);
+
+/* "cgs", "si" or "sigma"; and back, RP_CGS for any other word or NULL. */
+const char *rp_units_word(void);
+rp_units rp_units_find(const char *word);
+
+/* Label, in the system that holds, of a quantity with this label in cgs. Other labels are returned as they
+ * are. */
+const char *rp_unit(const char *cgs);
+
+/* A number of such a quantity in cgs, converted to the system that holds; 12 digits. */
+double rp_units_value(const char *cgs, double number);
+
+RP_C_END
+
+#endif

@@ -1,0 +1,254 @@
+/* The pages for people, README.md and docs: each command block runs, and prints what the page shows. Blocks
+ * of a page run in order, in one temporary folder that looks like the repository's root.
+ *
+ *   ```sh or ```python             commands; the block must succeed
+ *   ```text, right after it        its output and messages: `...` stands for any text within a line, and
+ * alone in a line for any lines; blanks are equal to tabs; lines with # are left out. A last command that
+ * fails shows its message, `repose ...`.
+ *   <!-- test: COMMANDS -->        before a block that takes long, or changes the machine: these run in its
+ * place */
+#include <ctype.h>
+#include <glob.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/check.h"
+#include "tests/program.h"
+
+#define PAGES(X)                                                                                             \
+    X(readme, "README.md")                                                                                   \
+    X(angle, "docs/angle-of-your-grains.md")                                                                 \
+    X(cluster, "docs/cluster.md")                                                                            \
+    X(extending, "docs/extending.md")                                                                        \
+    X(first_pile, "docs/first-pile.md")                                                                      \
+    X(install, "docs/install.md")                                                                            \
+    X(other_programs, "docs/other-programs.md")                                                              \
+    X(performance, "docs/performance.md")                                                                    \
+    X(physics, "docs/physics.md")                                                                            \
+    X(reliability, "docs/reliability.md")                                                                    \
+    X(sweeps, "docs/sweeps.md")
+
+enum { LONGEST_BLOCK = 1 << 14 };
+
+typedef struct {
+    const char *page;
+    int line; /* of the fence */
+    bool python;
+    char commands[LONGEST_BLOCK], instead[1024], expected[LONGEST_BLOCK];
+} block;
+
+/* Runs of blanks become one, at the end of a line none. */
+static char *squeeze(char *line)
+{
+    char *to = line;
+    for (const char *p = line; *p; p++)
+        if (!isspace((unsigned char)*p))
+            *to++ = *p;
+        else if (to > line && to[-1] != ' ')
+            *to++ = ' ';
+    if (to > line && to[-1] == ' ') to--;
+    *to = '\0';
+    return line;
+}
+
+/* Whether a line is as shown, where `...` stands for any text. */
+static bool line_matches(const char *shown, const char *line)
+{
+    const char *gap = strstr(shown, "...");
+    if (!gap) return strcmp(shown, line) == 0;
+    if (strncmp(shown, line, (size_t)(gap - shown)) != 0) return false;
+    for (line += gap - shown;; line++) {
+        if (line_matches(gap + 3, line)) return true;
+        if (!*line) return false;
+    }
+}
+
+/* The next line, squeezed; NULL at the end. */
+static char *next_line(char **text)
+{
+    char *line = strsep(text, "\n");
+    return line && (*text || *line) ? squeeze(line) : NULL;
+}
+
+/* The next line of output that is shown: no provenance. */
+static char *next_output(char **text)
+{
+    char *line;
+    do line = next_line(text);
+    while (line && *line == '#');
+    return line;
+}
+
+/* Whether the output is as shown; else the first line that is shown and missing, or the first one too many.
+ */
+static bool output_matches(char *shown, char *output, const char **missing)
+{
+    bool gap = false;
+    for (char *s; (s = next_line(&shown));) {
+        if (strcmp(s, "...") == 0) {
+            gap = true;
+            continue;
+        }
+        char *line = next_output(&output);
+        while (gap && line && !line_matches(s, line)) line = next_output(&output);
+        *missing = s;
+        if (!line || !line_matches(s, line)) return false;
+        gap = false;
+    }
+    *missing = gap ? NULL : next_output(&output);
+    return *missing == NULL;
+}
+
+static void run_block(block *b)
+{
+    const char *missing = NULL;
+    if (!b->commands[0]) {
+        b->expected[0] = '\0';
+        return;
+    }
+    write_text("block", "%s\n", b->instead[0] ? b->instead : b->commands);
+    char line[256];
+    snprintf(line, sizeof line, ": >err; cd page; PATH=$PWD/build:$PATH %s ../block >../out 2>&1",
+             b->python && !b->instead[0] ? "PYTHONPATH=python python3" : "sh -e");
+    const int status = shell(line);
+    const bool message = strncmp(b->expected, "repose", 6) == 0 || strstr(b->expected, "\nrepose");
+    bool right = status == 0 || (status > 0 && message);
+    if (!right) fprintf(stderr, "%s:%d: exit status %d\n%s", b->page, b->line, status, out);
+    if (right && b->expected[0] && !(right = output_matches(b->expected, out, &missing))) {
+        fprintf(stderr, "%s:%d: the output differs at: %s\n", b->page, b->line, missing);
+        slurp("out", out, sizeof out);
+        fprintf(stderr, "%s", out);
+    }
+    CU_ASSERT(right);
+    b->commands[0] = b->instead[0] = b->expected[0] = '\0';
+}
+
+static void append(char *text, const char *line)
+{
+    CU_ASSERT_FATAL(strlen(text) + strlen(line) < LONGEST_BLOCK);
+    strcat(text, line);
+}
+
+/* Folder `page` of the test's folder: links to what stands in the repository's root, and the program in
+ * build. */
+static void make_folder(void)
+{
+    char root[512], line[2048];
+    enter();
+    CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
+    snprintf(
+        line, sizeof line,
+        "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" build/; }"
+        " >out 2>err",
+        root);
+    CU_ASSERT_EQUAL_FATAL(shell(line), 0);
+    setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
+    unsetenv("MAKEFLAGS"), unsetenv("REPOSE_DATA");
+}
+
+static void page(const char *path)
+{
+    static block b;
+    char *line = NULL, *to = NULL;
+    size_t size = 0;
+    FILE *file = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    make_folder();
+    b.page = path;
+    for (int number = 1; getline(&line, &size, file) > 0; number++) {
+        if (to && strncmp(line, "```", 3) == 0) {
+            if (to == b.expected) run_block(&b);
+            to = NULL;
+        } else if (to) {
+            append(to, line);
+        } else if (strncmp(line, "```text", 7) == 0) {
+            to = b.expected;
+        } else if (*line != '\n') {
+            run_block(&b);
+            sscanf(line, "<!-- test: %1000[^\n]", b.instead);
+            if (strstr(b.instead, " -->")) *strstr(b.instead, " -->") = '\0';
+            b.python = strncmp(line, "```python", 9) == 0;
+            if (b.python || strncmp(line, "```sh", 5) == 0) to = b.commands, b.line = number;
+        }
+    }
+    run_block(&b);
+    free(line);
+    fclose(file);
+    leave();
+}
+
+/* The sanitizers see these commands in other suites; here they would take minutes. */
+#define X(name, path)                                                                                        \
+    static void name(void)                                                                                   \
+    {                                                                                                        \
+        if (!check_fast()) page(path);                                                                       \
+    }
+PAGES(X)
+#undef X
+
+/* No command of a page escapes: each stands in a fenced block, of a page in the list above. */
+static void every_command(void)
+{
+#define X(name, path) path,
+    static const char *const pages[] = {PAGES(X)};
+#undef X
+    glob_t found;
+    CU_ASSERT_EQUAL_FATAL(glob("docs/*.md", 0, NULL, &found), 0);
+    CU_ASSERT_EQUAL_FATAL(glob("README.md", GLOB_APPEND, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        bool listed = false;
+        for (size_t k = 0; k < sizeof pages / sizeof *pages; k++)
+            listed |= !strcmp(pages[k], found.gl_pathv[i]);
+        FILE *file = fopen(found.gl_pathv[i], "r");
+        char *line = NULL;
+        size_t size = 0;
+        bool fence = false;
+        for (int number = 1; getline(&line, &size, file) > 0; number++) {
+            const char *p = line + strspn(line, " ");
+            fence ^= strncmp(line, "```", 3) == 0;
+            const bool command = !fence && p - line >= 4 &&
+                                 (!strncmp(p, "repose ", 7) || !strncmp(p, "make ", 5) || *p == '$');
+            const bool right = !command && (listed || strncmp(line, "```sh", 5) != 0);
+            if (!right) fprintf(stderr, "%s:%d: no test runs %s", found.gl_pathv[i], number, line);
+            CU_ASSERT(right);
+        }
+        free(line);
+        fclose(file);
+    }
+    globfree(&found);
+}
+
+static bool same(const char *shown, const char *output)
+{
+    char a[256], b[256];
+    const char *missing;
+    strcpy(a, shown), strcpy(b, output);
+    return output_matches(a, b, &missing);
+}
+
+static void comparison(void)
+{
+    CU_ASSERT(same("a b\n", "# model 1\na\tb\n"));
+    CU_ASSERT(same("a 1.2...\nb\n", "a\t1.25\nb\n"));
+    CU_ASSERT(same("a ...ok\n", "a\t1.25\tok\n"));
+    CU_ASSERT(same("a\n...\nd\n", "a\nb\nc\nd\n"));
+    CU_ASSERT(same("a\n...\n", "a\nb\n"));
+    CU_ASSERT(same("", ""));
+    CU_ASSERT_FALSE(same("a 1.2...\n", "a 1.3\n"));
+    CU_ASSERT_FALSE(same("a ... ok\n", "a 1 no\n"));
+    CU_ASSERT_FALSE(same("a\n", "a\nb\n"));
+    CU_ASSERT_FALSE(same("a\nb\n", "a\n"));
+    CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nb\n"));
+    CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
+}
+
+void suite_docs(void)
+{
+#define X(name, path) {path, name},
+    static const check_case cases[] = {{"the comparison of an output", comparison},
+                                       {"every command of a page is run", every_command},
+                                       PAGES(X){NULL, NULL}};
+#undef X
+    check_register("docs", cases);
+}
