@@ -83,6 +83,7 @@ static const struct {
                   {"pile", "--outline", "in the bases above"},
                   {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
+                  {"calibrate", "--response", "suite cli"},
                   {"calibrate", "--fit", "names a column: suite cli"},
                   {"calibrate", "--sweep", "suite cli"},
                   {"calibrate", "-o", "suite cli"},
