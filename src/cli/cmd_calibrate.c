@@ -16,6 +16,7 @@
       "folder of that sweep; runs that it holds are not made again")                                         \
     X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
     CLI_FORCE(X)                                                                                             \
+    CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     X(INT, bootstrap, "", "500", "[2, 100000]", "resamples of the piles, to check error and interval")       \
     X(INT, verify, "", "0", "[0, 100000]", "in place of a measurement, so many cases whose truth is known")  \
@@ -50,8 +51,8 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     rp_status status = cli_claim_sweep(folder, file, o->force);
     if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
     if (!status)
-        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, false,
-                               &counts);
+        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
+                               o->quiet, &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
