@@ -167,7 +167,7 @@ fig-%: $(B)/figures/%.svg
 $(B)/figures/shown/%.png: $(B)/figures/%.svg
 	@mkdir -p $(@D)
 	@gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; file='$(@:.png=)'" figures/style.gp $(wildcard figures/*/$*.gp)
-	@pngquant --force --nofs --output $@ 20 $@
+	@for colours in 64 16; do pngquant --force --nofs --output $@ $$colours $@; [ $$(stat -c %s $@) -gt 100000 ] || break; done
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc

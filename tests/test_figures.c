@@ -80,7 +80,20 @@ static void collect_names(void)
                                        "theta_r3_deg_hi95",
                                        "H",
                                        "W",
-                                       "mu"};
+                                       "mu",
+                                       "H_ratio_mean",
+                                       "H_slope_ratio_mean",
+                                       "N_centre_mean",
+                                       "weakest_level_mean",
+                                       "D_mean",
+                                       "H_ratio_se",
+                                       "D_diagonals_mean",
+                                       "N_centre_diagonals_mean",
+                                       "theta_t_displacement_deg_mean",
+                                       "theta_t_displacement_deg_se",
+                                       "theta_t_energy_deg_mean",
+                                       "theta_t_energy_deg_se",
+                                       "tilt_rate_deg"};
     static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
     char name[48];
     glob_t found;

@@ -7,6 +7,8 @@ load 'figures/style.gp'
 fit = 'lh3_fit_theta_r.tsv'
 slope = real(pick(fit, 'line', 'free', 'slope'))
 start = real(pick(fit, 'line', 'free', 'intercept'))
+theta = published('lh-theta', 'published')
+se = published('lh-theta', 'published_se')
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel '{/:Italic θ}_R (degrees), method 3'
 set xrange [-0.01:0.32]
@@ -16,4 +18,4 @@ plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight 
        with yerrorbars ls 2 title '(2b) as printed, '.note('lh3_total.tsv', 'relax_steps').' steps after opening', \
      t('lh3.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars ls ours title '(2b) truncated at the Coulomb limit, at rest', \
-     '+' using (0.207):(published('lh-theta', 'published')):(published('lh-theta', 'published_se')) every ::0::0 with yerrorbars ls paper title 'Lee and Herrmann'
+     '+' using (0.207):(theta):(se) every ::0::0 with yerrorbars ls paper title 'Lee and Herrmann'

@@ -6,8 +6,9 @@ remark = 'vertical line: end of the transient'
 panels = 2
 legend = 3
 load 'figures/style.gp'
-first(col) = most('lh5_row0.tsv', col)
-level = first('level_step')
+level = most('lh5_row0.tsv', 'level_step')
+theta = most('lh5_row0.tsv', 'theta_deg')
+sd = most('lh5_row0.tsv', 'theta_sd_deg')
 opened = real(pick('lh_floor.tsv', 'floor', 'ends', 'theta_r3_deg_mean'))
 from_level(x, y) = x < level ? NaN : y
 v_cut(row) = '{/:Italic v}_{cut} = '.note('lh5_row'.row.'/series.tsv', 'v_cut').' cm/s'
@@ -18,7 +19,7 @@ eval panel(1, '(a) fastest grains')
 set xlabel 'iteration (10^5)'
 set arrow 1 from level/1e5, graph 0 to level/1e5, graph 1 nohead ls guide
 plot t('lh5_row0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 1 lc 'black' title v_cut('0'), \
-     for [k=0:1] '' using (column('step')/1e5):(from_level(column('step'), first('theta_deg') + (2*k - 1)*first('theta_sd_deg'))) \
+     for [k=0:1] '' using (column('step')/1e5):(from_level(column('step'), theta + (2*k - 1)*sd)) \
        with lines ls 12 title k ? '' : 'mean ± standard deviation', \
      opened with lines ls theory title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', opened)
 unset arrow 1

@@ -16,8 +16,9 @@ set yrange [force eq 'N' ? 0 : -1.5:force eq 'N' ? 1.2 : 1.5]
 f = force.'/(chi*g*B)'
 do for [k=1:4] {
     eval panel(k, sprintf('(%s) α = %s°, %s disks', word('a b c d', k), word(slopes, k), note(soft(k), 'n_disks')))
+    B = real(note(soft(k), 'B'))
     stats t(soft(k)) using (abs(column(f))) nooutput name 'S'
     plot t('continuum_'.word(slopes, k).'.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', \
-         t(soft(k)) using (column('x/B')):(column(force.'_diagonals/mg')/S_max/real(note(soft(k), 'B'))) with points ls 2 pt 2 title 'diagonal contacts alone', \
+         t(soft(k)) using (column('x/B')):(column(force.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', \
          t(soft(k)) using (column('x/B')):(column(f)/S_max) with points ls ours title 'soft disks'
 }

@@ -9,6 +9,7 @@ legend = 4
 load 'figures/style.gp'
 small = published('li17-small', 'published')
 large = published('li17-large', 'published')
+B = real(note(soft, 'B'))
 set xlabel '{/:Italic x / B}'
 set xrange [0:1]
 do for [k=1:2] {
@@ -19,7 +20,7 @@ do for [k=1:2] {
     set ylabel '{/:Italic '.q.'} / max |{/:Italic '.q.'}|'
     set yrange [k == 1 ? -1.5 : 0:k == 1 ? 1.5 : 1.2]
     curves = "t('continuum_32.6.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', ".\
-         "t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/real(note(soft, 'B'))) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
+         "t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)/S_max) with points ls ours title note(soft, 'n_disks').' soft disks'"
     experiment = ", '+' using (0.5):(1 - large):(1 - large):(1 - small) every ::0::0 with yerrorbars ls paper title 'experiment, at the centre only'"
     eval 'plot '.curves.(k == 2 ? experiment : '')

@@ -7,6 +7,7 @@ heading = 'Forces on the base of the tent of 30° and 45°'
 panels = 2
 shared = 3
 load 'figures/style.gp'
+B = real(note(stiff, 'B'))
 set xlabel '{/:Italic x / B}'
 set xrange [0:1]
 do for [k=1:2] {
@@ -17,7 +18,7 @@ do for [k=1:2] {
     if (k == 1) { set yrange [0:0.42] } else { set yrange [-0.1:0.1] }
     other = "t('tent_45_30_38.tsv') using (column('x/B')):(column(f)) with lines ls guide title 'continuum, 45° outside, 30° inside: no dip', "
     curves = "t('tent_30_45_38.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', ".\
-         "t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/real(note(stiff, 'B'))) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
+         "t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)) with points ls 3 title 'soft disks, wells of 3000 εσ', ".\
          "t(stiff) using (column('x/B')):(column(f)) with points ls ours title 'soft disks, wells of εσ'"
     eval 'plot '.(k == 1 ? other : '').curves

@@ -19,8 +19,10 @@ set yrange [0:8]
 do for [k=1:2] {
     mu = word('0.1 0.2', k)
     eval panel(k, sprintf('(%s) {/:Italic μ} = %s', word('a b', k), mu))
-    plot rest(mu, 'gravity') with lines ls 1 dt 3 title 'gravity rotated, static', \
-         rest(mu, 'box') with lines ls 2 dt 3 title 'box rotated, static', \
+    gravity = rest(mu, 'gravity')
+    box = rest(mu, 'box')
+    plot gravity with lines ls 1 dt 3 title 'gravity rotated, static', \
+         box with lines ls 2 dt 3 title 'box rotated, static', \
          for [j=1:2] for [i=1:2] rates using (of(mu, tilt(j), column('tilt_rate_deg')*1.06**(i - 1))):(column('theta_t_'.by(i).'_deg_mean')):(column('theta_t_'.by(i).'_deg_se')) \
            with yerrorbars ls j pt 10 - 2*j - i title tilt(j).' rotated, by '.by(i)
 }
