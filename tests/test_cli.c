@@ -37,13 +37,12 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",      "--study ",   "--where ",     "--bare ",       "--set ",
-    "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
-    "--runs ",      "--missing ", "--outline ",   "--disks ",      "--linear ",
-    "--set-again ", "--summary ", "--threshold ", "--map ",        "--ledger ",
-    "--force ",     "--profile ", "--resume ",    "--man ",        "--quiet ",
-    "--plot ",      "--color ",   "--stress ",    "--completion ", "--json ",
-    "--shard ",     "--start ",   "--variants ",  "--published ",  NULL};
+    "--help ",     "--study ",  "--where ",      "--bare ",      "--set ",        "--reduce ",
+    "--base ",     "--pair ",   "--successive ", "-o ",          "--runs ",       "--missing ",
+    "--outline ",  "--disks ",  "--linear ",     "--set-again ", "--summary ",    "--threshold ",
+    "--map ",      "--ledger ", "--force ",      "--profile ",   "--resume ",     "--man ",
+    "--quiet ",    "--plot ",   "--color ",      "--stress ",    "--completion ", "--json ",
+    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1233,8 +1232,33 @@ static void test_calibrate(void)
     rp_table_free(&t);
     FAILS(1, "mu: above_range: no value of the range agrees; the angle lies beyond the upper end; mu >= 0.6",
           "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
+    CU_ASSERT(
+        strstr(err,
+               "; these piles reach theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6; piles with mu above "
+               "0.6 (--sweep) extend it\n") != NULL);
+    CU_ASSERT(strstr(out, "\n# reach: theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6\n") != NULL);
     CU_ASSERT(strstr(out, "\nmu\tnan\tnan\t0.6\tnan\t") != NULL);
     FAILS(1, "mu: at_least", "calibrate --runs piles.tsv --theta-r-deg 34.5 --error-deg 0.5");
+
+    FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
+          "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");
+    FAILS(1, "no_match",
+          "calibrate --runs piles.tsv --theta-r-deg 12 --error-deg 0.1 --theta-t-deg 9 "
+          "--theta-t-error-deg 0.1");
+    CU_ASSERT(strstr(err, "these piles reach theta_r from 10 to 35 degrees and theta_t from ") &&
+              strstr(err, "or of another parameter (--fit), may reach further"));
+    GOOD("calibrate --runs piles.tsv --response");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 21);
+    for (size_t i = 0; i < t.n_rows; i++)
+        CHECK_NEAR(cell(&t, i, "theta_r_deg"), 5.0 + 50.0 * cell(&t, i, "mu"), 1e-6);
+    CHECK_NEAR(cell(&t, 0, "mu"), 0.1, 1e-15);
+    CHECK_NEAR(cell(&t, 20, "mu"), 0.6, 1e-15);
+    CU_ASSERT(cell(&t, 10, "theta_r_fit_se_deg") < cell(&t, 0, "theta_r_fit_se_deg") &&
+              cell(&t, 10, "theta_r_fit_se_deg") < cell(&t, 10, "theta_r_sd_deg") &&
+              cell(&t, 10, "theta_t_sd_deg") > 0.0);
+    rp_table_free(&t);
+    FAILS(64, "not both", "calibrate --runs piles.tsv --response --verify 2");
 
     write_piles("planted.tsv", 5, 0.15, 0.1, 0.0);
     write_piles("shifted.tsv", 5, 0.15, 0.1, 9.0);

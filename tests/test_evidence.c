@@ -29,7 +29,11 @@ static const struct {
     {"agrees", "19.4", "0", "0", "9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
     {"agrees", "18.9", "0.9", "0", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
     {"agrees", "18.9", "0.9", "100", "9", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
+    {"agrees", "20", "0.9", "100", "9", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "19", "0", "0", "9", "means k=1 a", "-", "reproduced", "21.5 ± 1.0"},
+    {"agrees", "19", "0", "0", "9", "means k=2 a", "-", "not reproduced", "21.5 ± 1.0"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=2 a", "reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
+    {"same", "-", "-", "100", "9", "t k=1 a", "t k=4 a", "reproduced", "21.5 ± 1.0 against 23.70 ± 0.75"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
@@ -46,6 +50,7 @@ static const struct {
     {"order", "10", "-", "-", "3", "t k=1 a", "-", "reproduced", "21.5 ± 1.0"},
     {"order", "10", "-", "-", "2.2", "t k=1 a", "-", "undecided", "21.5 ± 1.0"},
     {"order", "10", "-", "-", "1.9", "t k=1 a", "-", "not reproduced", "21.5 ± 1.0"},
+    {"order", "10", "-", "-", "1.3", "t k=1 a", "t k=2 a", "reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
     {"ratio", "1", "-", "-", "1", "t k=1 a", "t k=2 a", "reproduced", "0.925 ± 0.052"},
     {"ratio", "1.2", "-", "-", "1", "t k=1 a", "t k=2 a", "not reproduced", "0.925 ± 0.052"},
     {"ratio", "1", "-", "-", "0.1", "t k=1 a", "t k=2 a", "undecided", "0.925 ± 0.052"},
@@ -82,10 +87,33 @@ static void write_claims(void)
                 answers[i].answer, answers[i].against, i, i);
     fclose(file);
     write_text("t.tsv",
-               "# count: 7 of 8\n# k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n");
+               "# count: 7 of 8\n# "
+               "k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n4\t23.7\t0.75\t9\n");
+    /* of three values Student's t is 4.3 in place of 2; the row has more runs than this output has values */
+    write_text("means.tsv",
+               "# k\tn\ta_mean\ta_se\ta_n\ta_sd\n1\t100\t21.5\t1\t3\t7\n2\t3\t21.5\t1\t100\t7\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.4\t-0.6\t0.8\t0.8\t0.9\n2\t2\t1\t0.3\t3.7\t0.03\t0.06\n"
                             "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n");
+}
+
+/* How many values are behind the number; nan where the table does not say. */
+static double values_of_answer(size_t i)
+{
+    return strcmp(answers[i].answer, "means k=1 a") == 0   ? 3.0
+           : strcmp(answers[i].answer, "means k=2 a") == 0 ? 100.0
+                                                           : NAN;
+}
+
+/* In standard errors, as the published one is printed. */
+static void check_reason(const char *line, size_t i)
+{
+    char expected[64] = "";
+    if (strcmp(answers[i].published, "20") == 0 && strcmp(answers[i].se, "0.9") == 0)
+        strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
+    if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
+        strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
+    CU_ASSERT(strncmp(line, expected, strlen(expected)) == 0);
 }
 
 /* The same verdicts in the table of claims, in the scores and in the section of the report, and their counts.
@@ -95,7 +123,7 @@ static void test_verdicts(void)
     static const char *const words[] = {"reproduced",      "not reproduced", "undecided",
                                         "can't be tested", "by eye",         "no data"};
     size_t counts[6] = {0};
-    char line[512], path[256], template[4096] = "";
+    char line[512], path[256], template[8192] = "";
     enter();
     write_claims();
     GOOD("claims --claims claims.tsv --tables .");
@@ -112,6 +140,8 @@ static void test_verdicts(void)
             fprintf(stderr, "claim %zu, %s: %s, \"%s\"; expected %s, \"%s\"\n", i, answers[i].test, verdict,
                     ours, answers[i].verdict, answers[i].ours);
         CU_ASSERT(right);
+        const double n = cell(&t, i, "n");
+        CU_ASSERT(n == values_of_answer(i) || (isnan(n) && isnan(values_of_answer(i))));
         for (size_t k = 0; k < 6; k++) counts[k] += strcmp(answers[i].verdict, words[k]) == 0;
         snprintf(template + strlen(template), sizeof template - strlen(template), "{{verdict c%zu}}\n", i);
     }
@@ -146,7 +176,36 @@ static void test_verdicts(void)
     for (size_t i = 0; i < N_ANSWERS; i++) { /* one line each, that begins with the verdict */
         rest = strchr(rest, '\n') + 1;
         CU_ASSERT(strncmp(rest, answers[i].verdict, strlen(answers[i].verdict)) == 0);
+        check_reason(rest, i);
     }
+    leave();
+}
+
+/* A section in short and in full, every character: the variant of a claim stands in full only, marked, and is
+ * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
+static void test_section(void)
+{
+    enter();
+    write_text("claims.tsv",
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\t-\tfirst\tat rest\n"
+                      "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n");
+    write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
+    write_text("means.tsv", "# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(
+        out,
+        "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
+        "| first (at rest) | 20 ± 0.9 | 21.5 ± 1.0 | reproduced |\n"
+        "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
+        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12 | reproduced (+1.1 standard errors) |\n"
+        "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced (+3.0 standard errors) |\n"
+        "1 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+        "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
+        "| third |  |  | can't be tested: too few |\n"
+        "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
+        "| three | third |  |  |  | can't be tested: too few |\n");
     leave();
 }
 
@@ -165,6 +224,12 @@ static void test_references(void)
         GOOD("report in.md --tables . --claims claims.tsv");
         CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
     }
+    /* the error is that of the mean or of the number, never the scatter */
+    write_text("t.tsv",
+               "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\tc\n1\t20\t5\t1\t30\t6\t0.2\t7\n");
+    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 c}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(out, "20.0 ± 1.0, 30.00 ± 0.20, 7\n");
     leave();
 }
 
@@ -478,15 +543,99 @@ static void test_second_entry(void)
     }
 }
 
+/* The next line of a second entry is this one; comments are passed over. */
+static void check_entry(FILE *entries, const char *path, const char *wanted)
+{
+    char line[4300] = "";
+    do {
+        if (!fgets(line, sizeof line, entries)) strcpy(line, "(end of the file)\n");
+    } while (*line == '#');
+    const bool same = strncmp(line, wanted, strlen(wanted)) == 0 && line[strlen(wanted)] == '\n';
+    if (!same) fprintf(stderr, "%s has   : %s  expected: %s\n", path, line, wanted);
+    CU_ASSERT_FATAL(same);
+}
+
+static void check_end(FILE *entries)
+{
+    CU_ASSERT(fgetc(entries) == EOF);
+    fclose(entries);
+}
+
+/* Numbers, tests and cells of the claims stand a second time in tests/claims.txt: a changed number of a paper
+ * is a change of both. */
+static void test_claims_again(void)
+{
+    static const char *const columns[] = {"id",      "paper",  "test",   "published", "published_se",
+                                          "samples", "margin", "answer", "against"};
+    rp_table t;
+    FILE *in = fopen("tests/claims.txt", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        char wanted[2048] = "";
+        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+            snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", k ? " | " : "",
+                     word(&t, row, columns[k]));
+        check_entry(in, "tests/claims.txt", wanted);
+    }
+    rp_table_free(&t);
+    check_end(in);
+}
+
+/* Of a line of text its places, of a line of a table the whole. False if it has neither. */
+static bool places_of(const char *line, char places[4096])
+{
+    const bool whole = *line == '|' || strncmp(line, "{{", 2) == 0;
+    *places = '\0';
+    if (whole && strncmp(line, "|---", 4) != 0)
+        snprintf(places, 4096, "%.*s", (int)strcspn(line, "\n"), line);
+    for (const char *open = line; !whole && (open = strstr(open, "{{")); open++) {
+        const char *close = strstr(open, "}}");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(close);
+        snprintf(places + strlen(places), 4096 - strlen(places), "%s%.*s", *places ? " " : "",
+                 (int)(close + 2 - open), open);
+    }
+    return *places;
+}
+
+/* The places of the report, and the heads of its tables, stand a second time in tests/places.txt: a sentence
+ * that shows another column, row or table is a change of both. */
+static void test_places_again(void)
+{
+    static const char *const patterns[] = {"figures/*.md.in", "figures/report/*.md"};
+    FILE *in = fopen("tests/places.txt", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    for (size_t k = 0; k < 2; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char line[8192], places[4096], wanted[4200];
+            FILE *text = fopen(found.gl_pathv[i], "r");
+            CU_ASSERT_PTR_NOT_NULL_FATAL(text);
+            while (fgets(line, sizeof line, text)) {
+                if (!places_of(line, places)) continue;
+                snprintf(wanted, sizeof wanted, "%s: %s", found.gl_pathv[i] + strlen("figures/"), places);
+                check_entry(in, "tests/places.txt", wanted);
+            }
+            fclose(text);
+        }
+        globfree(&found);
+    }
+    check_end(in);
+}
+
 void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
+                                       {"a section in short and in full", test_section},
                                        {"rows by references", test_references},
                                        {"Holm's correction by groups", test_holm},
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},
                                        {"sweeps have the claims' settings", test_settings},
                                        {"sweeps of the papers, second entry", test_second_entry},
+                                       {"claims, second entry", test_claims_again},
+                                       {"places of the report, second entry", test_places_again},
                                        {0}};
     check_register("evidence", cases);
 }

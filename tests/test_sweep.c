@@ -48,6 +48,9 @@ static const sweep_output toy_outputs[] = {
  * interrupted cannot end first. */
 static volatile int *hold;
 
+/* In a quiet moment no run crashes. */
+static bool calm;
+
 static rp_status toy_check(const void *params)
 {
     const toy *p = params;
@@ -65,7 +68,7 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
     if (p->mode == SLOW) usleep(5000);
     while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
-    if (p->mode == CRASH && run % 3 == 1) abort();
+    if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
 }
@@ -863,6 +866,33 @@ static void test_merge(void)
     clean();
 }
 
+/* A run that crashed in one store and not in the other: the result counts, whichever store takes the other.
+ */
+static void test_merge_of_crashed(void)
+{
+    char other[128];
+    sweep_counts c;
+    sweep_merged m;
+    for (int way = 0; way < 2; way++) {
+        fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
+        snprintf(other, sizeof other, "%s/other", base);
+        char *const paths[] = {other};
+        CHECK_OK(prepare(NULL));
+        CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
+        for (int k = 0; k < 2; k++) {
+            calm = k == way;
+            const rp_status status = sweep_run(k ? other : dir, toys, &(sweep_options){.workers = 1}, &c);
+            CU_ASSERT(status == (calm ? RP_OK : RP_NO_RESULT) && sweep_count_aborted(&c) == (calm ? 0 : 3));
+        }
+        calm = false;
+        CHECK_OK(sweep_merge(dir, toys, 1, paths, &m, &c));
+        CU_ASSERT(c.stored == 10 && c.failed == 0 && sweep_count_aborted(&c) == 0);
+        CU_ASSERT(m.duplicates == 10);
+        digest(10);
+        clean();
+    }
+}
+
 /* ---- damage ---- */
 
 static char *read_store(size_t *size)
@@ -1057,6 +1087,7 @@ void suite_sweep(void)
                                        {"full disk", test_full_disk},
                                        {"shards", test_shards},
                                        {"merge", test_merge},
+                                       {"merge with crashed runs", test_merge_of_crashed},
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
                                        {"physical parameters of protocols", test_physics},

@@ -491,6 +491,7 @@ static void test_sweep(void)
     CU_ASSERT(found && strcmp(found, units) == 0);
     rp_table points = read_table("points.tsv");
     CU_ASSERT_FATAL(runs.t.n_rows == 12 && points.n_rows == 4);
+    double seconds = 0.0;
     for (size_t row = 0; row < 12; row++) {
         CHECK_NEAR(at(&runs, row, "run"), (double)row, 0.0);
         CHECK_NEAR(at(&runs, row, "replica"), (double)(row % 3), 0.0);
@@ -500,7 +501,8 @@ static void test_sweep(void)
         CU_ASSERT(row < 3 || pile != cell(&runs.t, row - 3, "pile"));
         CHECK_NEAR(at(&runs, row, "base"), row < 6 ? 9.0 : 12.0, 0.0);
         CHECK_NEAR(at(&runs, row, "eps"), row % 6 < 3 ? 1e-4 : 2e-4, 0.0);
-        CU_ASSERT(at(&runs, row, "seconds") >= 0.0);
+        CU_ASSERT(at(&runs, row, "seconds") > 0.0);
+        seconds += at(&runs, row, "seconds");
         CU_ASSERT_STRING_EQUAL(word(&runs.t, row, "status"), "ok");
         at(&runs, row, "status");
         if (row % 5) continue; /* three of them */
@@ -516,6 +518,8 @@ static void test_sweep(void)
         }
         rp_table_free(&again);
     }
+    CHECK_NEAR(strtod(rp_table_find_note(&runs.t, "run_time"), NULL), seconds,
+               0.051); /* a tenth is printed */
     for (size_t row = 0; row < 4; row++)
         for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++) {
             char column[96];
