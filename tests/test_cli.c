@@ -37,13 +37,12 @@ static void check_failures(size_t n, const failure list[])
 
 /* Boolean options: help states neither a default nor "required". */
 static const char *const without_default[] = {
-    "--help ",      "--study ",   "--where ",     "--bare ",       "--set ",
-    "--reduce ",    "--base ",    "--pair ",      "--successive ", "-o ",
-    "--runs ",      "--missing ", "--outline ",   "--disks ",      "--linear ",
-    "--set-again ", "--summary ", "--threshold ", "--map ",        "--ledger ",
-    "--force ",     "--profile ", "--resume ",    "--man ",        "--quiet ",
-    "--plot ",      "--color ",   "--stress ",    "--completion ", "--json ",
-    "--shard ",     "--start ",   "--variants ",  "--published ",  NULL};
+    "--help ",     "--study ",  "--where ",      "--bare ",      "--set ",        "--reduce ",
+    "--base ",     "--pair ",   "--successive ", "-o ",          "--runs ",       "--missing ",
+    "--outline ",  "--disks ",  "--linear ",     "--set-again ", "--summary ",    "--threshold ",
+    "--map ",      "--ledger ", "--force ",      "--profile ",   "--resume ",     "--man ",
+    "--quiet ",    "--plot ",   "--color ",      "--stress ",    "--completion ", "--json ",
+    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -52,6 +51,26 @@ static bool option_line_is_whole(const char *line)
     for (const char *const *p = without_default; *p; p++)
         if (strncmp(line, *p, strlen(*p)) == 0) return true;
     return false;
+}
+
+#define HELP_INDENT "                         "
+
+/* No line of a help is wider than the terminal, but those that keep their form; nor than 110. */
+static void test_help_width(void)
+{
+    static const int widths[][2] = {{70, 70}, {100, 100}, {200, 110}};
+    enter();
+    for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
+        char command[128];
+        size_t widest = 0;
+        sprintf(command, "COLUMNS=%d \"$REPOSE\" calibrate --help >out 2>err", widths[i][0]);
+        CU_ASSERT_EQUAL(shell(command), 0);
+        for (const char *line = out; *line; line += strcspn(line, "\n") + 1)
+            if (strcspn(line, "\n") > widest && (line[0] != ' ' || line[2] == '-' || line[3] == ' '))
+                widest = strcspn(line, "\n");
+        CU_ASSERT(widest <= (size_t)widths[i][1] && widest + 12 > (size_t)widths[i][1]);
+    }
+    leave();
 }
 
 /* `text` is the help of one command. Its example must be valid, except for missing files. */
@@ -67,6 +86,9 @@ static void check_command_help(const char *command, char *text)
     example += strlen("\nexample:\n  repose ");
     example[strcspn(example, "\n")] = '\0';
     CU_ASSERT(strncmp(example, command, strlen(command)) == 0);
+    for (char *more; (more = strstr(options, "\n" HELP_INDENT));) /* join what the width divides */
+        memmove(more + 1, more + strlen("\n" HELP_INDENT), strlen(more + strlen("\n" HELP_INDENT)) + 1),
+            *more = ' ';
     for (char *line = strtok(options + strlen("\noptions:\n"), "\n"); line; line = strtok(NULL, "\n")) {
         bool whole = strncmp(line, "  -", 3) == 0 && option_line_is_whole(line + 2);
         if (!whole) fprintf(stderr, "repose %s --help: \"%s\"\n", command, line);
@@ -119,7 +141,7 @@ static void test_help(void)
         CU_ASSERT(strstr(out, commands[i]) != NULL);
         check_help(commands[i]);
     }
-    GOOD("angle slope --help");
+    CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" angle slope --help >out 2>err"), 0);
     CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);
     GOOD("stress base --help");
     CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
@@ -1237,8 +1259,33 @@ static void test_calibrate(void)
     rp_table_free(&t);
     FAILS(1, "mu: above_range: no value of the range agrees; the angle lies beyond the upper end; mu >= 0.6",
           "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
+    CU_ASSERT(
+        strstr(err,
+               "; these piles reach theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6; piles with mu above "
+               "0.6 (--sweep) extend it\n") != NULL);
+    CU_ASSERT(strstr(out, "\n# reach: theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6\n") != NULL);
     CU_ASSERT(strstr(out, "\nmu\tnan\tnan\t0.6\tnan\t") != NULL);
     FAILS(1, "mu: at_least", "calibrate --runs piles.tsv --theta-r-deg 34.5 --error-deg 0.5");
+
+    FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
+          "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");
+    FAILS(1, "no_match",
+          "calibrate --runs piles.tsv --theta-r-deg 12 --error-deg 0.1 --theta-t-deg 9 "
+          "--theta-t-error-deg 0.1");
+    CU_ASSERT(strstr(err, "these piles reach theta_r from 10 to 35 degrees and theta_t from ") &&
+              strstr(err, "or of another parameter (--fit), may reach further"));
+    GOOD("calibrate --runs piles.tsv --response");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 21);
+    for (size_t i = 0; i < t.n_rows; i++)
+        CHECK_NEAR(cell(&t, i, "theta_r_deg"), 5.0 + 50.0 * cell(&t, i, "mu"), 1e-6);
+    CHECK_NEAR(cell(&t, 0, "mu"), 0.1, 1e-15);
+    CHECK_NEAR(cell(&t, 20, "mu"), 0.6, 1e-15);
+    CU_ASSERT(cell(&t, 10, "theta_r_fit_se_deg") < cell(&t, 0, "theta_r_fit_se_deg") &&
+              cell(&t, 10, "theta_r_fit_se_deg") < cell(&t, 10, "theta_r_sd_deg") &&
+              cell(&t, 10, "theta_t_sd_deg") > 0.0);
+    rp_table_free(&t);
+    FAILS(64, "not both", "calibrate --runs piles.tsv --response --verify 2");
 
     write_piles("planted.tsv", 5, 0.15, 0.1, 0.0);
     write_piles("shifted.tsv", 5, 0.15, 0.1, 9.0);
@@ -1772,6 +1819,7 @@ void suite_cli(void)
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},
                                        {"sweep or scene", test_sweep_or_scene},
+                                       {"width of help", test_help_width},
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},

@@ -187,6 +187,22 @@ static void page(const char *path)
 PAGES(X)
 #undef X
 
+/* Every file that a line links to exists, seen from the page's folder. */
+static bool links_exist(const char *page, char *line)
+{
+    const char *slash = strrchr(page, '/');
+    const int folder = slash ? (int)(slash + 1 - page) : 0;
+    bool right = true;
+    for (char *to; right && (to = strstr(line, "]("));) {
+        char path[512];
+        to += 2, line = to + strcspn(to, ")#");
+        snprintf(path, sizeof path, "%.*s%.*s", folder, page, (int)(line - to), to);
+        right = strncmp(to, "http", 4) == 0 || line == to || access(path, R_OK) == 0;
+        if (!right) fprintf(stderr, "%s: no file %s\n", page, path);
+    }
+    return right;
+}
+
 /* No command of a page escapes: each stands in a fenced block, of a page in the list above. */
 static void every_command(void)
 {
@@ -212,6 +228,7 @@ static void every_command(void)
             const bool right = !command && (listed || strncmp(line, "```sh", 5) != 0);
             if (!right) fprintf(stderr, "%s:%d: no test runs %s", found.gl_pathv[i], number, line);
             CU_ASSERT(right);
+            CU_ASSERT(links_exist(found.gl_pathv[i], line));
         }
         free(line);
         fclose(file);
@@ -246,9 +263,10 @@ static void comparison(void)
 void suite_docs(void)
 {
 #define X(name, path) {path, name},
-    static const check_case cases[] = {{"the comparison of an output", comparison},
-                                       {"every command of a page is run", every_command},
-                                       PAGES(X){NULL, NULL}};
+    static const check_case cases[] = {
+        {"the comparison of an output", comparison},
+        {"every command of a page is run, every link leads to a file", every_command},
+        PAGES(X){NULL, NULL}};
 #undef X
     check_register("docs", cases);
 }

@@ -83,6 +83,8 @@ static const struct {
                   {"pile", "--outline", "in the bases above"},
                   {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
+                  {"calibrate", "--response", "suite cli"},
+                  {"calibrate", "--quiet", "standard error on a terminal"},
                   {"calibrate", "--fit", "names a column: suite cli"},
                   {"calibrate", "--sweep", "suite cli"},
                   {"calibrate", "-o", "suite cli"},

@@ -127,8 +127,8 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")
 
-/* For long preparations: progress on a terminal. */
-const sweep_watch *cli_watch(void);
+/* For long preparations: progress on a terminal, unless `quiet`. */
+const sweep_watch *cli_watch(bool quiet);
 
 /* The command line of this process, for provenance. */
 const char *cli_command_line(void);

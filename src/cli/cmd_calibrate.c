@@ -16,12 +16,15 @@
       "folder of that sweep; runs that it holds are not made again")                                         \
     X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
     CLI_FORCE(X)                                                                                             \
+    CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
     X(INT, bootstrap, "", "500", "[2, 100000]", "resamples of the piles, to check error and interval")       \
     X(INT, verify, "", "0", "[0, 100000]", "in place of a measurement, so many cases whose truth is known")  \
     X(TEXT, planted, "", "sweeps/studies/calibrate_planted.cfg", "",                                         \
       "their piles: a sweep file (.cfg, run in the folder -o with _planted added), a table, or hold-out: "   \
       "half of the response's own")                                                                          \
+    X(BOOL, response, "", "false", "",                                                                       \
+      "in place of a measurement, the fitted angles over the range of --fit")                                \
     CLI_SEED(X, "1993", "seed of the resamples and of hold-out")
 
 CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
@@ -48,8 +51,8 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     rp_status status = cli_claim_sweep(folder, file, o->force);
     if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
     if (!status)
-        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, false,
-                               &counts);
+        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
+                               o->quiet, &counts);
     snprintf(path, 4096, "%s/runs.tsv", folder);
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
@@ -179,8 +182,42 @@ static void note_scope(const source *s)
                   "other models, protocols or sizes: the answer does not carry over to them");
 }
 
-static void note_responses(const stats_calibration *c, unsigned mask)
+/* The fitted angle over the whole range of the parameters, from the least to the largest. */
+static void find_reach(const stats_calibration *c, size_t angle, double reach[2])
 {
+    enum { SAMPLES = 65 };
+    const size_t rows = c->n_params > 1 ? SAMPLES : 1;
+    double variance;
+    reach[0] = INFINITY, reach[1] = -INFINITY;
+    for (size_t i = 0; i < SAMPLES * rows; i++) {
+        const double part[] = {(double)(i % SAMPLES) / (SAMPLES - 1), (double)(i / SAMPLES) / (SAMPLES - 1)};
+        double x[STATS_MAX_PARAMS] = {0};
+        for (size_t p = 0; p < c->n_params; p++) x[p] = c->lo[p] + part[p] * (c->hi[p] - c->lo[p]);
+        const double value = stats_response_value(&c->response[angle], x, &variance);
+        reach[0] = fmin(reach[0], value);
+        reach[1] = fmax(reach[1], value);
+    }
+}
+
+/* "theta_r from 10 to 35 degrees and theta_t ..., for 0.1 <= mu <= 0.6" */
+static void reach_text(const source *s, const stats_calibration *c, unsigned mask, char *text, size_t size)
+{
+    size_t used = 0;
+    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
+        double reach[2];
+        if (!(mask & 1u << angle)) continue;
+        find_reach(c, a++, reach);
+        used += (size_t)snprintf(text + used, size - used, "%s%s from %.3g to %.3g degrees",
+                                 used ? " and " : "", angle_names[angle], reach[0], reach[1]);
+    }
+    for (size_t p = 0; p < c->n_params; p++)
+        used += (size_t)snprintf(text + used, size - used, "%s%g <= %.40s <= %g", p ? ", " : ", for ",
+                                 c->lo[p], s->params[p], c->hi[p]);
+}
+
+static void note_responses(const source *s, const stats_calibration *c, unsigned mask)
+{
+    char reach[512];
     for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
         if (!(mask & 1u << angle)) continue;
         const stats_response_fit *r = &c->response[a++];
@@ -194,6 +231,8 @@ static void note_responses(const stats_calibration *c, unsigned mask)
                       r->n_terms, r->n_points, r->chi2, r->p_value, sqrt(r->discrepancy),
                       r->monotone ? "" : ", not monotone");
     }
+    reach_text(s, c, mask, reach, sizeof reach);
+    rp_table_note(stdout, "reach", "%s", reach);
     for (size_t p = 0; p < c->n_params; p++) rp_table_note(stdout, "range", "%g to %g", c->lo[p], c->hi[p]);
     if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
 }
@@ -225,10 +264,38 @@ static void print_found(const source *s, const stats_calibrated found[])
         }
 }
 
-/* Exit status 1 and what is known, for the first parameter that is not found. */
-static rp_status conclude(const source *s, const stats_calibrated found[])
+/* What would make these piles reach the measurement. Near the end of its range a response may be flat. */
+static const char *how_to_extend(const source *s, const stats_calibration *c, stats_calibrated_status why,
+                                 char text[256])
 {
-    char text[128] = "";
+    double reach[2], variance, x[STATS_MAX_PARAMS] = {c->hi[0]};
+    const bool above = why == STATS_CALIBRATED_ABOVE_RANGE;
+    if (c->n_params > 1 || why == STATS_CALIBRATED_NO_MATCH) {
+        snprintf(text, 256, "piles of other %s (--sweep), or of another parameter (--fit), may reach further",
+                 s->params[0]);
+        return text;
+    }
+    find_reach(c, 0, reach);
+    x[0] = above ? c->hi[0] : c->lo[0];
+    const double end = stats_response_value(&c->response[0], x, &variance);
+    x[0] += (above ? -0.1 : 0.1) * (c->hi[0] - c->lo[0]);
+    const bool flat =
+        fabs(end - stats_response_value(&c->response[0], x, &variance)) < 0.02 * (reach[1] - reach[0]);
+    const double last = above ? c->hi[0] : c->lo[0];
+    if (flat)
+        snprintf(text, 256, "the angle hardly changes near %s = %g: vary another parameter (--fit)",
+                 s->params[0], last);
+    else
+        snprintf(text, 256, "piles with %s %s %g (--sweep) extend it", s->params[0],
+                 above ? "above" : "below", last);
+    return text;
+}
+
+/* Exit status 1 and what is known, for the first parameter that is not found. */
+static rp_status conclude(const source *s, const stats_calibration *c, unsigned mask,
+                          const stats_calibrated found[])
+{
+    char text[128] = "", reach[512], extend[256];
     for (size_t p = 0; p < s->piles.n_params; p++) {
         const stats_calibrated *f = &found[p];
         const char *name = s->params[p];
@@ -240,6 +307,12 @@ static rp_status conclude(const source *s, const stats_calibrated found[])
             snprintf(text, sizeof text, "; %s >= %g", name, lower);
         else if (!isnan(upper))
             snprintf(text, sizeof text, "; %s <= %g", name, upper);
+        if (f->status >= STATS_CALIBRATED_ABOVE_RANGE) {
+            reach_text(s, c, mask, reach, sizeof reach);
+            return rp_fail(RP_NO_RESULT, "%s: %s: %s%s; these piles reach %s; %s", name,
+                           stats_calibrated_words[f->status], stats_calibrated_meanings[f->status], text,
+                           reach, how_to_extend(s, c, f->status, extend));
+        }
         return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", name, stats_calibrated_words[f->status],
                        stats_calibrated_meanings[f->status], text);
     }
@@ -274,10 +347,62 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
     if (!status) {
         cli_table(stdout);
         note_piles("piles", s);
-        note_responses(&c, mask);
+        note_responses(s, &c, mask);
         note_scope(s);
         print_found(s, found);
-        status = conclude(s, found);
+        status = conclude(s, &c, mask, found);
+    }
+    stats_calibration_free(&c);
+    return status;
+}
+
+/* ---- the response ---- */
+
+/* A row for each of 21 values of the parameter, or of 11 values each of two. */
+static void print_response_rows(const stats_calibration *c)
+{
+    const size_t side = c->n_params > 1 ? 11 : 21, n = c->n_params > 1 ? side * side : side;
+    for (size_t i = 0; i < n; i++) {
+        const size_t step[] = {c->n_params > 1 ? i / side : i, i % side};
+        double row[STATS_MAX_PARAMS + 3 * N_ANGLES], x[STATS_MAX_PARAMS], variance;
+        size_t used = 0;
+        for (size_t p = 0; p < c->n_params; p++)
+            row[used++] = x[p] = c->lo[p] + (double)step[p] / (double)(side - 1) * (c->hi[p] - c->lo[p]);
+        for (size_t a = 0; a < c->n_angles; a++) {
+            row[used++] = stats_response_value(&c->response[a], x, &variance);
+            row[used++] = sqrt(variance);
+            row[used++] = stats_calibration_sd(c, a, x);
+        }
+        rp_table_row(stdout, used, row);
+    }
+}
+
+static rp_status print_response(const source *s)
+{
+    char header[512] = "";
+    size_t used = 0;
+    unsigned mask = 0;
+    stats_ensemble piles;
+    stats_calibration c;
+    for (size_t a = 0; a < N_ANGLES; a++) mask |= s->angle[a] ? 1u << a : 0u;
+    if (!mask) return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[0]);
+    choose_angles(s, mask, &piles);
+    rp_status status = stats_calibration_fit(&piles, &c);
+    if (status) rp_prefix(status, "%s: ", s->path);
+    for (size_t p = 0; p < s->piles.n_params; p++)
+        used += (size_t)snprintf(header + used, sizeof header - used, "%.64s, ", s->params[p]);
+    for (size_t a = 0; a < N_ANGLES; a++)
+        if (mask & 1u << a)
+            used += (size_t)snprintf(header + used, sizeof header - used,
+                                     "%s_deg [deg], %s_fit_se_deg [deg], %s_sd_deg [deg]%s", angle_names[a],
+                                     angle_names[a], angle_names[a], mask >> (a + 1) ? ", " : "");
+    if (!status) {
+        cli_table(stdout);
+        note_piles("piles", s);
+        note_responses(s, &c, mask);
+        note_scope(s);
+        rp_table_header(stdout, header);
+        print_response_rows(&c);
     }
     stats_calibration_free(&c);
     return status;
@@ -308,7 +433,7 @@ static rp_status make_trial(const source *response, const source *planted, const
     rp_status status;
     if (planted) {
         status = stats_calibration_fit(&fit, &c);
-        if (!status) note_responses(&c, mask);
+        if (!status) note_responses(response, &c, mask);
         if (!status) status = stats_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
     } else {
         status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(o->seed, mask), t->cases);
@@ -407,10 +532,10 @@ static rp_status check_options(const calibrate_options *o)
         any |= angle;
         if (angle != error) return rp_fail(RP_USAGE, "--%s needs --%s", names[i][error], names[i][angle]);
     }
-    if (any == (o->verify > 0))
+    if (any + (o->verify > 0) + o->response != 1)
         return rp_fail(RP_USAGE, "%s; see repose calibrate --help",
-                       any ? "a measured angle or --verify, not both"
-                           : "--theta-r-deg or --theta-t-deg is required");
+                       any || o->response ? "a measured angle, --verify or --response, not both"
+                                          : "--theta-r-deg or --theta-t-deg is required");
     return RP_OK;
 }
 
@@ -433,6 +558,7 @@ static rp_status answer(void *values)
     source response = {0};
     rp_status status = check_options(o);
     if (!status) status = open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response);
+    if (!status && o->response) return print_response(&response);
     if (!status) status = o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
     return status;
 }
@@ -462,6 +588,11 @@ const cli_command cmd_calibrate = {
     "\n"
     "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
     "opened on one side. It does not carry over to another model, protocol or size.\n"
+    "\n"
+    "The header has the range of angles that the piles reach; so has the message of above_range, "
+    "below_range\n"
+    "and no_match, with what would extend it. --response prints the fitted angle, the standard error of the\n"
+    "fit and the standard deviation of one pile, over the range of friction.\n"
     "\n"
     "--verify prints one row per case; the exit status is 1 if fewer than 90 % of the intervals contain\n"
     "the truth.",

@@ -36,6 +36,7 @@ static void warn_undamped(const char *file, const sweep_counts *counts)
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
@@ -47,7 +48,7 @@ static rp_status act_plan(void *values)
     rp_status status = cli_claim_sweep(o->o, cli_argument(0), o->force);
     if (!status)
         status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                               sweep_protocols, cli_watch(), &counts);
+                               sweep_protocols, cli_watch(o->quiet), &counts);
     if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
     if (!status) warn_undamped(cli_argument(0), &counts);
     if (!status)
@@ -59,7 +60,7 @@ static rp_status act_plan(void *values)
 static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
-    "FILE -o DIR [--replicas N] [--force]",
+    "FILE -o DIR [--replicas N] [--quiet] [--force]",
     "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
     "after a change, or for more replicas, keeps all stored runs and reuses those that match. A folder with\n"
     "a sweep of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
@@ -247,6 +248,7 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     LIMITS(X)                                                                                                \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
     X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    CLI_QUIET(X)                                                                                             \
     CLI_FORCE(X)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
@@ -276,12 +278,12 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
     rp_status status = cli_claim_sweep(o->o, file, o->force);
-    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(), &counts);
+    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     if (!status) cli_warn_sweep(file);
     if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) status = cli_sweep_run(o->o, options, false, &counts);
+    if (!status) status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
     if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
@@ -304,7 +306,7 @@ static rp_status act_make(void *values)
 static const cli_command make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
-    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--force]",
+    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
     "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
     "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
     "\n"

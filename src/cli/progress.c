@@ -104,10 +104,10 @@ static void draw_part(const char *what, size_t done, size_t of, void *context)
     fprintf(stderr, "\r%zu of %zu %s%s", done, of, what, done == of ? "\n" : "");
 }
 
-const sweep_watch *cli_watch(void)
+const sweep_watch *cli_watch(bool quiet)
 {
     static const sweep_watch watch = {draw_part, NULL};
-    return isatty(STDERR_FILENO) ? &watch : NULL;
+    return !quiet && isatty(STDERR_FILENO) ? &watch : NULL;
 }
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
