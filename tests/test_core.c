@@ -463,6 +463,48 @@ static void table_forms(void)
     unlink(path);
 }
 
+/* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
+ * compared as numbers, words as words; nan is equal to nan alone. A note has exactly its key. */
+static void table_conditions(void)
+{
+    static const struct {
+        const char *condition, *rows;
+    } cases[] = {{"x=2", "b"},    {"x=2.0", "b"},       {"x!=2", "acdef"}, {"x<2", "a"},
+                 {"x<=2", "ab"},  {"x>2", "cf"},        {"x>=2", "bcf"},   {"x>=3", "cf"},
+                 {"x=word", "d"}, {"x!=word", "abcef"}, {"x=nan", "e"},    {"x!=nan", "abcdf"},
+                 {"x<20", "abc"}, {"x<=20", "abcf"},    {"x>20", ""},      {"x>=20", "f"},
+                 {"x=2e1", "f"},  {"y=c", "c"},         {"x<inf", "abcf"}};
+    char path[] = "/tmp/repose-table-XXXXXX";
+    close(mkstemp(path));
+    rp_table t;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char kept[8] = "";
+        write_file(path,
+                   "# mu_wall: 7\n# mu: 8 degrees\n#mu: 9\nx\ty\n1\ta\n2\tb\n3\tc\nword\td\nnan\te\n20\tf\n");
+        CHECK_OK(rp_table_read(path, &t));
+        CHECK_OK(rp_table_where(&t, cases[i].condition));
+        for (size_t row = 0; row < t.n_rows && row < 7; row++) {
+            kept[row] = *t.cells[row * t.n_columns + 1];
+            CU_ASSERT_EQUAL(t.lines[row], 5 + (size_t)(kept[row] - 'a'));
+        }
+        if (strcmp(kept, cases[i].rows) != 0)
+            fprintf(stderr, "%s keeps %s, expected %s\n", cases[i].condition, kept, cases[i].rows);
+        CU_ASSERT_STRING_EQUAL(kept, cases[i].rows);
+        const char *note = rp_table_find_note(&t, "mu");
+        CU_ASSERT(note && strcmp(note, "8 degrees") == 0);
+        CU_ASSERT(rp_table_find_note(&t, "m") == NULL && rp_table_find_note(&t, "mu_") == NULL);
+        rp_table_free(&t);
+    }
+    static const char *const bad[][2] = {{"x", "NAME=VALUE expected"},
+                                         {"=2", "NAME=VALUE expected"},
+                                         {"z=2", "no column \"z\""},
+                                         {"x<word", "\"word\" is not a number"}};
+    CHECK_OK(rp_table_read(path, &t));
+    for (size_t i = 0; i < 4; i++) CHECK_FAILS(rp_table_where(&t, bad[i][0]), RP_BAD_INPUT, bad[i][1]);
+    rp_table_free(&t);
+    unlink(path);
+}
+
 static void tables(void)
 {
     char path[] = "/tmp/repose-table-XXXXXX";
@@ -634,6 +676,7 @@ void suite_core(void)
                                        {"truncated normal deviates", cut_normal},
                                        {"tables", tables},
                                        {"tables: text", table_text},
+                                       {"tables: conditions, notes", table_conditions},
                                        {"tables: forms of the header", table_forms},
                                        {"files are whole", written_files},
                                        {"hostile tables", hostile_tables},
