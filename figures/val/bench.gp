@@ -1,17 +1,10 @@
 # Speed: particle-steps per second on one core, with LAMMPS and LIGGGHTS, from the same initial positions.
 # tables: bench_peers.tsv
-heading = 'Speed on one core, from the same initial positions'
-remark = 'over the bars: rate of repose over the rate of the program, median of pairs (smallest–largest)'
-across = 2
-ratio = 0.4
-legend = 3
-load 'figures/style.gp'
 data = t('bench_peers.tsv')
 set style data histograms
 set style histogram clustered gap 1
 set style fill solid 0.8 border
 set boxwidth 0.9
-set ylabel '10^6 particle-steps per second'
 set yrange [0:*]
 set offsets 0, 0, graph 0.15, 0
 set xtics scale 0
@@ -32,8 +25,15 @@ bar(i) = (i - 0.5*(n + 1))/(n + 1)
 faster(i) = i == 1 ? '' : times(column(program(i).'_ratio'), column(program(i).'_min'), column(program(i).'_max'))
 samples = 'A whole sample of 400 grains: repose '.sample('repose', '%.2f').' s'
 do for [i=2:n] { samples = samples.', '.name(i).' '.sample(program(i), '%.1f').' s, ×'.sample(program(i).'_ratio', '%.1f') }
-set xlabel offset 0, -0.6
-set xlabel 'grains. '.samples
+heading = 'Speed on one core, from the same initial positions'
+remark = 'over the bars: rate of repose over the rate of the program, median of pairs (smallest–largest). '.samples
+across = 2
+ratio = 0.4
+legend = 3
+load 'figures/style.gp'
+set ylabel '10^6 particle-steps per second'
+set xtics offset 0, 0 scale 0
+set grid noxtics
 plot for [i=1:n] rates using program(i):xticlabels(label(strcol('state'), column('grains'))) \
         title name(i).' '.version(program(i)) lc rgb colour(i), \
      for [i=1:n] rates using ($0 + bar(i)):program(i):(faster(i)) with labels rotate by 90 left offset 0, 0.4 notitle
