@@ -53,6 +53,26 @@ static bool option_line_is_whole(const char *line)
     return false;
 }
 
+#define HELP_INDENT "                         "
+
+/* No line of a help is wider than the terminal, but those that keep their form; nor than 110. */
+static void test_help_width(void)
+{
+    static const int widths[][2] = {{70, 70}, {100, 100}, {200, 110}};
+    enter();
+    for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
+        char command[128];
+        size_t widest = 0;
+        sprintf(command, "COLUMNS=%d \"$REPOSE\" calibrate --help >out 2>err", widths[i][0]);
+        CU_ASSERT_EQUAL(shell(command), 0);
+        for (const char *line = out; *line; line += strcspn(line, "\n") + 1)
+            if (strcspn(line, "\n") > widest && (line[0] != ' ' || line[2] == '-' || line[3] == ' '))
+                widest = strcspn(line, "\n");
+        CU_ASSERT(widest <= (size_t)widths[i][1] && widest + 12 > (size_t)widths[i][1]);
+    }
+    leave();
+}
+
 /* `text` is the help of one command. Its example must be valid, except for missing files. */
 static void check_command_help(const char *command, char *text)
 {
@@ -66,6 +86,9 @@ static void check_command_help(const char *command, char *text)
     example += strlen("\nexample:\n  repose ");
     example[strcspn(example, "\n")] = '\0';
     CU_ASSERT(strncmp(example, command, strlen(command)) == 0);
+    for (char *more; (more = strstr(options, "\n" HELP_INDENT));) /* join what the width divides */
+        memmove(more + 1, more + strlen("\n" HELP_INDENT), strlen(more + strlen("\n" HELP_INDENT)) + 1),
+            *more = ' ';
     for (char *line = strtok(options + strlen("\noptions:\n"), "\n"); line; line = strtok(NULL, "\n")) {
         bool whole = strncmp(line, "  -", 3) == 0 && option_line_is_whole(line + 2);
         if (!whole) fprintf(stderr, "repose %s --help: \"%s\"\n", command, line);
@@ -118,7 +141,7 @@ static void test_help(void)
         CU_ASSERT(strstr(out, commands[i]) != NULL);
         check_help(commands[i]);
     }
-    GOOD("angle slope --help");
+    CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" angle slope --help >out 2>err"), 0);
     CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);
     GOOD("stress base --help");
     CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
@@ -176,6 +199,10 @@ static void test_wrong_usage(void)
         {64, "unknown command \"frob\"", "frob"},
         {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
+        {64, "--piles goes with --disorder", "pile --base 9 --piles 2"},
+        {64, "--piles goes with --disorder", "pile --base 9 --piles 2 --disorder 0.01 --summary"},
+        {64, "--piles goes with --disorder", "pile --base 9 --piles 2 --disorder 0.01 -o d"},
+        {64, "--threshold goes with an outline", "pile --base 9 --eps 1e-4 --threshold -o d"},
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
         {64, "sweep --help", "sweep"},
@@ -1792,6 +1819,7 @@ void suite_cli(void)
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},
                                        {"sweep or scene", test_sweep_or_scene},
+                                       {"width of help", test_help_width},
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},

@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include "core/guess.h"
 
@@ -48,13 +50,63 @@ const char *cli_option_text(const rp_param *p, char *text, size_t size)
     return text;
 }
 
+/* COLUMNS, or the width of the terminal, or 80; no line that is easy to read has more than 110. */
+static int help_width(void)
+{
+    struct winsize size = {0};
+    const char *columns = getenv("COLUMNS");
+    long width = columns ? strtol(columns, NULL, 10) : 0;
+    if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
+    return width <= 0 ? 80 : width < 60 ? 60 : width > 110 ? 110 : (int)width;
+}
+
+/* Words of a text from column `at` on, further lines from column `indent` on. */
+static int print_words(const char *text, size_t n, int at, int indent)
+{
+    const int width = help_width();
+    for (const char *word = text; word < text + n;) {
+        const int length = (int)strcspn(word, " \n");
+        if (at > indent && at + 1 + length > width)
+            printf("\n%*s", at = indent, "");
+        else if (word > text)
+            putchar(' '), at++;
+        printf("%.*s", length, word);
+        at += length;
+        word += length + strspn(word + length, " \n");
+    }
+    return at;
+}
+
+/* Paragraphs are filled; lines that begin with a blank keep their form. */
+static void print_about(const char *text)
+{
+    for (const char *p = text; *p;) {
+        const char *end = p + strcspn(p, "\n");
+        while (*p != ' ' && *p != '\n' && *end && end[1] != '\n' && end[1] != ' ')
+            end += 1 + strcspn(end + 1, "\n");
+        if (*p == ' ')
+            printf("%.*s", (int)(end - p), p);
+        else
+            print_words(p, (size_t)(end - p), 0, 0);
+        putchar('\n');
+        p = end + (*end == '\n');
+    }
+}
+
 static void print_help(const cli_command *c)
 {
-    printf("usage: repose %s %s\n\n%s\n\noptions:\n", c->name, c->synopsis, c->about);
+    const int at = printf("usage: repose %s ", c->name);
+    print_words(c->synopsis, strlen(c->synopsis), at, 7);
+    puts("\n");
+    print_about(c->about);
+    puts("\noptions:");
     for (const rp_param *p = line.options; p->name; p++) {
         char flag[40], text[1024];
         snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
-        printf("  %-22s %s\n", flag, cli_option_text(p, text, sizeof text));
+        printf("  %-22s ", flag);
+        cli_option_text(p, text, sizeof text);
+        print_words(text, strlen(text), 25, 25);
+        putchar('\n');
     }
     printf("  %-22s this text\n\nexample:\n  %s\n", "--help", c->example);
 }
