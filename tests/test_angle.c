@@ -597,6 +597,11 @@ static void test_line_fit(void)
     CU_ASSERT(isnan(line.p_value) && line.dof == 1);
     CHECK_OK(stats_line_fit(3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL, true, &line)); /* 9/14 x */
     CHECK_NEAR(line.slope, 9.0 / 14.0, tight);
+    CHECK_OK(stats_line_fit(2, (double[]){1, 1}, (double[]){3, 4}, NULL, true, &line)); /* one x is enough */
+    CHECK_NEAR(line.slope, 3.5, tight);
+    CHECK_FAILS(stats_line_fit(2, (double[]){0, 0}, (double[]){3, 4}, NULL, true, &line), RP_NO_RESULT,
+                "an x other than 0");
+    CHECK_OK(stats_line_fit(3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL, true, &line));
     CHECK_NEAR(line.slope_se, sqrt((6.0 - 81.0 / 14.0) / 2.0 / 14.0), tight);
     CHECK_OK(stats_line_fit(2, x, y, NULL, false, &line));
     CU_ASSERT(isnan(line.slope_se) && line.dof == 0);

@@ -251,6 +251,15 @@ static void test_two_parameters(void)
         CU_ASSERT(r[p].status == STATS_CALIBRATED_OK);
         CHECK_NEAR((r[p].solutions[0].upper - r[p].solutions[0].lower) / (3.92 * r[p].se), 1.0, 0.02);
     }
+    /* 400 resamples know a standard deviation to 3.5 %; the errors of the measurement are far above those of
+     * the response, so that the bootstrap's is the delta method's */
+    gsl_rng *rng = rp_random_alloc(64, 0, RP_PURPOSE_TEST);
+    m = measured(m.angle[0], 6.0 * e, m.angle[1], 4.0 * e);
+    CHECK_OK(stats_calibration_invert(&c, &m, r));
+    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &m, 400, rng, r));
+    gsl_rng_free(rng);
+    for (int p = 0; p < 2; p++) CHECK_NEAR(r[p].boot_se / r[p].se, 1.0, sigmas * 0.0354);
+    m = measured(m.angle[0], e, m.angle[1], e);
     stats_calibration_free(&c);
     piles.n_angles = 1; /* one angle determines a line in the plane, and limits from its ends */
     CU_ASSERT(invert_status(m) == STATS_CALIBRATED_UNDERDETERMINED);

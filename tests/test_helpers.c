@@ -97,6 +97,20 @@ static void bad_cases(void)
     case_near(&problem, "v", 2.0, 2.0, NAN, "e = %g", 0.5);
 }
 
+/* Every case counts at full size. The tests run a second time with --full, this one alone. */
+static void test_stride(void)
+{
+    char program[256] = "", line[320];
+    if (check_full()) {
+        CU_ASSERT_EQUAL(case_stride(7), 1);
+        return;
+    }
+    CU_ASSERT_EQUAL(case_stride(7), check_fast() ? 35 : 7);
+    CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
+    snprintf(line, sizeof line, "\"%s\" --full --test 'stride of cases' helpers >/dev/null 2>&1", program);
+    CU_ASSERT_EQUAL(system(line), 0);
+}
+
 static void no_case(void)
 {
     case_problem empty = {.problem = "none"};
@@ -228,12 +242,10 @@ static void test_commit(void)
 
 void suite_helpers(void)
 {
-    static const check_case cases[] = {{"near, ok, fails", test_check},
-                                       {"cases of validation", test_cases},
-                                       {"oblique impact", test_oblique},
-                                       {"same bits", test_same_bits},
-                                       {"solved pile", test_solved_pile},
-                                       {"commit of the program", test_commit},
-                                       {0}};
+    static const check_case cases[] = {
+        {"near, ok, fails", test_check},        {"cases of validation", test_cases},
+        {"stride of cases", test_stride},       {"oblique impact", test_oblique},
+        {"same bits", test_same_bits},          {"solved pile", test_solved_pile},
+        {"commit of the program", test_commit}, {0}};
     check_register("helpers", cases);
 }

@@ -427,6 +427,9 @@ static void what_is_not_solved(void)
     def.implicit = (dem_implicit_solver){DEM_SOLVER_DIRECT, 0.7, 1e-12, 1};
     sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 1 factorisations");
+    dem_counts counts;
+    dem_count_work(sim, &counts);
+    CU_ASSERT(counts.iterations == 1.0);
     dem_free(sim);
     grains[11].vx = 0.11 / def.dt; /* the skin is 0.2 */
     def.implicit.max_iterations = 100;

@@ -146,6 +146,45 @@ static void test_forces(void)
     leave();
 }
 
+/* Walls without end reach from border to border of the window: a level one, an upright one, and two that
+ * slope, of which each end lies on one of the borders. */
+static void test_slopes(void)
+{
+    enter();
+    write_pile();
+    write_text("walls.tsv",
+               "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
+               "7\t0.5\t1\t0\t0\t0\t1\t-inf\tinf\n7\t0.5\t2\t2\t1\t1\t0\t-inf\tinf\n"
+               "7\t0.5\t3\t1\t1\t0.6\t0.8\t-inf\tinf\n7\t0.5\t4\t3\t1\t-0.96\t0.28\t-inf\tinf\n");
+    GOOD("view . -o a.svg --window -2,7,-1,4");
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 6 && count_strokes(WALL) == 4);
+    const double scale = (circles[1].x - circles[0].x) / 2.5, borders[2][2] = {{-2.0, 7.0}, {-1.0, 4.0}},
+                 least = 0.05; /* lines are wide, and hundredths of a pixel are printed */
+    size_t level = 0, upright = 0, slopes = 0;
+    for (size_t k = 0; k < n_strokes; k++) {
+        const mark *m = &strokes[k];
+        if (strcmp(m->color, WALL) != 0) continue;
+        const double x[] = {(m->x - circles[0].x) / scale, (m->x2 - circles[0].x) / scale},
+                     y[] = {1.0 - (m->y - circles[0].y) / scale, 1.0 - (m->y2 - circles[0].y) / scale};
+        level += fabs(y[0]) < least && fabs(y[1]) < least && fabs(fabs(x[1] - x[0]) - 9.0) < least;
+        upright += fabs(x[0] - 2.0) < least && fabs(fabs(y[1] - y[0]) - 5.0) < least;
+        int at_border = 0;
+        for (int end = 0; end < 2; end++) {
+            const double third = 0.6 * (x[end] - 1.0) + 0.8 * (y[end] - 1.0),
+                         fourth = -0.96 * (x[end] - 3.0) + 0.28 * (y[end] - 1.0);
+            const bool is_on = fabs(third) < least || fabs(fourth) < least;
+            bool is_end = false;
+            for (int b = 0; b < 2; b++)
+                is_end |= fabs(x[end] - borders[0][b]) < least || fabs(y[end] - borders[1][b]) < least;
+            at_border += is_on && is_end;
+        }
+        slopes += at_border == 2 && fabs(x[1] - x[0]) > 1.0 && fabs(y[1] - y[0]) > 1.0;
+    }
+    CU_ASSERT(level == 1 && upright == 1 && slopes == 2);
+    leave();
+}
+
 /* Colours run from the least to the largest value of the column; of both signs, white is 0. */
 static void test_colors(void)
 {
@@ -190,6 +229,9 @@ static void test_stress(void)
     CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
     CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
     CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
+    /* in a single cell, which is the last one too */
+    GOOD("view . -o a.svg --stress --cell 20");
+    CU_ASSERT(shell("grep -q 'principal stress, largest 0.045 ' a.svg") == 0);
     leave();
 }
 
@@ -412,6 +454,7 @@ void suite_view(void)
 {
     static const check_case cases[] = {{"grains", test_circles},
                                        {"forces and walls", test_forces},
+                                       {"walls that slope", test_slopes},
                                        {"colours", test_colors},
                                        {"stress and base", test_stress},
                                        {"frames", test_frames},
