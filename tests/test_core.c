@@ -454,6 +454,10 @@ static void table_forms(void)
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 3 cells where 2 are expected");
     CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT, "expected header: x y r; found: u v");
     rp_table_free(&t);
+    write_file(path, "say\ty\na few words\t2\n3\t4\n"); /* tabs alone, where blanks belong to texts */
+    CHECK_OK(rp_table_read(path, &t));
+    CU_ASSERT(t.n_rows == 2 && strcmp(t.cells[0], "a few words") == 0 && strcmp(t.cells[1], "2") == 0);
+    rp_table_free(&t);
     write_file(path, "x,y\n1,2\n3,,4\n");
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: an empty cell");
     rp_table_free(&t);

@@ -341,6 +341,8 @@ static void test_json(void)
         if (strcmp(lines[i].command, "bench") && strcmp(lines[i].command, "export"))
             check_json(lines[i].command,
                        strcmp(lines[i].base, "--x1 0.3") ? lines[i].base : "--x1 0.3 --map");
+    check_json("calibrate",
+               "--runs more.tsv --theta-r-deg 60 --error-deg 1 --bootstrap 20"); /* no result: 1 */
     FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
     CU_ASSERT_STRING_EQUAL(out, "");
     FAILS(64, "unknown option --json", "help --json");

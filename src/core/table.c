@@ -287,6 +287,11 @@ static bool is_names(const rp_table *t, char *const cells[])
 static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
 {
     rp_table *t = r->table;
+    const char *blanks = r->blanks;
+    if (n != t->n_columns && t->names && count_cells(line, "\t\r") == t->n_columns) { /* texts with blanks */
+        n = t->n_columns;
+        blanks = "\t\r";
+    }
     if (!t->cells) {
         t->n_columns = t->names ? t->n_columns : n;
         const size_t most =
@@ -297,9 +302,9 @@ static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
     if (n != t->n_columns)
         return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", t->path, line_number, n,
                        t->n_columns);
-    if (has_empty_cell(line, r->blanks, n))
+    if (has_empty_cell(line, blanks, n))
         return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
-    split_cells(line, r->blanks, t->cells + t->n_rows * n);
+    split_cells(line, blanks, t->cells + t->n_rows * n);
     if (is_names(t, t->cells + t->n_rows * n)) return RP_OK;
     t->lines[t->n_rows++] = line_number;
     return RP_OK;
