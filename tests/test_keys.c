@@ -132,9 +132,11 @@ static char *outcome(const char *text, const char *change)
         dem_write_states(sim, out);
         dem_write_contacts(sim, out);
         dem_write_energy(sim, out);
-        double forces[2 * DEM_FEW_WALLS] = {0};
+        double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         dem_wall_forces(sim, forces);
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
+        free(forces);
         fclose(out);
     }
     dem_free(sim);

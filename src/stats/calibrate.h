@@ -77,7 +77,7 @@ typedef struct {
     X(UNDERDETERMINED, "underdetermined", "more parameters than angles: limits, no value")                   \
     X(ABOVE_RANGE, "above_range", "no value of the range agrees; the angle lies beyond the upper end")       \
     X(BELOW_RANGE, "below_range", "no value of the range agrees; the angle lies beyond the lower end")       \
-    X(NO_MATCH, "no_match", "no parameters of the range give the angles together")
+    X(NO_MATCH, "no_match", "no parameters of the range give what was measured")
 
 typedef enum {
 #define X(name, word, meaning) STATS_CALIBRATED_##name,
