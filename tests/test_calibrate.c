@@ -304,6 +304,10 @@ static void test_unidentified(void)
     for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
+    /* chi2 of one degree of freedom is above 6.63 with a chance of 1 %; an error of 10 is all there is, so
+     * that for angles 15 +- d it is d^2/50 */
+    CU_ASSERT(invert_status(measured(15.0 + 18.0, 10.0, 15.0 - 18.0, 10.0)) != STATS_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(15.0 + 18.6, 10.0, 15.0 - 18.6, 10.0)) == STATS_CALIBRATED_NO_MATCH);
 }
 
 /* An interval far narrower than the scanned values are apart, at different parts of their distance. */

@@ -817,6 +817,18 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
     FAILS(65, "no column \"frob\"", "stats trend runs.tsv -x W -y theta --by frob");
+    /* groups in the order in which they appear, the first of them without a row that counts */
+    write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"
+                            "none\t1\tnan\tok\nd\t1\t5\tok\nd\t2\t4\tok\nd\t3\t3\tok\n");
+    GOOD("stats trend empty.tsv -x x -y y --by g");
+    t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 4);
+    for (size_t k = 0; k < 4; k++) {
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "g"), k == 0 ? "few" : k == 1 ? "b" : k == 2 ? "none" : "d");
+        CHECK_NEAR(cell(&t, k, "n"), k % 2 ? 3.0 : 0.0, 0.0);
+        if (k % 2) CHECK_NEAR(cell(&t, k, "slope"), k == 1 ? 2.0 : -1.0, 1e-14);
+    }
+    rp_table_free(&t);
     FAILS(65, "pile 0: two values", "stats trend runs.tsv -x W -y theta --pair");
     FAILS(1, "at 1 different x", "stats trend runs.tsv -x W -y theta --to 3");
     write_text("runs.tsv",

@@ -661,6 +661,8 @@ static void test_calibrate_rows(void)
         CHECK_NEAR(cell(&t, k, "value"), k ? y : x, 1e-6);
     }
     CU_ASSERT(strstr(out, "# range: 0.1 to 0.7\n# range: 0 to 0.3\n") != NULL);
+    CU_ASSERT(strstr(out, "# reach: theta_r from 5.5 to 26.5 degrees and theta_t from -0.2 to 22 degrees, "
+                          "for 0.1 <= mu <= 0.7, 0 <= mu_roll <= 0.3\n") != NULL);
     rp_table_free(&t);
     leave();
 }
@@ -857,6 +859,46 @@ static void test_bench(void)
     CU_ASSERT(check_fast() || (3.0 * bytes > 3.0 * sizeof(dem_state) && 3.0 * bytes < 1e6));
     CU_ASSERT(peak >= 0.0 && 3.0 * peak < 1e8);
     checked_end(&c);
+    leave();
+}
+
+/* The box that bench fills, settled and right after the opening: contacts, pairs and rebuilds of a simulation
+ * of the same grains, here. */
+static void test_bench_fill(void)
+{
+    enum { N = 30, STEPS = 2000 };
+    const double width = 1.2;
+    dem_grain grains[N];
+    enter();
+    for (int flowing = 0; flowing < 2; flowing++) {
+        GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs --state %s", N, width, STEPS,
+             flowing ? "flowing" : "settled");
+        rp_table t = read_table("out");
+        const dem_fill fill = {N, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
+        dem_definition def = dem_definition_default();
+        dem_material wall = def.material;
+        wall.k_n *= 2.0;
+        dem_box_walls(&def, width, &wall);
+        CHECK_OK(dem_fill_random(&fill, grains));
+        def.x_max = width;
+        def.grains = grains;
+        def.n_grains = N;
+        dem_sim *sim = NULL;
+        dem_counts before, after;
+        CHECK_OK(dem_create(&def, &sim));
+        CHECK_OK(dem_run(sim, lround(30000.0 * sqrt(width / 4.0)) + 10000));
+        if (flowing) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+        dem_count_work(sim, &before);
+        CHECK_OK(dem_run(sim, STEPS));
+        dem_count_work(sim, &after);
+        const double left = (double)dem_count(sim);
+        dem_free(sim);
+        CHECK_NEAR(cell(&t, 0, "contacts"), (double)after.contacts / left, 1e-14);
+        CHECK_NEAR(cell(&t, 0, "pairs"), (double)after.pairs / left, 1e-14);
+        CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
+        CU_ASSERT(after.contacts > 5);
+        rp_table_free(&t);
+    }
     leave();
 }
 
@@ -1082,6 +1124,7 @@ void suite_columns(void)
                                        {"calibrate: several rows", test_calibrate_rows},
                                        {"calibrate: cases of --verify", test_verify},
                                        {"bench", test_bench},
+                                       {"bench: boxes that it fills", test_bench_fill},
                                        {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
                                        {0}};

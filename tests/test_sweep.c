@@ -48,8 +48,9 @@ static const sweep_output toy_outputs[] = {
  * interrupted cannot end first. */
 static volatile int *hold;
 
-/* In a quiet moment no run crashes. */
+/* In a quiet moment no run crashes; what the words of results end with. */
 static bool calm;
+static char ending[4];
 
 static rp_status toy_check(const void *params)
 {
@@ -65,7 +66,7 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     gsl_rng *r = rp_random_alloc(seed, run, RP_PURPOSE_TEST);
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
     gsl_rng_free(r);
-    snprintf(result->status, sizeof result->status, run % 2 ? "ok" : "ok_fixed_time");
+    snprintf(result->status, sizeof result->status, "%s%s", run % 2 ? "ok" : "ok_fixed_time", ending);
     if (p->mode == SLOW) usleep(5000);
     while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
@@ -766,6 +767,23 @@ static void test_lock(void)
     clean();
 }
 
+/* The digest has the whole word of each status. */
+static void test_digest_of_words(void)
+{
+    char digests[3][33];
+    for (int k = 0; k < 3; k++) {
+        fresh(SMALL_SWEEP);
+        snprintf(ending, sizeof ending, "%s", k == 0 ? "_a" : k == 1 ? "_b" : "_a");
+        CHECK_OK(prepare(NULL));
+        CHECK_OK(run(1, NULL));
+        size_t n;
+        CHECK_OK(sweep_digest(dir, toys, digests[k], &n));
+        clean();
+    }
+    *ending = 0;
+    CU_ASSERT(strcmp(digests[0], digests[1]) != 0 && strcmp(digests[0], digests[2]) == 0);
+}
+
 /* ---- shards ---- */
 
 #define GRID_SWEEP                                                                                           \
@@ -1086,6 +1104,7 @@ void suite_sweep(void)
                                        {"lock", test_lock},
                                        {"full disk", test_full_disk},
                                        {"shards", test_shards},
+                                       {"digest: words of statuses", test_digest_of_words},
                                        {"merge", test_merge},
                                        {"merge with crashed runs", test_merge_of_crashed},
                                        {"damage: one byte", test_flips},

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analytic/analytic.h"
 #include "core/random.h"
 #include "dem/scene.h"
 #include "stats/stats.h"
@@ -785,6 +786,28 @@ static void test_models(void)
     leave();
 }
 
+/* The continuum at points that are not even: forces of the model at each, mirrored at the middle. */
+static void test_continuum(void)
+{
+    static const double x[] = {0.05, 0.2, 0.41, 0.59, 0.8, 0.95};
+    enter();
+    GOOD("continuum --alpha-deg 40 --at 0.05,0.2,0.41,0.59,0.8,0.95");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 6);
+    for (size_t i = 0; i < 6; i++) {
+        an_force f;
+        CHECK_OK(an_continuum(40.0 * M_PI / 180.0, x[i], &f));
+        CHECK_NEAR(at(&c, i, "x/B"), x[i], 1e-15);
+        CHECK_NEAR(at(&c, i, "N/(chi*g*B)"), f.N, 1e-14);
+        CHECK_NEAR(at(&c, i, "H/(chi*g*B)"), f.H, 1e-14);
+        CHECK_NEAR(at(&c, 5 - i, "N/(chi*g*B)"), f.N, 1e-14);
+        CHECK_NEAR(at(&c, 5 - i, "H/(chi*g*B)"), -f.H, 1e-14);
+        CU_ASSERT(i == 0 || i > 2 || f.N > at(&c, i - 1, "N/(chi*g*B)"));
+    }
+    checked_end(&c);
+    leave();
+}
+
 /* Columns by their names, against the members of the same name. */
 typedef struct {
     const char *column;
@@ -1014,6 +1037,7 @@ void suite_tables(void)
                                        {"angle compare", test_compare},
                                        {"stats trend, size, fit", test_fits},
                                        {"tent, lattice", test_models},
+                                       {"continuum", test_continuum},
                                        {0}};
     check_register("tables", cases);
 }

@@ -229,6 +229,18 @@ static void test_stress(void)
     CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
     CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
     CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
+    /* marks of the pressure at 1, 2 or 5 times a power of ten, four or so: 120 has marks 50 apart, 0.048 has
+     * 0.02 */
+    static const char *const forces[][2] = {{"360", "> 100<' a.svg && grep -q '> 50<"},
+                                            {"0.144", "> 0.04<' a.svg && grep -q '> 0.02<"}};
+    for (int k = 0; k < 2; k++) {
+        char line[128];
+        write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%s\t1\n", forces[k][0]);
+        GOOD("view . -o a.svg --stress --base --cell 3");
+        snprintf(line, sizeof line, "grep -q '%s' a.svg", forces[k][1]);
+        CU_ASSERT(shell(line) == 0);
+    }
+    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
     /* in a single cell, which is the last one too */
     GOOD("view . -o a.svg --stress --cell 20");
     CU_ASSERT(shell("grep -q 'principal stress, largest 0.045 ' a.svg") == 0);

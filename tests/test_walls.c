@@ -8,6 +8,7 @@
 #include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/program.h"
 
 static const double R = 0.1, M = 0.0042;
 
@@ -470,6 +471,24 @@ static void refused(void)
     }
 }
 
+/* A grain that lies on a wall that moves has a soft contact, and no hard collision besides: with and without
+ * hard collisions its states are the same bits. */
+static void soft_on_moving_wall(void)
+{
+    enter();
+    write_text(
+        "s.cfg",
+        "dt = 1.0e-5; steps = 300; gravity = [0.0, -981.0]; normal = { law = \"linear\"; k_n = 1.0e6;\n"
+        "gamma_n = 100.0; tension = false; };\n"
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 40.0]; } );\n"
+        "particles = ( { x = 0.0; y = 0.0995; r = 0.1; vx = 1.0; } );\n");
+    GOOD("run s.cfg --every 20 -o soft");
+    shell("echo 'hard = { restitution = 0.5; mu = 0.0; };' >>s.cfg; :>out; :>err");
+    GOOD("run s.cfg --every 20 -o hard");
+    CU_ASSERT(equal_tables("soft/states.tsv", "hard/states.tsv"));
+    leave();
+}
+
 void suite_walls(void)
 {
     static const check_case cases[] = {{"a piston's impact", piston},
@@ -483,6 +502,7 @@ void suite_walls(void)
                                        {"no grain leaves a polygon", inside},
                                        {"joints of a straight line", straight_joints},
                                        {"contacts at corners", contacts_at_corners},
+                                       {"a soft contact with a wall that moves", soft_on_moving_wall},
                                        {"a bowl of many sides", bowl},
                                        {"directions, polygons, circles", normalised},
                                        {"filling anywhere", filling},

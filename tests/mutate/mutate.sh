@@ -39,7 +39,8 @@ suites_of() {
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
     src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
-    src/core/* | src/dem/output.c | src/dem/scene.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/dem/scene.c) echo walls scene tables keys cli ;;
+    src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
     src/cli/cmd_help.c) echo options cli install ;;
