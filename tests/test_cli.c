@@ -1747,11 +1747,12 @@ static void test_run_stopped(void)
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
     CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
-    /* without tables to write meanwhile as well: the steps between two looks at the signal are few */
-    CU_ASSERT(failed(
-        __FILE__, __LINE__,
-        shell("\"$REPOSE\" run s.cfg --set steps=2000000000 >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"),
-        75, "stopped at step"));
+    /* without tables to write meanwhile as well: few steps pass between two looks at the signal */
+    write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
+                           "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
+    CU_ASSERT(failed(__FILE__, __LINE__,
+                     shell("\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"), 75,
+                     "stopped at step"));
     /* neither a run that can go on nor that of another process is thrown away */
     CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
     FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");

@@ -102,6 +102,9 @@ const char *cli_argument(int i);
 char *const *cli_arguments(void);
 bool cli_given(const char *name);
 
+/* The value of --seed, an option that the command must have. */
+long cli_seed(void);
+
 /* Warn of the g of SI among values in cgs: of a scene, and of a sweep's file whose units have been read. */
 void cli_warn_gravity(const char *path, double g);
 void cli_warn_sweep(const char *path);
@@ -136,10 +139,10 @@ const char *cli_command_line(void);
 /* Another one, that started what this process continues. */
 void cli_command_line_set(const char *text);
 
-/* Zeroed memory for n objects, a generator of resamples, a table: all freed after the command, and those
- * since a mark by cli_release. Without memory the program ends. */
+/* Zeroed memory for n objects, a generator of resamples (stream `run` of the option --seed), a table: all
+ * freed after the command, and those since a mark by cli_release. Without memory the program ends. */
 void *cli_memory(size_t n, size_t size);
-gsl_rng *cli_random(long seed, unsigned long run);
+gsl_rng *cli_random(unsigned long run);
 
 /* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
  * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose beside the

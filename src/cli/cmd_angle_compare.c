@@ -76,7 +76,7 @@ static rp_status compare_table(rp_table *table, void *values)
     const compare_options *o = values;
     cli_rows piles;
     rp_status status = read_piles(table, &piles);
-    gsl_rng *rng = cli_random(o->seed, 0);
+    gsl_rng *rng = cli_random(0);
     if (!status) {
         cli_table(stdout);
         cli_rows_note(table, &piles);
@@ -185,7 +185,7 @@ static rp_status phi_table(rp_table *table, void *values)
                         "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
                         "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
                         "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
-        status = fit_phis(n_groups, groups, o, cli_random(o->seed, 0));
+        status = fit_phis(n_groups, groups, o, cli_random(0));
         if (status) rp_prefix(status, "%s: ", table->path);
     }
     return status;

@@ -358,8 +358,7 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
     if (status) rp_prefix(status, "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
     if (!status)
-        status =
-            stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(o->seed, 0), found);
+        status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(0), found);
     if (!status) {
         cli_table(stdout);
         note_piles("piles", s);
@@ -453,7 +452,7 @@ static rp_status make_trial(const source *response, const source *planted, const
         if (!status) note_responses(response, &c, mask);
         if (!status) status = stats_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
     } else {
-        status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(o->seed, mask), t->cases);
+        status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(mask), t->cases);
         t->n = (size_t)o->verify;
     }
     stats_calibration_free(&c);

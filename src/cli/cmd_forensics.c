@@ -273,10 +273,10 @@ static rp_status judge(const study *s, bool held_out, const forensics_options *o
             se[c * n + i++] = s->se[c * s->n_claims + k];
         }
     for (size_t c = 0; c < m; c++) agreement[c] = (stats_agreement){false, true, NAN, NAN, NAN};
-    return n == 0 ? RP_OK
-                  : stats_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
-                                       held_out ? 0 : (size_t)o->draws, cli_random(o->seed, held_out),
-                                       agreement, chance);
+    return n == 0
+               ? RP_OK
+               : stats_claims_judge(m, n, claims, y, se, o->level, (size_t)o->draws,
+                                    held_out ? 0 : (size_t)o->draws, cli_random(held_out), agreement, chance);
 }
 
 static const char *verdict(const stats_agreement *a)

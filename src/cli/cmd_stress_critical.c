@@ -57,7 +57,7 @@ static rp_status critical_table(rp_table *table, void *values)
                                      "sxx_1,sxy_1,syx_1,syy_1",
                                      &(cli_choice){.grouped = true}, &runs);
     if (status) return status;
-    gsl_rng *rng = cli_random(o->seed, 0);
+    gsl_rng *rng = cli_random(0);
     stress_response *responses = cli_memory(runs.n, sizeof *responses);
     cli_table(stdout);
     cli_rows_note(table, &runs);

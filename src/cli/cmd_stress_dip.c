@@ -67,8 +67,8 @@ static rp_status dip_of_table(rp_table *table, void *values)
     rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
     if (status) return status;
     double *means = cli_memory((size_t)o->resamples, sizeof *means);
-    status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples,
-                                 cli_random(o->seed, 0), means, &dips);
+    status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples, cli_random(0), means,
+                                 &dips);
     if (status) return rp_prefix(status, "%s: ", table->path);
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);

@@ -67,9 +67,9 @@ void *cli_memory(size_t n, size_t size)
     return keep(calloc(n + 1, size), free);
 }
 
-gsl_rng *cli_random(long seed, unsigned long run)
+gsl_rng *cli_random(unsigned long run)
 {
-    return keep(rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP), free_generator);
+    return keep(rp_random_alloc((unsigned long)cli_seed(), run, RP_PURPOSE_BOOTSTRAP), free_generator);
 }
 
 rp_status cli_table_read(const char *path, rp_table **table)

@@ -246,6 +246,11 @@ bool cli_given(const char *name)
     return line.given[index_of(name)];
 }
 
+long cli_seed(void)
+{
+    return *(const long *)(line.values + line.options[index_of("seed")].offset);
+}
+
 void cli_defaults_in_units(void)
 {
     for (size_t i = 0; line.options[i].name; i++)
