@@ -1278,6 +1278,17 @@ static void test_calibrate(void)
     CU_ASSERT(strstr(out, "\n# reach: theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6\n") != NULL);
     CU_ASSERT(strstr(out, "\nmu\tnan\tnan\t0.6\tnan\t") != NULL);
     FAILS(1, "mu: at_least", "calibrate --runs piles.tsv --theta-r-deg 34.5 --error-deg 0.5");
+    /* above the peak of a response that falls again */
+    char rows[4096];
+    size_t used = 0;
+    for (int k = 0; k < 66; k++)
+        used += (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%g\n", 0.1 * (k / 6),
+                                 20.0 - 60.0 * pow(0.1 * (k / 6) - 0.5, 2.0) + k % 6);
+    write_text("peak.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
+    GOOD("calibrate --runs peak.tsv --theta-r-deg 22 --error-deg 0.5");
+    CU_ASSERT(!strstr(err, "outside"));
+    CU_ASSERT(run("calibrate --runs peak.tsv --theta-r-deg 22.9 --error-deg 0.5") == 0);
+    CU_ASSERT(strstr(err, "theta_r = 22.9 degrees lies outside what the response reaches, ") != NULL);
 
     FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
           "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");

@@ -291,6 +291,22 @@ static const char *how_to_extend(const source *s, const stats_calibration *c, st
     return text;
 }
 
+/* A match with an angle that no response reaches rests on the scatter and the discrepancy alone. */
+static void warn_outside(const stats_calibration *c, unsigned mask, const stats_measured *m)
+{
+    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
+        double reach[2];
+        if (!(mask & 1u << angle)) continue;
+        find_reach(c, a, reach);
+        if (m->angle[a] < reach[0] || m->angle[a] > reach[1])
+            fprintf(stderr,
+                    "repose calibrate: %s = %g degrees lies outside what the response reaches, %.3g to %.3g: "
+                    "the answer rests on the errors alone\n",
+                    angle_names[angle], m->angle[a], reach[0], reach[1]);
+        a++;
+    }
+}
+
 /* Exit status 1 and what is known, for the first parameter that is not found. */
 static rp_status conclude(const source *s, const stats_calibration *c, unsigned mask,
                           const stats_calibrated found[])
@@ -350,6 +366,7 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
         note_scope(s);
         print_found(s, found);
         status = conclude(s, &c, mask, found);
+        if (!status) warn_outside(&c, mask, &m);
     }
     stats_calibration_free(&c);
     return status;
