@@ -295,6 +295,10 @@ static void test_critical(void)
     CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
     r[4].s[1].yy = NAN;
     CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 5");
+    r[0].n[0] = INFINITY;
+    CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 1");
+    r[0].n[0] = 1.0, theta_t[0] = NAN;
+    CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 1");
     gsl_rng_free(rng);
 }
 

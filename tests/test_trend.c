@@ -296,6 +296,11 @@ static void test_threshold(void)
     stats_threshold t;
     stats_threshold_find(5, x, holds, &t);
     CU_ASSERT(t.n == 5 && t.fails_to == 0.4 && t.holds_from == 0.2 && t.mixed == 2);
+    const bool first[] = {true, false, false, false, false}, others[] = {false, true, true, true, true};
+    stats_threshold_find(5, x, first, &t); /* every run counts, the first one too */
+    CU_ASSERT(t.fails_to == 0.5 && t.holds_from == 0.3 && t.mixed == 1);
+    stats_threshold_find(5, x, others, &t);
+    CU_ASSERT(t.fails_to == 0.3 && t.holds_from == 0.1 && t.mixed == 2);
     stats_threshold_find(5, x, none, &t);
     CU_ASSERT(t.fails_to == 0.5 && isnan(t.holds_from) && t.mixed == 0);
     stats_threshold_find(0, x, none, &t);

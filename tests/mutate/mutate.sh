@@ -30,11 +30,11 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
 suites_of() {
     case $1 in
     analytic/*) echo property analytic ;;
-    src/angle/*) echo property angle ;;
+    src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/forensics.c) echo forensics ;;
-    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables ;;
+    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
@@ -59,7 +59,7 @@ suites_of() {
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep tables evidence cli ;;
     src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
-    *) echo soft property rotation incline contacts published motion hard golden scene dem laws ;;
+    *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
