@@ -15,6 +15,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "core/clock.h"
 #include "core/snapshot.h"
 #include "core/version.h"
 #include "dem/dem.h"
@@ -729,6 +730,14 @@ static void protocol_drop(void)
         "ok");
 }
 
+/* Seconds that the command takes; it must succeed. */
+static double time_of(const char *line)
+{
+    const double begin = rp_clock();
+    CU_ASSERT(shell(line) == 0);
+    return rp_clock() - begin;
+}
+
 /* A sweep that is killed again and again stores the rows of the undisturbed one, and leaves no snapshot. A
  * damaged snapshot is refused, and its run starts anew. */
 static void sweep_rows(void)
@@ -737,16 +746,15 @@ static void sweep_rows(void)
     static const char file[] = "protocol = \"repose\"; replicas = 2; seed = 5;\n"
                                "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n";
     write_bytes("s.cfg", file, sizeof file - 1);
-    CU_ASSERT(
-        shell("\"$REPOSE\" sweep plan s.cfg -o whole >plan && \"$REPOSE\" sweep plan s.cfg -o d >plan && "
-              "\"$REPOSE\" sweep run whole --snapshot 0 >counts && ! test -e whole/snapshots") == 0);
+    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+    const double seconds = time_of("\"$REPOSE\" sweep run whole --snapshot 0 >counts");
+    CU_ASSERT(shell("! test -e whole/snapshots") == 0);
     int status = 1, attempts = 0;
     bool kept = false;
-    for (int ms = check_fast() ? 400 : 80; status != 0 && attempts < 40; ms = ms * 5 / 4, attempts++) {
+    for (double wait = seconds / 10.0; status != 0 && attempts < 40; wait *= 1.25, attempts++) {
         char line[256];
         snprintf(line, sizeof line,
-                 "timeout -s KILL %d.%03d \"$REPOSE\" sweep run d -j 2 --snapshot 0.01 >counts 2>err",
-                 ms / 1000, ms % 1000);
+                 "timeout -s KILL %.3f \"$REPOSE\" sweep run d -j 2 --snapshot 0.01 >counts 2>err", wait);
         status = shell(line);
         kept |= shell("ls d/snapshots/???????????????????????????????? >kept 2>&1") == 0;
         if (attempts == 3) shell("for f in d/snapshots/*; do test -e $f && truncate -s 999 $f; done");
@@ -757,6 +765,23 @@ static void sweep_rows(void)
     leave();
 }
 
+/* Stop the command again and again until it is done, first after a tenth of the seconds that it took alone.
+ * Its last status; *kept: how often `left` was there after a stop. */
+static int stop_until_done(const char *arguments, double seconds, const char *left, int *kept)
+{
+    char line[512], seen[256];
+    snprintf(seen, sizeof seen, "ls %s >kept 2>&1", left);
+    int status = 75;
+    for (double wait = seconds / 10.0; status != 0 && wait < 60.0; wait *= 1.25) {
+        snprintf(line, sizeof line,
+                 "\"$REPOSE\" %s 2>err & sleep %.3f; kill -TERM $! 2>/dev/null; wait $! 2>/dev/null",
+                 arguments, wait);
+        status = shell(line); /* 75, or 143 if the signal came before the first run */
+        *kept += shell(seen) == 0;
+    }
+    return status;
+}
+
 /* A sweep that is told to stop keeps its long runs, though no snapshot is due. */
 static void stopped_sweep(void)
 {
@@ -764,20 +789,12 @@ static void stopped_sweep(void)
     static const char file[] = "protocol = \"repose\"; replicas = 1; seed = 5;\n"
                                "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n";
     write_bytes("s.cfg", file, sizeof file - 1);
-    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan && "
-                    "\"$REPOSE\" sweep run whole >counts") == 0);
-    int status = 75, kept = 0;
-    for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
-        char line[256];
-        snprintf(
-            line, sizeof line,
-            "\"$REPOSE\" sweep run d -j 2 >counts 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; wait $! "
-            "2>/dev/null",
-            ms / 1000, ms % 1000);
-        status = shell(line); /* 75, or 143 if the signal came before the first run */
-        kept += shell("ls d/snapshots/???????????????????????????????? >kept 2>&1") == 0;
-    }
-    CU_ASSERT(status == 0 && kept > 0);
+    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+    const double seconds = time_of("\"$REPOSE\" sweep run whole >counts");
+    int kept = 0;
+    CU_ASSERT(stop_until_done("sweep run d -j 2 >counts", seconds,
+                              "d/snapshots/????????????????????????????????", &kept) == 0);
+    CU_ASSERT(kept > 0);
     CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
     CU_ASSERT(shell("! test -e d/snapshots") == 0);
     leave();
@@ -793,19 +810,13 @@ static void stopped_row(void)
     enter();
     for (int k = 0; k < 2; k++) {
         write_bytes("r.cfg", files[k], strlen(files[k]));
-        CU_ASSERT(shell("rm -rf d whole && \"$REPOSE\" run r.cfg --row 1 -o d >row && mv d whole") == 0);
-        int status = 75, kept = 0;
-        for (int ms = check_fast() ? 400 : 50; status != 0 && ms < 60000; ms = ms * 5 / 4) {
-            char line[256];
-            snprintf(
-                line, sizeof line,
-                "\"$REPOSE\" run r.cfg --row 1 -o d >again 2>err & sleep %d.%03d; kill -TERM $! 2>/dev/null; "
-                "wait $! 2>/dev/null",
-                ms / 1000, ms % 1000);
-            status = shell(line);
-            kept += access(in_folder("d/unfinished/snapshot"), F_OK) == 0;
-        }
-        CU_ASSERT(status == 0 && kept > 0);
+        CU_ASSERT(shell("rm -rf d whole") == 0);
+        const double seconds = time_of("\"$REPOSE\" run r.cfg --row 1 -o d >row");
+        CU_ASSERT(shell("mv d whole") == 0);
+        int kept = 0;
+        CU_ASSERT(stop_until_done("run r.cfg --row 1 -o d >again", seconds, "d/unfinished/snapshot", &kept) ==
+                  0);
+        CU_ASSERT(kept > 0);
         CU_ASSERT(equal_files());
         CU_ASSERT(
             shell("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest") == 0);
