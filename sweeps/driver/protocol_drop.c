@@ -372,29 +372,11 @@ static void measure_shape(const drop *d)
     v[OUT_right_deg] = side_slope(d, 1.0, top);
 }
 
-/* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
 static void measure_order(const drop *d)
 {
-    double sum = 0.0, n = 0.0, contacts = 0.0;
-    for (size_t i = 0; i < d->n; i++) {
-        const dem_state *a = &d->states[i];
-        double re = 0.0, im = 0.0, near = 0.0;
-        contacts += a->contacts;
-        for (size_t j = 0; j < d->n; j++) {
-            const dem_state *b = &d->states[j];
-            const double dx = b->x - a->x, dy = b->y - a->y, reach = 1.25 * (a->r + b->r),
-                         r2 = dx * dx + dy * dy;
-            if (i == j || r2 > reach * reach) continue;
-            const double c2 = (dx * dx - dy * dy) / r2, s2 = 2.0 * dx * dy / r2; /* of 2 theta; cubed */
-            re += c2 * c2 * c2 - 3.0 * c2 * s2 * s2;
-            im += 3.0 * c2 * c2 * s2 - s2 * s2 * s2;
-            near += 1.0;
-        }
-        if (near < 2.0) continue;
-        sum += sqrt(re * re + im * im) / near;
-        n += 1.0;
-    }
-    d->result->values[OUT_psi6] = sum / n;
+    double contacts = 0.0;
+    for (size_t i = 0; i < d->n; i++) contacts += d->states[i].contacts;
+    d->result->values[OUT_psi6] = sweep_bond_order(d->n, d->states);
     d->result->values[OUT_contacts] = contacts / (double)d->n;
 }
 
