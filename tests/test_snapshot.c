@@ -590,7 +590,11 @@ static void refused_resumes(void)
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     CU_ASSERT(shell("\"$REPOSE\" run --resume d 2>err") == 74 && says("another process runs in this folder"));
     close(other);
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d && mv d again && " START "300 && diff -r d again") == 0);
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
+                    "grep -q 'd: the run is done' done && mv d again && " START
+                    "300 && diff -r d again") == 0);
+    CU_ASSERT(shell("mkdir empty && \"$REPOSE\" run --resume empty 2>err") == 65 &&
+              says("no unfinished run"));
     leave();
 }
 

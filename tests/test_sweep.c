@@ -150,7 +150,7 @@ static void export_table(bool reduce, rp_table *t, char *path, size_t size)
     snprintf(path, size, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, toys, reduce, "the command", out));
+    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, out));
     fclose(out);
     CHECK_OK(rp_table_read(path, t));
 }
@@ -528,7 +528,7 @@ static void test_crash(void)
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(2, &c), RP_NO_RESULT, "3 of 10 runs are aborted: 3 crashed; run again to try them again");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "no digest: 3 of 10 runs are aborted");
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs are aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
@@ -700,7 +700,8 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
+                "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
@@ -727,7 +728,7 @@ static void test_bad_folders(void)
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, full), RP_IO, "No space left on device");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
     fclose(full);
     clean();
 }
@@ -925,7 +926,7 @@ static char *exported(void)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, out);
+    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
     free(text);
@@ -973,7 +974,7 @@ static void test_salvage(void)
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         write_store(bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
         most = n;
