@@ -42,7 +42,8 @@ static const char *const without_default[] = {
     "--outline ",  "--disks ",  "--linear ",     "--set-again ", "--summary ",    "--threshold ",
     "--map ",      "--ledger ", "--force ",      "--profile ",   "--resume ",     "--man ",
     "--quiet ",    "--plot ",   "--color ",      "--stress ",    "--completion ", "--json ",
-    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  NULL};
+    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  "--power ",
+    NULL};
 
 static bool option_line_is_whole(const char *line)
 {
