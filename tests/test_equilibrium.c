@@ -1148,12 +1148,12 @@ static void check_summary(void)
     CU_ASSERT(cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
     CHECK_NEAR(cell(&t, 0, "H_N_max"), sweep_outline_friction(K, N, H), ROUNDING);
     CHECK_NEAR(cell(&t, 0, "H_N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_outline_centre(K, N), ROUNDING);
     stress_base profile;
     double radius[K];
     for (int i = 0; i < K; i++) radius[i] = 0.5;
     CHECK_OK(stress_base_profile(K, x, radius, N, &profile));
     CHECK_NEAR(cell(&t, 0, "D"), stress_dip(profile.N), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "middle"), stress_middle(profile.N), ROUNDING);
     rp_table_free(&t);
     CU_ASSERT(run("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary") == 0);
     t = table_of("out");

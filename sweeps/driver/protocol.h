@@ -12,7 +12,7 @@
 
 RP_C_BEGIN
 
-enum { SWEEP_MAX_OUTPUTS = 64 };
+enum { SWEEP_MAX_OUTPUTS = 96 };
 
 /* One number that a run yields, a column of the store. */
 typedef struct {
@@ -26,10 +26,15 @@ typedef struct {
 #define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
 #define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
 
-/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose stress dip` reads. */
-#define SWEEP_BIN_INDEX(k) OUT_n_##k,
-#define SWEEP_BIN_ROW(k)                                                                                     \
+/* The same of the bins of the base (STRESS_DIP_BIN_LIST), for protocols whose piles `repose stress dip`
+ * reads: the pressure there, and that of rays. OUT_n_01 and OUT_rays_01 are the first bins of each. */
+#define SWEEP_N_INDEX(k)    OUT_n_##k,
+#define SWEEP_RAYS_INDEX(k) OUT_rays_##k,
+#define SWEEP_N_ROW(k)                                                                                       \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+#define SWEEP_RAYS_ROW(k)  {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
+#define SWEEP_BASE_INDICES STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
+#define SWEEP_BASE_ROWS    STRESS_DIP_BIN_LIST(SWEEP_N_ROW) STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW)
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
