@@ -217,6 +217,11 @@ static void test_wrong_usage(void)
         {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
+        {64,
+         "unknown option -j: repose sweep export works on one processor; -j goes with sweep run, sweep make, "
+         "sweep slurm, calibrate",
+         "sweep export d -j2"},
+        {64, "repose run works on one processor", "run s.cfg -j 2"},
         {64, "option --layers needs a value", "lattice --layers"},
         {64, "option -o needs a value", "sweep plan s.cfg -o"},
         {64, "--alpha-deg is required", "continuum"},
@@ -343,6 +348,28 @@ static void test_bad_scenes(void)
     FAILS(65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396");
     FAILS(65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'");
     FAILS(65, "more than 500 bytes", "run s.cfg --set steps=%0600d", 5);
+    /* entries of lists, and lists as values */
+    write_text("s.cfg", "steps = 10; particles = ( " GRAIN " );\n"
+                        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+                        "{ point = [0.0, 0.0]; direction = [1.0, 0.0]; velocity = [0.0, 0.0]; } );\n");
+    FAILS(65, "--set walls[2].mu=1: walls is a list of 2 entries: walls[0] to walls[1]",
+          "run s.cfg --set 'walls[2].mu=1'");
+    FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls.mu=1'");
+    FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls[1x].mu=1'");
+    FAILS(65, "steps is no list with entries", "run s.cfg --set 'steps[0].mu=1'");
+    FAILS(65, "steps has no keys of its own", "run s.cfg --set 'steps.mu=1'");
+    FAILS(65, "no such group (did you mean \"walls\"?)", "run s.cfg --set 'wals[0].mu=1'");
+    FAILS(65, "give a key of the entry, or the whole list", "run s.cfg --set 'walls[0]=1'");
+    FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
+    GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
+         "set");
+    rp_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
+    CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
+    CHECK_NEAR(cell(&walls, 1, "x"), 0.5 * 10 * 5e-5, 1e-12);
+    CHECK_NEAR(cell(&walls, 1, "direction_y"), sin(3.0 * 10 * 5e-5), 1e-12);
+    CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
+    rp_table_free(&walls);
+    rp_table_free(&grains);
     write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
     FAILS(65, "/dev/zero: no text", "run s.cfg");
     char path[256];
@@ -581,7 +608,19 @@ static void test_outline(void)
         }
         rp_table_free(&t);
     }
-    CU_ASSERT(strstr(out, " from the spacing of the points\n") != NULL);
+    CU_ASSERT(strstr(out, " from the spacing of the points\n") != NULL && !*err);
+    /* the same picture with its rows counted from the top: the angles agree but for their last bits */
+    CU_ASSERT(shell("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv") == 0);
+    rp_table up = read_table("out");
+    GOOD("angle slope rows.csv --width 401 --y-axis down");
+    rp_table down = read_table("out");
+    for (size_t i = 0; i < 3; i++) CHECK_NEAR(cell(&down, i, "theta_deg"), cell(&up, i, "theta_deg"), 1e-9);
+    CU_ASSERT(!*err);
+    rp_table_free(&up);
+    rp_table_free(&down);
+    CU_ASSERT(run("angle slope rows.csv --width 401") == 0 && strstr(err, "--y-axis down"));
+    GOOD("angle slope rows.csv --width 401 --y-axis up");
+    CU_ASSERT(!*err);
     FAILS(1, "sparse: ", "angle slope outline.csv --width 401 --cell 0.2");
     CU_ASSERT(strstr(out, "\n2\tnan\tnan\tnan\t2005\t") && strstr(out, "\tsparse\n"));
     /* half of the cells is enough */
@@ -1039,7 +1078,9 @@ static void test_bad_claims(void)
     BAD("b\ta\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\t-\tb\t-\n", "no claim \"a\"");
     BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
     BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");
-    BAD(PLAIN("a", "above", "-", "t j=2 v", "0"), "no column j");
+    BAD(PLAIN("a", "above", "-", "t j=2 v", "0"), "t.tsv: no column \"j\"; found: k v");
+    BAD(PLAIN("a", "above", "-", "t k=1:2 V", "0"), "2 rows");
+    BAD(PLAIN("a", "above", "-", "t v=2 K", "0"), "no column \"K\" (did you mean \"k\"?)");
     BAD(PLAIN("a", "above", "-", "t #j", "0"), "no header line \"j\"");
     leave();
 }
@@ -1074,7 +1115,7 @@ static void test_report(void)
     FAILS(65, message, "report in.md --tables . --claims claims.tsv")
     BAD_PLACE("{{cell many k=7 v %%.17g}}", "in.md:1: \"%.17g\": a format such as");
     BAD_PLACE("{{cell many k=7 v %%.3d}}", "a format such as");
-    BAD_PLACE("{{cell many k=7 w}}", "no column w");
+    BAD_PLACE("{{cell many k=7 v_Se}}", "many.tsv: no column \"v_Se\" (did you mean \"v_se\"?)");
     BAD_PLACE("{{value many k=7:8 v}}", "2 rows");
     BAD_PLACE("{{rows many k=11 | v}}", "no row");
     BAD_PLACE("{{claims nowhere}}", "{{claims nowhere}}: no claim has this section");
@@ -1269,7 +1310,7 @@ static void test_calibrate(void)
     t = read_table("out");
     CU_ASSERT(cell(&t, 0, "se") < se);
     rp_table_free(&t);
-    FAILS(1, "mu: above_range: no value of the range agrees; the angle lies beyond the upper end; mu >= 0.6",
+    FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; mu >= 0.6",
           "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
     CU_ASSERT(
         strstr(err,
@@ -1289,6 +1330,11 @@ static void test_calibrate(void)
     CU_ASSERT(!strstr(err, "outside"));
     CU_ASSERT(run("calibrate --runs peak.tsv --theta-r-deg 22.9 --error-deg 0.5") == 0);
     CU_ASSERT(strstr(err, "theta_r = 22.9 degrees lies outside what the response reaches, ") != NULL);
+    FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; these piles",
+          "calibrate --runs peak.tsv --theta-r-deg 30 --error-deg 0.5");
+    CU_ASSERT(strstr(err, "; the angle is largest within the range, near mu = 0.5: vary another parameter") !=
+              NULL);
+    CU_ASSERT(strstr(out, "\nmu\tnan\tnan\tnan\tnan\tnan\tnan\tnan\tabove_range\n") != NULL);
 
     FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
           "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");
@@ -1492,8 +1538,17 @@ static void test_sweep(void)
     write_sweep();
     GOOD("sweep plan s.cfg -o d1");
     CU_ASSERT(strstr(out, "d1: 4 runs (2 grid points x 2 replicas), 0 already stored") != NULL);
-    FAILS(1, "missing", "sweep digest d1");
+    GOOD("sweep plan s.cfg -o d1 --json");
+    CU_ASSERT(strstr(out, "\"folder\": \"d1\"") &&
+              strstr(out, "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}"));
+    FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
+    FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
+    CU_ASSERT(shell("test $(grep -vc '^#' part.tsv) = 1") == 0); /* the names, and no run */
+    FAILS(1, "not whole", "export d1 --to csv");
     GOOD("sweep run d1 -j 1");
+    GOOD("sweep digest d1 --json");
+    CU_ASSERT(
+        shell("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out") == 0);
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
     snprintf(digest, sizeof digest, "%.*s", 40, out);
@@ -1650,9 +1705,9 @@ static void test_limits(void)
     CU_ASSERT(strstr(err, "run 1 (relax_steps = 1000000000): ended after ") != NULL);
     CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
     CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
-    FAILS(1, "no digest: 1 of 2 runs are aborted", "sweep digest d");
+    FAILS(1, "no digest: d: 1 of 2 runs are aborted", "sweep digest d");
     for (int reduce = 0; reduce < 2; reduce++) {
-        GOOD("sweep export d%s", reduce ? " --reduce" : "");
+        FAILS(1, "not whole: d: 1 of 2 runs are aborted", "sweep export d%s", reduce ? " --reduce" : "");
         CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
     }
     rp_table points = read_table("out");

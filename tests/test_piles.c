@@ -11,6 +11,7 @@
 #include "sweeps/driver/pile.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 static const double DEG = M_PI / 180;
 
@@ -565,13 +566,13 @@ static void solver_choices(void)
 /* Tables of a traced run: the forces that its outputs are of. */
 static void traced(void)
 {
-    char folder[] = "/tmp/repose_pile_XXXXXX", path[64], line[80];
+    char folder[FOLDER_PATH], path[80];
     sweep_pile p;
     sweep_result r;
     rp_table t;
     rp_params_defaults(sweep_pile_schema, &p);
     p.base = 12;
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    folder_make("pile", folder);
     CHECK_OK(sweep_protocol_pile.run(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
     snprintf(path, sizeof path, "%s/base.tsv", folder);
     CHECK_OK(rp_table_read(path, &t));
@@ -587,8 +588,7 @@ static void traced(void)
     CHECK_NEAR(weight, 78, BALANCE * 78);
     CHECK_NEAR(output(&r, "H_N_max"), most, BALANCE);
     rp_table_free(&t);
-    snprintf(line, sizeof line, "rm -r %s", folder);
-    CU_ASSERT(system(line) == 0);
+    folder_remove(folder);
 }
 
 void suite_piles(void)

@@ -39,8 +39,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         const char *equals = strchr(words->words[w], '=');
         if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
-        const int column = rp_table_column(table, key);
-        if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, key);
+        int column;
+        rp_status status = rp_table_find(table, key, NULL, &column);
+        if (status) return status;
         *matches = text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
@@ -118,7 +119,7 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
     if (!cli_cell_text(cell, mean)) snprintf(mean, sizeof mean, "%s", name);
     if (!cli_cell_text(cell, error) && n > 4 && strcmp(name + n - 4, "_deg") == 0)
         snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
-    if (!cli_cell_text(cell, mean)) return rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, name);
+    if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
     rp_status status = cli_cell_column(cell, mean, &number->value);
     return status || !cli_cell_text(cell, error) ? status : cli_cell_column(cell, error, &number->se);

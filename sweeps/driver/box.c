@@ -322,7 +322,8 @@ rp_status sweep_box_check_fill(const sweep_box *box)
 {
     rp_status status = sweep_box_check(box, 2.0 * box->H);
     if (!status && count_grains(box) < 1)
-        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain", box->W, box->H);
+        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain of radius_mean = %g", box->W,
+                         box->H, box->radius_mean);
     return status;
 }
 
