@@ -408,8 +408,6 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
         char name[24];
         snprintf(name, sizeof name, "n_%02d", k + 1);
         CHECK_NEAR(output(r, name), base.N[k], BALANCE);
-        snprintf(name, sizeof name, "rays_%02d", k + 1);
-        CHECK_NEAR(output(r, name), rays[k], BALANCE);
     }
     CHECK_NEAR(output(r, "middle"), middle_of(base.N), BALANCE);
     CHECK_NEAR(output(r, "middle_diagonals"), middle_of(diagonals.N), BALANCE);

@@ -12,7 +12,7 @@
 
 RP_C_BEGIN
 
-enum { SWEEP_MAX_OUTPUTS = 96 };
+enum { SWEEP_MAX_OUTPUTS = 64 };
 
 /* One number that a run yields, a column of the store. */
 typedef struct {
@@ -27,14 +27,12 @@ typedef struct {
 #define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
 
 /* The same of the bins of the base (STRESS_DIP_BIN_LIST), for protocols whose piles `repose stress dip`
- * reads: the pressure there, and that of rays. OUT_n_01 and OUT_rays_01 are the first bins of each. */
+ * reads: the pressure there, and that of rays. */
 #define SWEEP_N_INDEX(k)    OUT_n_##k,
 #define SWEEP_RAYS_INDEX(k) OUT_rays_##k,
 #define SWEEP_N_ROW(k)                                                                                       \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
-#define SWEEP_RAYS_ROW(k)  {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
-#define SWEEP_BASE_INDICES STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
-#define SWEEP_BASE_ROWS    STRESS_DIP_BIN_LIST(SWEEP_N_ROW) STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW)
+#define SWEEP_RAYS_ROW(k) {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */

@@ -97,8 +97,12 @@ static const rp_param schema[] = {
     X(steps, "", "steps of the drops") \
     X(relax_steps, "", "steps of the relaxation at the end")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) SWEEP_BASE_INDICES N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) SWEEP_BASE_ROWS{0}};
+enum {
+    OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
+        N_OUTPUTS
+};
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW)
+                                           STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW){0}};
 static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 typedef struct {

@@ -70,8 +70,8 @@ const rp_param sweep_pile_schema[] = {
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) SWEEP_BASE_INDICES N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) SWEEP_BASE_ROWS{0}};
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW){0}};
 static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
@@ -211,14 +211,15 @@ static rp_status base_profile(size_t k, const double x[], const double r[], cons
                               const double exact[], double *v)
 {
     stress_base base, diagonals;
+    double rays[STRESS_DIP_BINS];
     rp_status status = stress_base_profile(k, x, r, N, &base);
     if (status) return status == RP_NO_RESULT ? RP_OK : status;
     memcpy(&v[OUT_n_01], base.N, sizeof base.N);
     v[OUT_D] = stress_dip(base.N);
     v[OUT_middle] = stress_middle(base.N);
     if (!exact) return RP_OK;
-    stress_base_bins(&base, k, x, r, exact, &v[OUT_rays_01]);
-    v[OUT_excess] = stress_excess(base.N, &v[OUT_rays_01]);
+    stress_base_bins(&base, k, x, r, exact, rays);
+    v[OUT_excess] = stress_excess(base.N, rays);
     status = stress_base_profile(k, x, r, exact, &diagonals);
     v[OUT_D_diagonals] = stress_dip(diagonals.N);
     v[OUT_middle_diagonals] = stress_middle(diagonals.N);
