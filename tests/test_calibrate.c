@@ -296,8 +296,24 @@ static void test_unidentified(void)
     CHECK_NEAR(r[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
     CHECK_NEAR(r[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
     CU_ASSERT(r[0].solutions[0].upper < r[0].solutions[1].lower);
-    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_ABOVE_RANGE);
+    CU_ASSERT(invert_status(measured(8.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_BELOW_RANGE);
+    double reach[2], at[2][STATS_MAX_PARAMS];
+    stats_calibration_reach(&c, 0, reach, at);
+    CHECK_NEAR(reach[1], 30.0,
+               100.0 * pow(0.8 / 128.0, 2)); /* half the distance of two samples off the top */
+    CHECK_NEAR(at[1][0], 0.385, 0.8 / 128.0);
+    CHECK_NEAR(reach[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
+    CU_ASSERT(at[0][0] == c.hi[0]);
     CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
+    stats_calibration_free(&c);
+
+    start(1, 1); /* a fall: an angle above all is to be sought below the lower end */
+    for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 30.0 - 20.0 * 0.1 * g, 1.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{37.0}, {0.5}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].solutions[0].lower));
+    CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
     stats_calibration_free(&c);
 
     start(1, 2); /* both angles rise; the first gives 0.2, the second 0.4 */
@@ -356,7 +372,7 @@ static void test_random_tables(void)
         if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, 2, rng, r);
         CHECK_OK(status);
         found += r[0].n_solutions > 0;
-        CU_ASSERT(r[0].n_solutions > 0 || r[0].status == STATS_CALIBRATED_NO_MATCH);
+        CU_ASSERT(r[0].n_solutions > 0 || r[0].status >= STATS_CALIBRATED_ABOVE_RANGE);
         stats_calibration_free(&c);
         status = stats_calibration_holdout(&piles, 3, rng, held);
         CU_ASSERT(status == RP_OK || status == RP_BAD_INPUT);

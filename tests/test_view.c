@@ -383,7 +383,7 @@ static void test_closing_line(void)
     GOOD("run stairs.cfg -o d");
     CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
     CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
-    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 (method 3); tables in d\n") != NULL);
+    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
     GOOD("run stairs.cfg -o d --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
     /* a pile ends at the wall that has opened; a level one has no slope */
@@ -392,7 +392,7 @@ static void test_closing_line(void)
                "direction = [-1.0, 0.0]; open_at_step = 5; } ); particles = ( %s );\n",
                grains);
     GOOD("run open.cfg -o open");
-    CU_ASSERT(strstr(err, "over x = 0 to 2 (method 3)") != NULL);
+    CU_ASSERT(strstr(err, "over x = 0 to 2 cm (method 3)") != NULL);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
                "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",

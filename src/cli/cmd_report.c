@@ -46,7 +46,7 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
         return RP_OK;
     }
     return text ? cli_print_text(r->out, text, format)
-                : rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, cell->column);
+                : rp_table_find(cell->table, cell->column, NULL, &(int){0});
 }
 
 static void print_no_data(report *r, const char *table)

@@ -22,7 +22,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
-    src/cli/cells.c src/cli/claims.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
+    src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
     src/cli/export_*.c src/cli/view_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
@@ -33,6 +33,7 @@ suites_of() {
     src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
+    src/stats/samplesize.c) echo samplesize cli ;;
     src/stats/forensics.c) echo forensics ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
