@@ -42,7 +42,8 @@ static const char *const without_default[] = {
     "--outline ",  "--disks ",  "--linear ",     "--set-again ", "--summary ",    "--threshold ",
     "--map ",      "--ledger ", "--force ",      "--profile ",   "--resume ",     "--man ",
     "--quiet ",    "--plot ",   "--color ",      "--stress ",    "--completion ", "--json ",
-    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  NULL};
+    "--response ", "--shard ",  "--start ",      "--variants ",  "--published ",  "--power ",
+    NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1008,7 +1009,8 @@ static void test_claims(void)
             PLAIN("up", "rises", "1", "trend k=2 change", "-") PLAIN("high", "above", "-", "u v", "t v")
                 PLAIN("count", "most", "-", "t #count", "7") PLAIN("elsewhere", "above", "-", "none v", "0")
                     PLAIN("sketch", "untestable", "-", "-", "-")
-                        PLAIN("form", "formula", "-", "angle: theta_MS", "-"));
+                        PLAIN("form", "formula", "-", "angle: theta_MS", "-")
+                            PLAIN("steady", "constant", "-", "angle twin", "-"));
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
@@ -1018,7 +1020,7 @@ static void test_claims(void)
         strstr(
             out,
             "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-            "# li: 5 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+            "# li: 6 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
         NULL);
     check_verdict(
         "angle", "detail",
@@ -1033,6 +1035,8 @@ static void test_claims(void)
     check_verdict("elsewhere", "verdict", "no data");
     check_verdict("sketch", "detail", "can't be tested: note");
     check_verdict("form", "detail", "reproduced, by tests");
+    check_verdict("steady", "detail", "reproduced"); /* one number and itself, by either reading */
+    check_verdict("steady", "ours", "p = 1 or 1");
     write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
@@ -1057,6 +1061,55 @@ static void test_claims(void)
     check_verdict("level", "verdict", "no such claim");
     GOOD("claims --claims claims.tsv --published");
     CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
+    leave();
+}
+
+/* Runs that a power of 0.95 needs: by hand where errors are known (1.645 + 1.960 errors for no change, 1.645
+ * + 2 for a difference), 54 values for half a standard deviation by Student's t. The pilot has 16 runs a
+ * point. */
+static void test_power_of_claims(void)
+{
+    static const struct {
+        const char *id, *effect, *se, *power, *needed, *needed_sd, *seconds;
+    } rows[] = {{"none", "1", "0.25", "0.981", "13", "13", "26"},    /* 16 (3.605 0.25)^2 */
+                {"more", "1.2", "0.75", "0.345", "84", "84", "168"}, /* 16 (3.645 0.75/1.2)^2 */
+                {"less", "1.2", "0.75", "0.345", "84", "84", "168"},
+                {"pile", "1", "0.5", "0.465", "54", "54", "108"},
+                {"size", "3", "0.0707", "1.000", "3", "3", "6"},    /* 2/3 = 3.645 of hypot(5 %, 5 %) */
+                {"angle", "2", "0.4", "0.443", "inf", "10", "20"}}; /* 2 = 3.645 hypot(0.2, e) */
+    enter();
+    write_text("claims.tsv",
+               CLAIMS PLAIN("none", "independent", "1", "s_trend change", "-") PLAIN(
+                   "more", "above", "1.2", "s_fit a", "0") PLAIN("less", "below", "1.2", "s_fit a", "9")
+                   PLAIN("pile", "above", "1", "s v", "0") PLAIN("size", "order", "3", "s_fit b", "s_fit c")
+                       PLAIN("exact", "above", "1", "s_fit e", "0") PLAIN("open", "above", "-", "s v", "0")
+                           PLAIN("alone", "above", "1", "u v", "0") PLAIN(
+                               "gone", "above", "1", "x v",
+                               "0") "angle\t-\tli\t-\tall\tagrees\t20\t1\t25\t2\ts_fit d\t-\t-\tangle\t-\n");
+    write_text("s.tsv",
+               "# sweep: s.cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 32.0 s\n"
+               "# v_mean\tv_se\tv_n\tn\n3\t0.5\t16\t16\n");
+    write_text("s_trend.tsv", "# change\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\n"
+                              "0.1\t0.25\tinf\t-0.3\t0.5\t0.7\n");
+    write_text("s_fit.tsv",
+               "# a\ta_se\tb\tb_se\tc\tc_se\td\td_se\te\n3\t0.75\t2\t0.1\t1\t0.05\t21\t0.4\t5\n");
+    write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
+    GOOD("claims --claims claims.tsv --tables . --power");
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        check_verdict(rows[k].id, "effect", rows[k].effect);
+        check_verdict(rows[k].id, "se", rows[k].se);
+        check_verdict(rows[k].id, "sweep", "s");
+        check_verdict(rows[k].id, "runs", "16");
+        check_verdict(rows[k].id, "power", rows[k].power);
+        check_verdict(rows[k].id, "needed", rows[k].needed);
+        check_verdict(rows[k].id, "needed_sd", rows[k].needed_sd);
+        check_verdict(rows[k].id, "seconds", rows[k].seconds);
+    }
+    check_verdict("more", "test", "above");
+    check_verdict("more", "verdict", "reproduced");
+    check_verdict("less", "verdict", "reproduced");
+    static const char *const none[] = {"exact", "open", "alone", "gone"};
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++) check_verdict(none[k], "id", "no such claim");
     leave();
 }
 
@@ -1905,6 +1958,7 @@ void suite_cli(void)
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
                                        {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},
+                                       {"power of claims", test_power_of_claims},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
                                        {"page of the report: frames", test_page_frames},

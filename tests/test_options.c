@@ -67,7 +67,7 @@ static const struct {
      "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
      "--theta-t-deg 5|--theta-t-error-deg 2"},
     {"claims", "--claims claims.tsv --tables .",
-     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published"},
+     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published|--power"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv"}};
 
 /* Options that change no row, or that other tests follow. */

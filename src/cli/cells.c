@@ -58,6 +58,29 @@ bool cli_find_table(const char *folders, const char *name, char path[4096])
     }
 }
 
+/* "FILE, protocol NAME, seed S, P grid points x R replicas" and "T s". */
+static bool read_sweep(const char *path, cli_sweep *sweep)
+{
+    rp_table *t;
+    if (cli_table_read(path, &t)) return false;
+    const char *plan = rp_table_find_note(t, "sweep"), *time = rp_table_find_note(t, "run_time");
+    const char *numbers = plan ? strstr(plan, ", seed ") : NULL;
+    sweep->seconds = time ? strtod(time, NULL) : NAN;
+    return numbers && sscanf(numbers, ", seed %*u, %lf grid points x %lf replicas", &sweep->points,
+                             &sweep->replicas) == 2;
+}
+
+bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep)
+{
+    char path[4096];
+    snprintf(sweep->name, sizeof sweep->name, "%.*s", (int)strcspn(table, " "), table);
+    for (char *end = sweep->name + strlen(sweep->name); end; end = strrchr(sweep->name, '_')) {
+        *end = '\0';
+        if (cli_find_table(folders, sweep->name, path) && read_sweep(path, sweep)) return true;
+    }
+    return false;
+}
+
 rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell)
 {
     *cell = (cli_cell){0};

@@ -134,7 +134,7 @@ void cli_claim_published(const cli_claim *claim, char text[128])
  * tested by Student's t; that of a fit or a bootstrap stands as it is. */
 typedef struct {
     stats_number shown, tested;
-    double n;
+    double n, dof;
 } measured;
 
 static rp_status read_measured(const cli_cell *cell, measured *m)
@@ -144,7 +144,9 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
     snprintf(mean, sizeof mean, "%s_mean", cell->column);
     rp_status status = cli_cell_number(cell, &m->shown);
     if (!status) status = cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n);
-    m->tested = cli_cell_text(cell, mean) ? stats_of_few(m->shown, m->n) : m->shown;
+    const bool is_mean = cli_cell_text(cell, mean);
+    m->tested = is_mean ? stats_of_few(m->shown, m->n) : m->shown;
+    m->dof = is_mean ? m->n - 1.0 : INFINITY;
     return status;
 }
 
@@ -159,6 +161,11 @@ static rp_status read_against(const char *text, const char *folders, measured *m
     *missing |= cell.missing;
     if (!status && !cell.missing) status = read_measured(&cell, m);
     return status;
+}
+
+static bool tests_change(const cli_claim *c)
+{
+    return c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
 }
 
 static rp_status read_change(const cli_cell *cell, stats_change *change)
@@ -200,10 +207,9 @@ static void apply_test(const cli_claim *c, stats_number ours, stats_number again
 
 static void print_ours(const cli_claim *c, const stats_change *change, cli_judged *j)
 {
-    const bool trend = c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
     FILE *out = fmemopen(j->text, sizeof j->text, "w");
     cli_print_number(out, j->ours);
-    if (trend) fprintf(out, " (90 %%: %.2g to %.2g)", change->lo90, change->hi90);
+    if (tests_change(c)) fprintf(out, " (90 %%: %.2g to %.2g)", change->lo90, change->hi90);
     if (*c->against && c->test != CLAIM_RATIO) {
         fputs(" against ", out);
         cli_print_number(out, j->against);
@@ -221,6 +227,7 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     if (!status && *c->against) status = read_against(c->against, folders, &against, &missing);
     if (!status && !missing) status = read_measured(&cell, &ours);
     if (!status && !missing) status = read_change(&cell, &change);
+    if (!status && !missing && tests_change(c)) status = cli_cell_column(&cell, "dof", &ours.dof);
     if (missing) j->verdict = STATS_NO_DATA;
     if (status || missing) return status;
     if (c->test == CLAIM_RATIO) {
@@ -230,6 +237,7 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->ours = ours.shown;
     j->against = against.shown;
     j->n = ours.n;
+    j->dof = ours.dof;
     apply_test(c, ours.tested, against.tested, &change, j);
     print_ours(c, &change, j);
     return RP_OK;
@@ -272,8 +280,11 @@ static void explain(const cli_claim *c, cli_judged *j)
 static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, const char *folders,
                              cli_judged *j)
 {
-    *j = (cli_judged){
-        .n = NAN, .ours = {NAN, NAN}, .against = {NAN, 0.0}, .match = {.z_error = NAN, .z_deviation = NAN}};
+    *j = (cli_judged){.n = NAN,
+                      .dof = NAN,
+                      .ours = {NAN, NAN},
+                      .against = {NAN, 0.0},
+                      .match = {.z_error = NAN, .z_deviation = NAN}};
     rp_status status = RP_OK;
     if (needs_table[claim->test])
         status = judge_table(claim, folders, j);
