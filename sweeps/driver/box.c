@@ -22,10 +22,11 @@ double sweep_touch_height(size_t n, const dem_state grains[], double x, double r
     return y;
 }
 
-double sweep_bond_order(size_t n, const dem_state grains[])
+double sweep_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
 {
     double sum = 0.0, counted = 0.0;
-    for (const dem_state *a = grains; a < grains + n; a++) {
+    for (size_t i = 0; i < n; i++) {
+        const dem_state *a = &grains[i];
         double re = 0.0, im = 0.0, near = 0.0;
         for (const dem_state *b = grains; b < grains + n; b++) {
             const double dx = b->x - a->x, dy = b->y - a->y, reach = 1.25 * (a->r + b->r),
@@ -36,8 +37,11 @@ double sweep_bond_order(size_t n, const dem_state grains[])
             im += 3.0 * c2 * c2 * s2 - s2 * s2 * s2;
             near += 1.0;
         }
+        const double own = near < 2.0 ? NAN : sqrt(re * re + im * im) / near;
+        if (order) order[i] = own;
+        if (neighbours) neighbours[i] = (int)near;
         if (near < 2.0) continue;
-        sum += sqrt(re * re + im * im) / near;
+        sum += own;
         counted += 1.0;
     }
     return sum / counted;

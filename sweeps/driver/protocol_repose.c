@@ -189,7 +189,7 @@ static rp_status fill_to_rest(experiment *e)
     note_filling(e, status);
     if (!status) status = dem_states(e->box.sim, e->box.states);
     if (status) return status;
-    e->values[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states);
+    e->values[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
     return sweep_state_write(e->box.tables, e->box.sim, "filled");
 }
 
