@@ -90,7 +90,8 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
 
 /* The power of a claim's test, from the errors in the tables. */
 typedef struct {
-    cli_sweep sweep;   /* whose runs answer */
+    cli_sweep sweep;   /* whose runs answer, the first of several */
+    double runs;       /* present ones a grid point; of several sweeps, all */
     double effect, se; /* smallest effect that matters; present error */
     double power;      /* with the present runs */
     double needed;     /* runs a grid point for CLI_POWER; infinite: the paper's own error is too large */
