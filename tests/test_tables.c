@@ -1153,6 +1153,29 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(run("run s.cfg") == 0 && strstr(err, warning));
     GOOD("run s.cfg --set units=si");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "run s.cfg --set units=metric");
+    /* disks: the default density is that of spheres, but in cgs */
+    CU_ASSERT(run("run s.cfg --set shape=disk") == 0);
+    FAILS(65, "density: the default is that of spheres", "run s.cfg --set shape=disk --set units=si");
+    CU_ASSERT(strstr(err, "a mass per area in kg/m^2 (1 g/cm^2 is 10)") != NULL);
+    FAILS(65, "give that of the disks, a mass per area\n", "run s.cfg --set shape=disk --set units=sigma");
+    GOOD("run s.cfg --set shape=disk --set units=si --set density=1000");
+    write_text("s.cfg", "steps = 2; particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 1.0; } );\n");
+    GOOD("run s.cfg --set shape=disk --set units=si"); /* not asked for */
+    write_text("s.cfg", "units = \"si\"; shape = \"disk\"; particles_file = \"p.tsv\";\n");
+    write_text("p.tsv", "x y r\n0 0 0.1\n");
+    FAILS(65, "density: the default is that of spheres", "run s.cfg");
+    write_text("s.cfg",
+               "units = \"si\"; shape = \"disk\"; steps = 2; fill = { N = 3; W = 0.02; H = 0.02; };\n");
+    FAILS(65, "s.cfg:1: density: the default is that of spheres", "run s.cfg");
+    GOOD("run s.cfg --set density=10");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", short_run);
+    write_text("w.cfg", text);
+    FAILS(65, "grid point shape = disk: density: the default is that of spheres", "sweep plan w.cfg -o v");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", "fill_steps = 200; density = 1000.0; ");
+    write_text("w.cfg", text);
+    GOOD("sweep plan w.cfg -o v");
     write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
     leave();
