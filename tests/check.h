@@ -18,6 +18,7 @@
     X(suite_emulator)                                                                                        \
     X(suite_forensics)                                                                                       \
     X(suite_claims)                                                                                          \
+    X(suite_samplesize)                                                                                      \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_laws)                                                                                            \

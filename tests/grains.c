@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tests/check.h"
+#include "tests/folder.h"
 
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c)
 {
@@ -120,4 +121,15 @@ bool grains_same_bits(const dem_sim *a, const dem_sim *b)
                 memcmp((const char *)&s[i] + from, (const char *)&t[i] + from, to - from) == 0;
     free(s);
     return same;
+}
+
+rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene)
+{
+    char folder[FOLDER_PATH], path[FOLDER_PATH + 8];
+    folder_make("scene", folder);
+    snprintf(path, sizeof path, "%s/s.cfg", folder);
+    file_print(path, "%s", text);
+    const rp_status status = dem_scene_read(path, changes, scene);
+    folder_remove(folder);
+    return status;
 }

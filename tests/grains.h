@@ -3,6 +3,7 @@
 #define GRAINS_H
 
 #include "dem/dem.h"
+#include "dem/scene.h"
 
 /* A whole line through (x, y), normal (nx, ny). */
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c);
@@ -31,6 +32,9 @@ dem_state grains_state_of_one(const dem_sim *sim);
 /* The contact, if any; the total energy. */
 dem_contact grains_only_contact(const dem_sim *sim);
 double grains_energy(const dem_sim *sim);
+
+/* dem_scene_read of a text. */
+rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene);
 
 /* True if all states are equal to the bit. */
 bool grains_same_bits(const dem_sim *a, const dem_sim *b);

@@ -76,14 +76,15 @@ void planted_write(const char *prefix, size_t n, int stop)
     snprintf(name, sizeof name, "%sruns.tsv", prefix);
     write_runs(name, n, stop);
     snprintf(name, sizeof name, "%sclaims.tsv", prefix);
-    write_text(
-        name,
-        "# at: k_n=1e6 gamma_n=500\n"
-        "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\tagainst\t"
-        "forensics\tstatement\tnote\n"
-        "first\t-\tlh\t-\tall\tagrees\t%.6f\t0.1\t20\t2\tt v\t-\theld theta_r1\tby method 1\t-\n"
-        "base\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\tt v\t-\ttheta_r3\ta\t-\n"
-        "soft\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\tt v\t-\ttheta_r3 k_n=1e5\tb\t-\n"
-        "damped\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\tt v\t-\ttheta_r3 gamma_n=100\tc\t-\n",
-        angle[0] + 1.05, angle[0] + 0.2, angle[1] - 0.1, angle[2] + 0.1);
+    write_text(name,
+               "# at: k_n=1e6 gamma_n=500\n"
+               "# "
+               "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_"
+               "se\tsamples\tmargin\tfamily\tanswer\tagainst\t"
+               "forensics\tstatement\tnote\n"
+               "first\t-\tlh\t-\tall\tagrees\t%.6f\t0.1\t20\t2\t-\tt v\t-\theld theta_r1\tby method 1\t-\n"
+               "base\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\t-\tt v\t-\ttheta_r3\ta\t-\n"
+               "soft\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\t-\tt v\t-\ttheta_r3 k_n=1e5\tb\t-\n"
+               "damped\t-\tlh\t-\tall\tagrees\t%.6f\t0.3\t20\t2\t-\tt v\t-\ttheta_r3 gamma_n=100\tc\t-\n",
+               angle[0] + 1.05, angle[0] + 0.2, angle[1] - 0.1, angle[2] + 0.1);
 }

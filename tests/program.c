@@ -1,7 +1,6 @@
 /* The program from the shell; see program.h. */
 #include "tests/program.h"
 
-#include <ftw.h>
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -12,26 +11,20 @@
 #include <unistd.h>
 
 #include "tests/check.h"
+#include "tests/folder.h"
 
-static char folder[64], program[PATH_MAX];
+static char folder[FOLDER_PATH], program[PATH_MAX];
 char out[1 << 20], err[1 << 14];
-
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
 
 void leave(void)
 {
-    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    folder_remove(folder);
 }
 
 void enter(void)
 {
     const char *name = getenv("REPOSE");
-    strcpy(folder, "/tmp/repose_cli_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    folder_make("cli", folder);
     if (!realpath(name ? name : "build/repose", program)) {
         leave();
         CU_FAIL_FATAL("no program; REPOSE=path of the program");

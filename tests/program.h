@@ -49,7 +49,7 @@ double cell(const rp_table *t, size_t row, const char *column);
 
 /* A table whose columns must all be read: the end fails, and names them, for columns that `at` has not seen.
  */
-enum { CHECKED_COLUMNS = 64 };
+enum { CHECKED_COLUMNS = 128 };
 typedef struct {
     rp_table t;
     bool read[CHECKED_COLUMNS];

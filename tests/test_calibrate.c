@@ -296,8 +296,24 @@ static void test_unidentified(void)
     CHECK_NEAR(r[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
     CHECK_NEAR(r[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
     CU_ASSERT(r[0].solutions[0].upper < r[0].solutions[1].lower);
-    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_ABOVE_RANGE);
+    CU_ASSERT(invert_status(measured(8.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_BELOW_RANGE);
+    double reach[2], at[2][STATS_MAX_PARAMS];
+    stats_calibration_reach(&c, 0, reach, at);
+    CHECK_NEAR(reach[1], 30.0,
+               100.0 * pow(0.8 / 128.0, 2)); /* half the distance of two samples off the top */
+    CHECK_NEAR(at[1][0], 0.385, 0.8 / 128.0);
+    CHECK_NEAR(reach[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
+    CU_ASSERT(at[0][0] == c.hi[0]);
     CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
+    stats_calibration_free(&c);
+
+    start(1, 1); /* a fall: an angle above all is to be sought below the lower end */
+    for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 30.0 - 20.0 * 0.1 * g, 1.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{37.0}, {0.5}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].solutions[0].lower));
+    CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
     stats_calibration_free(&c);
 
     start(1, 2); /* both angles rise; the first gives 0.2, the second 0.4 */
@@ -356,7 +372,7 @@ static void test_random_tables(void)
         if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, 2, rng, r);
         CHECK_OK(status);
         found += r[0].n_solutions > 0;
-        CU_ASSERT(r[0].n_solutions > 0 || r[0].status == STATS_CALIBRATED_NO_MATCH);
+        CU_ASSERT(r[0].n_solutions > 0 || r[0].status >= STATS_CALIBRATED_ABOVE_RANGE);
         stats_calibration_free(&c);
         status = stats_calibration_holdout(&piles, 3, rng, held);
         CU_ASSERT(status == RP_OK || status == RP_BAD_INPUT);
@@ -510,6 +526,33 @@ static void test_holdout(void)
     gsl_rng_free(rng);
 }
 
+/* Angles that scatter in step, or against one another: their covariance keeps an inverse. */
+static void test_full_correlation(void)
+{
+    for (int sign = -1; sign < 2; sign += 2) {
+        stats_calibration c;
+        start(1, 2);
+        for (int g = 0; g < 6; g++)
+            for (int k = 0; k < 4; k++) add(0.1 * g, 0.0, 10.0 * g + 0.1 * k, 5.0 * g + 0.2 * sign * k);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CHECK_NEAR(c.correlation, 0.999 * sign, 1e-12);
+        stats_calibration_free(&c);
+    }
+}
+
+/* Means exactly on a parabola: four points are too few for its three terms, five are enough. */
+static void test_terms_of_points(void)
+{
+    for (int n = 4; n < 6; n++) {
+        stats_calibration c;
+        start(1, 1);
+        for (int g = 0; g < n; g++) add_four(0.1 * g, 0.0, 10.0 + 8.0 * g + 1.5 * g * g, 0.01);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CU_ASSERT(c.response[0].n_points == (size_t)n && c.response[0].n_terms == (size_t)n - 2);
+        stats_calibration_free(&c);
+    }
+}
+
 /* ---- bad input ---- */
 
 static void test_errors(void)
@@ -561,6 +604,8 @@ void suite_calibrate(void)
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
                                        {"held-out piles that lack an angle", test_holdout},
+                                       {"fully correlated angles", test_full_correlation},
+                                       {"terms that a number of points allows", test_terms_of_points},
                                        {"errors", test_errors},
                                        {0}};
     check_register("calibration", cases);

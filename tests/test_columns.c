@@ -630,6 +630,7 @@ static void test_calibrate_rows(void)
     fclose(file);
     CU_ASSERT(run("calibrate --runs piles.tsv --theta-r-deg 25 --error-deg 0.3 --bootstrap 2") == 1);
     CU_ASSERT(strstr(err, "mu: several: ") != NULL);
+    CU_ASSERT(strstr(out, ", degree 2, 3 coefficients, 9 points, ") != NULL);
     rp_table t = read_table("out");
     CU_ASSERT_FATAL(t.n_rows == 2);
     for (size_t k = 0; k < 2; k++) {
@@ -660,6 +661,7 @@ static void test_calibrate_rows(void)
         CU_ASSERT_STRING_EQUAL(word(&t, k, "parameter"), k ? "mu_roll" : "mu");
         CHECK_NEAR(cell(&t, k, "value"), k ? y : x, 1e-6);
     }
+    CU_ASSERT(strstr(out, ", degree 1 and 1, 4 coefficients, 12 points, ") != NULL);
     CU_ASSERT(strstr(out, "# range: 0.1 to 0.7\n# range: 0 to 0.3\n") != NULL);
     CU_ASSERT(strstr(out, "# reach: theta_r from 5.5 to 26.5 degrees and theta_t from -0.2 to 22 degrees, "
                           "for 0.1 <= mu <= 0.7, 0 <= mu_roll <= 0.3\n") != NULL);
@@ -999,8 +1001,8 @@ static double side_angle(const rp_table *grains, const bool away[], double sign)
     return -atan((n * xy - x * y) / (n * xx - x * x)) / deg;
 }
 
-/* Order of six neighbours about each disk. */
-static double mean_order(const rp_table *grains, const bool away[])
+/* Order of six neighbours about each disk, and whether it is close-packed. */
+static double mean_order(const rp_table *grains, const bool away[], bool packed[])
 {
     double sum = 0.0, n = 0.0;
     for (size_t i = 0; i < grains->n_rows; i++) {
@@ -1014,9 +1016,95 @@ static double mean_order(const rp_table *grains, const bool away[])
             order += cexp(6.0 * I * atan2(dy, dx));
             neighbours++;
         }
+        packed[i] = neighbours == 6.0 && cabs(order) >= 0.9 * neighbours;
         if (neighbours >= 2.0) sum += cabs(order) / neighbours, n++;
     }
     return sum / n;
+}
+
+/* Contacts between disks that are the strongest of one of the two: the share within 10 degrees of 60, of all
+ * and of those between close-packed disks. Contacts with disks that rolled away are none. */
+static void check_strongest(checked *o, const rp_table *grains, const rp_table *contacts, const bool away[],
+                            const bool packed[])
+{
+    double all[2] = {0.0}, steep[2] = {0.0}, disks = 0.0, close = 0.0, strongest[DROPPED] = {0.0};
+    size_t *ends = calloc(2 * contacts->n_rows, sizeof *ends);
+    for (size_t i = 0; i < DROPPED; i++) disks += !away[i], close += packed[i];
+    for (size_t e = 0; e < 2 * contacts->n_rows; e++) { /* indices of the disks; DROPPED: no such pair */
+        const char *const id[2] = {"id_a", "id_b"};
+        ends[e] = DROPPED;
+        for (size_t i = 0; i < DROPPED; i++)
+            if (cell(grains, i, "id") == cell(contacts, e / 2, id[e % 2]) && !away[i]) ends[e] = i;
+    }
+    for (int counts = 0; counts < 2; counts++)
+        for (size_t k = 0; k < contacts->n_rows; k++) {
+            const size_t a = ends[2 * k], b = ends[2 * k + 1];
+            const double N = cell(contacts, k, "normal_force");
+            if (a == DROPPED || b == DROPPED) continue;
+            if (!counts) {
+                strongest[a] = fmax(strongest[a], N), strongest[b] = fmax(strongest[b], N);
+                continue;
+            }
+            if (N < strongest[a] && N < strongest[b]) continue;
+            const double rise = cell(contacts, k, "y_b") - cell(contacts, k, "y"),
+                         run = cell(contacts, k, "x_b") - cell(contacts, k, "x"),
+                         slope = fabs(atan(rise / run)) / deg;
+            const bool is_steep = slope >= 50.0 && slope <= 70.0, both = packed[a] && packed[b];
+            all[0]++, all[1] += both, steep[0] += is_steep, steep[1] += is_steep && both;
+        }
+    free(ends);
+    CU_ASSERT(all[1] > 0.0 && steep[0] > 0.0 && steep[0] < all[0]);
+    CHECK_NEAR(at(o, 0, "packed"), close / disks, 1e-14);
+    CHECK_NEAR(at(o, 0, "strongest_60"), steep[0] / all[0], 1e-14);
+    CHECK_NEAR(at(o, 0, "packed_60"), steep[1] / all[1], 1e-14);
+}
+
+/* Height along a ray, to the left or right (side -1 or 1), from x on the base to where it leaves an outline:
+ * highest points of columns about `middle`, which no slope of 1.7 passes. */
+enum { COLUMNS = 61 };
+
+static double ray_height(const double top[COLUMNS], double middle, double x, double side)
+{
+    double lo = 0.0, hi = 30.0;
+    for (int i = 0; i < 60; i++) {
+        const double y = 0.5 * (lo + hi), at = x + side * y / sqrt(3.0) - middle + 0.5 * COLUMNS - 0.5,
+                     left = floor(at);
+        double here = 0.0;
+        for (int end = 0; end < 2; end++) {
+            double height = 0.0;
+            for (int k = 0; k < COLUMNS; k++) height = fmax(height, top[k] - 1.7 * fabs(k - left - end));
+            here += height * (end ? at - left : 1.0 - at + left);
+        }
+        *(y < here ? &lo : &hi) = y;
+    }
+    return lo;
+}
+
+/* Twenty points to a bin. */
+static void check_rays(checked *o, const rp_table *grains, const bool away[])
+{
+    double top[COLUMNS] = {0.0}, rays[20] = {0.0}, sum = 0.0, inner = 0.0, beside = 0.0;
+    for (size_t i = 0; i < grains->n_rows; i++) {
+        double *t = &top[(size_t)(cell(grains, i, "x") + 30.0)];
+        if (!away[i]) *t = fmax(*t, cell(grains, i, "y") + cell(grains, i, "r"));
+    }
+    for (int p = 0; p < 400; p++) {
+        const double x = at(o, 0, "centroid") + at(o, 0, "width") * ((p + 0.5) / 400.0 - 0.5);
+        /* the middle column is from 0 to 1 */
+        rays[p / 20] += ray_height(top, 0.5, x, -1.0) + ray_height(top, 0.5, x, 1.0);
+    }
+    for (int b = 0; b < 20; b++) sum += rays[b];
+    for (int b = 0; b < 20; b++) {
+        char name[24];
+        snprintf(name, sizeof name, "rays_%02d", b + 1);
+        CHECK_NEAR(at(o, 0, name), 20.0 * rays[b] / sum, 1e-9);
+        snprintf(name, sizeof name, "n_%02d", b + 1);
+        const double distance = fabs(b - 9.5), n = at(o, 0, name);
+        if (distance < 2.0) inner += (n - 20.0 * rays[b] / sum) / 4.0;
+        beside += distance < 2.0 ? n / 4.0 : distance < 4.0 ? -n / 4.0 : 0.0;
+    }
+    CHECK_NEAR(at(o, 0, "excess"), inner, 1e-9);
+    CHECK_NEAR(at(o, 0, "middle"), beside, 1e-12);
 }
 
 static void check_base(checked *o, const rp_table *grains, const rp_table *contacts, double limit)
@@ -1076,7 +1164,7 @@ static void test_drop(void)
     GOOD("run s.cfg -o d");
     checked o = checked_read("out"), drops = checked_read("d/drops.tsv");
     rp_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
-    bool away[DROPPED];
+    bool away[DROPPED], packed[DROPPED];
     double disks = 0.0, height = 0.0, touching = 0.0, most = 0.0, large = 0.0;
     CU_ASSERT_FATAL(grains.n_rows == DROPPED && drops.t.n_rows == DROPPED);
     for (size_t i = 0; i < DROPPED; i++) {
@@ -1098,7 +1186,8 @@ static void test_drop(void)
     CHECK_NEAR(at(&o, 0, "moved_share"), large / DROPPED, 1e-14);
     CHECK_NEAR(at(&o, 0, "left_deg"), side_angle(&grains, away, -1.0), 1e-11);
     CHECK_NEAR(at(&o, 0, "right_deg"), side_angle(&grains, away, 1.0), 1e-11);
-    CHECK_NEAR(at(&o, 0, "psi6"), mean_order(&grains, away), 1e-12);
+    CHECK_NEAR(at(&o, 0, "psi6"), mean_order(&grains, away, packed), 1e-12);
+    check_strongest(&o, &grains, &contacts, away, packed);
     CHECK_NEAR(at(&o, 0, "capped"), 0.0, 0.0);
     CU_ASSERT(fmod(at(&o, 0, "steps"), 20.0) == 0.0 && at(&o, 0, "steps") > 20.0 * DROPPED);
     /* ten looks in a row, of 20 steps each, end the relaxation */
@@ -1107,6 +1196,7 @@ static void test_drop(void)
     at(&o, 0, "status");
     CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
     check_base(&o, &grains, &contacts, limit);
+    check_rays(&o, &grains, away);
     rp_table_free(&grains);
     rp_table_free(&contacts);
     checked_end(&drops);

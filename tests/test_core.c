@@ -13,6 +13,7 @@
 #include "core/table.h"
 #include "core/version.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/faults.h"
 
 typedef struct {
@@ -60,6 +61,10 @@ static void defaults_and_text(void)
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
               back.set == 6u);
     CU_ASSERT_STRING_EQUAL(rp_params_text(&schema[0], &v, text, sizeof text), "0.1");
+    v.set = 0; /* nothing of what the buffer held before */
+    CU_ASSERT_STRING_EQUAL(rp_params_text(rp_params_find(schema, "set"), &v, text, sizeof text), "");
+    strcpy(text, "before");
+    CU_ASSERT_STRING_EQUAL(rp_params_text(rp_params_find(schema, "many"), &v, text, sizeof text), "");
     CU_ASSERT_PTR_NULL(rp_params_find(schema, "absent"));
 }
 
@@ -388,14 +393,6 @@ static void table_text(void)
     unlink(path);
 }
 
-static void write_file(const char *path, const char *text)
-{
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    fputs(text, out);
-    fclose(out);
-}
-
 /* Header with or without #, tabs, blanks or commas, a byte order mark, lines that end with CR: one table. */
 static void table_forms(void)
 {
@@ -419,7 +416,7 @@ static void table_forms(void)
         for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
             if (texts && strchr(same[i], ' ') && !strchr(same[i], '\t'))
                 continue; /* blanks are part of a text */
-            write_file(path, same[i]);
+            file_print(path, "%s", same[i]);
             CHECK_OK(texts ? rp_table_read_texts(path, &t) : rp_table_read(path, &t));
             CU_ASSERT(t.n_columns == 2 && t.n_rows == 2 && rp_table_column(&t, "x") == 0 &&
                       rp_table_column(&t, "y") == 1);
@@ -434,34 +431,34 @@ static void table_forms(void)
         {"a b\nok no\n", 1},     {"# my table\na b\nok no\n", 1}, {"# units: 1\t1\n# a\tb\nok\tno\n", 1},
         {"# a\tb\nok\tno\n", 1}, {"# units: 1\t1\na\tb\n", 0},    {"# units: 1\t1\n# a\tb\n", 0}};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        write_file(path, words[i].text);
+        file_print(path, "%s", words[i].text);
         CHECK_OK(rp_table_read(path, &t));
         CU_ASSERT(t.n_rows == words[i].n_rows && t.n_columns == 2 && rp_table_column(&t, "b") == 1);
         rp_table_free(&t);
     }
     /* names that are numbers stand below their units; a table without names has numbers for names */
-    write_file(path, "# units: 1\t1\n2\t1\n7\t8\n");
+    file_print(path, "%s", "# units: 1\t1\n2\t1\n7\t8\n");
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 1 && rp_table_column(&t, "1") == 1);
     rp_table_free(&t);
-    write_file(path, "1,2\n7,8\n");
+    file_print(path, "%s", "1,2\n7,8\n");
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 2 && rp_table_column(&t, "1") == 0);
     CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT,
                 "no column \"x\"; expected header: x y r; found: none");
     rp_table_free(&t);
-    write_file(path, "u v\n1 2\n3 4 5\n");
+    file_print(path, "%s", "u v\n1 2\n3 4 5\n");
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 3 cells where 2 are expected");
     CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT, "expected header: x y r; found: u v");
     rp_table_free(&t);
-    write_file(path, "say\ty\na few words\t2\n3\t4\n"); /* tabs alone, where blanks belong to texts */
+    file_print(path, "%s", "say\ty\na few words\t2\n3\t4\n"); /* tabs alone, where blanks belong to texts */
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 2 && strcmp(t.cells[0], "a few words") == 0 && strcmp(t.cells[1], "2") == 0);
     rp_table_free(&t);
-    write_file(path, "x,y\n1,2\n3,,4\n");
+    file_print(path, "%s", "x,y\n1,2\n3,,4\n");
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: an empty cell");
     rp_table_free(&t);
-    write_file(path, "x,y\n1,2\n5,\n");
+    file_print(path, "%s", "x,y\n1,2\n5,\n");
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 1 cells where 2 are expected");
     rp_table_free(&t);
     unlink(path);
@@ -483,7 +480,7 @@ static void table_conditions(void)
     rp_table t;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char kept[8] = "";
-        write_file(path,
+        file_print(path, "%s",
                    "# mu_wall: 7\n# mu: 8 degrees\n#mu: 9\nx\ty\n1\ta\n2\tb\n3\tc\nword\td\nnan\te\n20\tf\n");
         CHECK_OK(rp_table_read(path, &t));
         CHECK_OK(rp_table_where(&t, cases[i].condition));

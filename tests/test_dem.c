@@ -892,7 +892,9 @@ static void filling(void)
     CU_ASSERT(a[0].x != b[0].x && a[0].r != b[0].r);
     other.W = 0.9;
     other.H = 1.0;
-    CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "no room for grain");
+    CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "of N = ");
+    CU_ASSERT(strstr(rp_message(), "no room for grain") &&
+              strstr(rp_message(), " in W = 0.9, H = 1 with radius_mean = 0.1, radius_max = 0.13: fewer"));
 }
 
 /* A distant added grain changes no bit of the others, except through the rebuild of the list. A refused large

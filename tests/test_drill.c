@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -25,6 +24,8 @@
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
+#include "tests/folder.h"
+#include "tests/noise.h"
 
 /* ---- A protocol that misbehaves, and its sweep */
 
@@ -39,15 +40,6 @@ static struct {
 } * shared;
 
 enum { RUNS = 80 };
-
-static const rp_param schema[] = {{"x", "", RP_REAL, 0, "0.25", "[0, 10]", "shift"}, {0}};
-static const sweep_output outputs[] = {{"y", "", "x + noise"}, {0}};
-
-static rp_status check(const void *params)
-{
-    (void)params;
-    return RP_OK;
-}
 
 static rp_status misbehave(void)
 {
@@ -77,43 +69,27 @@ static rp_status misbehave(void)
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
-    (void)tables;
     const double x = *(const double *)params;
-    gsl_rng *r = rp_random_alloc(seed, run, RP_PURPOSE_TEST);
-    if (!r) return rp_fail(RP_NO_MEMORY, "drill: out of memory");
-    result->values[0] = x + gsl_rng_uniform(r);
-    gsl_rng_free(r);
-    strcpy(result->status, "ok");
+    const rp_status status = noise_run(params, seed, run, tables, result);
+    if (status) return status;
     usleep(shared->pace);
     return x == shared->bad_x && run == shared->bad_run ? misbehave() : RP_OK;
 }
 
-static const sweep_protocol protocol = {.name = "drill",
-                                        .about = "drill",
-                                        .schema = schema,
-                                        .params_size = sizeof(double),
-                                        .outputs = outputs,
-                                        .check = check,
-                                        .run = run_one};
+static const sweep_protocol protocol = NOISE_PROTOCOL("drill", run_one);
 static const sweep_protocol *const protocols[] = {&protocol, NULL};
 
-static char base[64], file[96], dir[96];
+static char base[FOLDER_PATH], file[96], dir[96];
 static char undisturbed[33];
-
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
 
 static void clear(void)
 {
-    nftw(dir, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    folder_remove(dir);
 }
 
 static void leave(void)
 {
-    nftw(base, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    folder_remove(base);
     munmap(shared, sizeof *shared);
     shared = NULL;
 }
@@ -159,7 +135,7 @@ static void check_whole(void)
     snprintf(path, sizeof path, "%s/runs.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, protocols, SWEEP_RUNS, NULL, out));
+    CHECK_OK(sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, out));
     fclose(out);
     rp_table t;
     CHECK_OK(rp_table_read(path, &t));
@@ -186,16 +162,11 @@ static void conclude(void)
 
 static void enter(void)
 {
-    /* in memory, where there is such a file system: thousands of drives write */
-    strcpy(base, access("/dev/shm", W_OK) == 0 ? "/dev/shm/repose_drill_XXXXXX" : "/tmp/repose_drill_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    folder_make_in_memory("drill", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
     snprintf(dir, sizeof dir, "%s/d", base);
-    FILE *out = fopen(file, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    fprintf(out, "protocol = \"drill\"; piles = \"shared\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n",
-            RUNS / 2);
-    fclose(out);
+    file_print(file, "protocol = \"drill\"; piles = \"shared\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n",
+               RUNS / 2);
     shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(shared != MAP_FAILED);
     shared->pace = 1000;
@@ -521,7 +492,7 @@ static char *export(void)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    rp_status status = out ? sweep_export(dir, protocols, SWEEP_RUNS, NULL, out) : RP_NO_MEMORY;
+    rp_status status = out ? sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, out) : RP_NO_MEMORY;
     fclose(out);
     if (!status) return text;
     free(text);
@@ -534,14 +505,6 @@ static size_t read_bytes(const char *path, char *bytes, size_t most)
     const size_t n = in ? fread(bytes, 1, most, in) : 0;
     if (in) fclose(in);
     return n;
-}
-
-static void write_bytes(const char *path, const char *bytes, size_t n)
-{
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CU_ASSERT(fwrite(bytes, 1, n, out) == n);
-    fclose(out);
 }
 
 /* One byte of the store or of the sweep's file is another: refused, or of no effect. */
@@ -560,7 +523,7 @@ static void test_flips(void)
         const size_t size = read_bytes(path, bytes, sizeof bytes), at = draw((unsigned)size);
         const char before = bytes[at];
         bytes[at] ^= (char)(1u << draw(8));
-        write_bytes(path, bytes, size);
+        file_write(path, bytes, size);
         size_t n;
         if (sweep_digest(dir, protocols, digest, &n))
             noticed++;
@@ -570,7 +533,7 @@ static void test_flips(void)
         CU_ASSERT(!text || strcmp(text, good) == 0);
         free(text);
         bytes[at] = before;
-        write_bytes(path, bytes, size);
+        file_write(path, bytes, size);
     }
     CU_ASSERT(noticed > 0);
     check_whole();

@@ -1,6 +1,7 @@
 /* Static equilibrium of piles: closed forms, the exact solution of diagonal contacts, forces and stability by
  * direct methods, the simulator at rest, results for soft piles, every status. */
 #include <gsl/gsl_eigen.h>
+#include <gsl/gsl_math.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@
 #include "core/stiffness.h"
 #include "sweeps/driver/pile.h"
 #include "tests/check.h"
+#include "tests/program.h"
 
 static const double DEG = M_PI / 180;
 
@@ -968,12 +970,13 @@ static void test_stiffness_update(void)
 enum { CHAIN = 40 };
 
 /* A chain of disks along y, held at its ends, with springs of stiffness `along`; all held with stiffness
- * `held`. */
-static void assemble_chain(rp_stiffness *m, const rp_pair *bonds, double along, double held)
+ * `held`, the first one with `first` more in x. */
+static void assemble_chain(rp_stiffness *m, const rp_pair *bonds, const double stiffness[3])
 {
+    const double along = stiffness[0], held = stiffness[1], first = stiffness[2];
     rp_stiffness_clear(m, held);
     for (size_t k = 0; k + 1 < CHAIN; k++) rp_stiffness_add_bond(m, k, bonds[k], 0, 0, along);
-    rp_stiffness_add_site(m, 0, 0, 0, along);
+    rp_stiffness_add_site(m, 0, first, 0, along);
     rp_stiffness_add_site(m, CHAIN - 1, 0, 0, along);
 }
 
@@ -982,7 +985,7 @@ static void assemble_chain(rp_stiffness *m, const rp_pair *bonds, double along, 
 static void test_stiffness_near(void)
 {
     rp_pair bonds[CHAIN - 1];
-    double load[2 * CHAIN] = {0}, x[2 * CHAIN], worst = 0;
+    double load[2 * CHAIN] = {3}, x[2 * CHAIN]; /* the first unknown counts too */
     for (uint32_t k = 0; k + 1 < CHAIN; k++) bonds[k] = (rp_pair){k, k + 1};
     for (size_t i = 0; i < CHAIN; i++) load[2 * i + 1] = i % 2 == 0;
     rp_stiffness *m = NULL;
@@ -990,22 +993,22 @@ static void test_stiffness_near(void)
     bool found;
     CHECK_OK(rp_stiffness_create(CHAIN, CHAIN - 1, bonds, &m));
     for (int way = 0; way < 4; way++) {
-        static const double from[][2] = {{2, 0.5}, {1, 0.4}, {0, 1}, {1, 1.5}};
-        static const double to[][2] = {{1, 0.25}, {1, 0.02}, {1, 1e-4}, {1, -3}};
-        assemble_chain(m, bonds, from[way][0], from[way][1]);
+        static const double from[][3] = {{2, 0.5, 2}, {1, 0.4, 1}, {0, 1, 0}, {1, 1.5, 0}};
+        static const double to[][3] = {{1, 0.25, 1}, {1, 0.02, 20}, {1, 1e-4, 0}, {1, -3, 0}};
+        assemble_chain(m, bonds, from[way]);
         CHECK_OK(rp_stiffness_factorise(m, &pivots));
-        assemble_chain(m, bonds, to[way][0], to[way][1]);
+        assemble_chain(m, bonds, to[way]);
         CHECK_OK(rp_stiffness_solve_near(m, load, x, &found));
         CU_ASSERT(found == (way < 2));
         double left = 0, all = 0;
         for (size_t i = 0; found && i < CHAIN; i++) {
             const double below = i > 0 ? x[2 * i - 1] : 0, above = i + 1 < CHAIN ? x[2 * i + 3] : 0;
             const double force = to[way][1] * x[2 * i + 1] + to[way][0] * (2 * x[2 * i + 1] - below - above);
-            left += (force - load[2 * i + 1]) * (force - load[2 * i + 1]);
-            all += load[2 * i + 1] * load[2 * i + 1];
-            worst = fmax(worst, fabs(x[2 * i]));
+            const double across = (to[way][1] + (i == 0 ? to[way][2] : 0)) * x[2 * i];
+            left += gsl_pow_2(across - load[2 * i]) + gsl_pow_2(force - load[2 * i + 1]);
+            all += gsl_pow_2(load[2 * i]) + gsl_pow_2(load[2 * i + 1]);
         }
-        CU_ASSERT(left <= (way == 0 ? 1e-24 : 0.01) * all && worst == 0);
+        CU_ASSERT(left <= (way == 0 ? 1e-24 : 0.01) * all);
     }
     rp_stiffness_free(m);
 }
@@ -1050,55 +1053,16 @@ static void test_half_pile(void)
 
 /* ---- the program ---- */
 
-static char folder[64];
-
-/* Run `repose pile WORDS` in the folder, with output in the files out and err; its exit status. */
-static int run(const char *words)
+/* Run `repose pile WORDS`; its exit status. */
+static int run_pile(const char *words)
 {
-    static char line[8192], program[4096];
-    const char *name = getenv("REPOSE");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name ? name : "build/repose", program));
-    snprintf(line, sizeof line, "cd %s && '%s' pile %s >out 2>err", folder, program, words);
-    const int status = system(line);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-static rp_table table_of(const char *name)
-{
-    static char path[128]; /* borrowed by the table */
-    rp_table table;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    CHECK_OK(rp_table_read(path, &table));
-    return table;
-}
-
-static double cell(const rp_table *t, size_t row, const char *column)
-{
-    double value = NAN;
-    if (row < t->n_rows) CHECK_OK(rp_table_number(t, row, rp_table_column(t, column), 1, &value));
-    return value;
-}
-
-static const char *word(const rp_table *t, size_t row, const char *column)
-{
-    const int c = rp_table_column(t, column);
-    return c < 0 || row >= t->n_rows ? "" : t->cells[row * t->n_columns + (size_t)c];
-}
-
-static void write_file(const char *name, const char *text)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    fputs(text, file);
-    fclose(file);
+    return run("pile %s", words);
 }
 
 static void check_outputs(void)
 {
-    CU_ASSERT(run("--alpha-deg 30 -o tables") == 0);
-    rp_table base = table_of("out");
+    CU_ASSERT(run_pile("--alpha-deg 30 -o tables") == 0);
+    rp_table base = read_table("out");
     double weight = 0;
     for (size_t i = 0; i < base.n_rows; i++) {
         weight += cell(&base, i, "N/mg");
@@ -1107,7 +1071,7 @@ static void check_outputs(void)
     CU_ASSERT(base.n_rows == 45 && cell(&base, 0, "H/mg") < 0);
     CHECK_NEAR(weight, 360, 360 * ROUNDING);
     rp_table_free(&base);
-    rp_table contacts = table_of("tables/contacts.tsv"), disks;
+    rp_table contacts = read_table("tables/contacts.tsv"), disks;
     CU_ASSERT(contacts.n_rows == 845);
     size_t horizontal = 0;
     for (size_t i = 0; i < contacts.n_rows; i++) {
@@ -1118,7 +1082,7 @@ static void check_outputs(void)
     }
     CU_ASSERT(horizontal == 239);
     rp_table_free(&contacts);
-    disks = table_of("tables/disks.tsv");
+    disks = read_table("tables/disks.tsv");
     CU_ASSERT(disks.n_rows == 360);
     rp_table_free(&disks);
 }
@@ -1128,8 +1092,8 @@ static void check_summary(void)
 {
     enum { K = 45 };
     double x[K], N[K], H[K], exact_N[K], exact_H[K];
-    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25") == 0);
-    rp_table base = table_of("out");
+    CU_ASSERT(run_pile("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25") == 0);
+    rp_table base = read_table("out");
     CU_ASSERT_FATAL(base.n_rows == K);
     for (size_t i = 0; i < K; i++) {
         x[i] = cell(&base, i, "x");
@@ -1139,8 +1103,8 @@ static void check_summary(void)
         exact_H[i] = cell(&base, i, "H_diagonals/mg");
     }
     rp_table_free(&base);
-    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary") == 0);
-    rp_table t = table_of("out");
+    CU_ASSERT(run_pile("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary") == 0);
+    rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 &&
               strcmp(word(&t, 0, "inner_deg"), "auto") == 0);
     CU_ASSERT(cell(&t, 0, "well") == 1 && cell(&t, 0, "mu") == 0.2 && cell(&t, 0, "set_load") == 0.25);
@@ -1148,15 +1112,15 @@ static void check_summary(void)
     CU_ASSERT(cell(&t, 0, "eps") == 1e-4 && cell(&t, 0, "base") == K);
     CHECK_NEAR(cell(&t, 0, "H_N_max"), sweep_outline_friction(K, N, H), ROUNDING);
     CHECK_NEAR(cell(&t, 0, "H_N_max_diagonals"), sweep_outline_friction(K, exact_N, exact_H), ROUNDING);
-    CHECK_NEAR(cell(&t, 0, "N_centre"), sweep_outline_centre(K, N), ROUNDING);
     stress_base profile;
     double radius[K];
     for (int i = 0; i < K; i++) radius[i] = 0.5;
     CHECK_OK(stress_base_profile(K, x, radius, N, &profile));
     CHECK_NEAR(cell(&t, 0, "D"), stress_dip(profile.N), ROUNDING);
+    CHECK_NEAR(cell(&t, 0, "middle"), stress_middle(profile.N), ROUNDING);
     rp_table_free(&t);
-    CU_ASSERT(run("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary") == 0);
-    t = table_of("out");
+    CU_ASSERT(run_pile("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary") == 0);
+    t = read_table("out");
     CU_ASSERT(cell(&t, 0, "alpha_deg") == 30 && cell(&t, 0, "inner_deg") == 45);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "well"), "auto");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "set_again"), "false");
@@ -1169,19 +1133,19 @@ static void check_outlines(void)
     static const char *const words[] = {"--alpha-deg 30 --eps 0 --summary",
                                         "--alpha-deg 30 --inner-deg 30 --x-1 0.2 --eps 0 --summary",
                                         "--outline triangle --eps 0 --summary"};
-    write_file("triangle", "# x\ty\n-3\t0\n0\t1.7320508075688772\n3\t0\n");
-    write_file("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
+    write_text("triangle", "# x\ty\n-3\t0\n0\t1.7320508075688772\n3\t0\n");
+    write_text("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
     double ratio = NAN;
     for (int i = 0; i < 3; i++) {
-        CU_ASSERT(run(words[i]) == 0);
-        rp_table t = table_of("out");
+        CU_ASSERT(run_pile(words[i]) == 0);
+        rp_table t = read_table("out");
         CU_ASSERT(cell(&t, 0, "n_disks") == 360 && cell(&t, 0, "negative_modes") == 0);
         if (i == 0) ratio = cell(&t, 0, "H_ratio");
         CHECK_NEAR(cell(&t, 0, "H_ratio"), ratio, ROUNDING);
         rp_table_free(&t);
     }
-    CU_ASSERT(run("--disks three") == 0);
-    rp_table t = table_of("out");
+    CU_ASSERT(run_pile("--disks three") == 0);
+    rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 2);
     CHECK_NEAR(cell(&t, 1, "N/mg"), 1.5, ROUNDING);
     rp_table_free(&t);
@@ -1207,13 +1171,13 @@ static void check_ensemble(void)
         statics_free(pile);
         sweep_outline_free(&h);
     }
-    CU_ASSERT(run("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5") == 0);
-    rp_table one = table_of("out");
+    CU_ASSERT(run_pile("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5") == 0);
+    rp_table one = read_table("out");
     CU_ASSERT(one.n_rows == K);
     for (size_t i = 0; i < K; i++) CU_ASSERT(cell(&one, i, "N/mg") == N[0][i]);
     rp_table_free(&one);
-    CU_ASSERT(run("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5 --piles 3") == 0);
-    rp_table t = table_of("out");
+    CU_ASSERT(run_pile("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5 --piles 3") == 0);
+    rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == K);
     for (size_t i = 0; i < K; i++) {
         const double mean = (N[0][i] + N[1][i] + N[2][i]) / 3;
@@ -1230,32 +1194,20 @@ static void check_ensemble(void)
     rp_table_free(&t);
 }
 
-static void read_err(char *text, size_t size)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/err", folder);
-    FILE *file = fopen(path, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    text[fread(text, 1, size - 1, file)] = '\0';
-    fclose(file);
-}
-
 /* A pile that spreads: the broken wells in the folder and in the message, and nan for undetermined numbers.
  */
 static void check_failed(void)
 {
-    char err[1024];
     size_t broken = 0, told = 0;
-    CU_ASSERT(run("--alpha-deg 30 --well 1 --mu 0.2 --summary -o failed") == 1);
-    read_err(err, sizeof err);
+    CU_ASSERT(run_pile("--alpha-deg 30 --well 1 --mu 0.2 --summary -o failed") == 1);
     CU_ASSERT(sscanf(err, "repose pile: spreads: %zu of 45 wells broken", &told) == 1);
-    rp_table t = table_of("out");
+    rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1 && isnan(cell(&t, 0, "negative_modes")) && isnan(cell(&t, 0, "smallest_pivot")));
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "negative_modes"), "nan");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "smallest_pivot"), "nan");
     CU_ASSERT(cell(&t, 0, "broken") == (double)told);
     rp_table_free(&t);
-    t = table_of("failed/wells.tsv");
+    t = read_table("failed/wells.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "status"), "spreads");
     CU_ASSERT(rp_table_find_note(&t, "state") != NULL);
     CU_ASSERT(t.n_rows == 45 && cell(&t, 0, "disk") == 1);
@@ -1267,7 +1219,7 @@ static void check_failed(void)
     }
     CU_ASSERT(broken == told && told == 24);
     rp_table_free(&t);
-    t = table_of("failed/disks.tsv");
+    t = read_table("failed/disks.tsv");
     CU_ASSERT(t.n_rows == 360);
     rp_table_free(&t);
 }
@@ -1275,19 +1227,15 @@ static void check_failed(void)
 /* An unstable primary state is a result, with a note. */
 static void check_note(void)
 {
-    char err[1024];
-    write_file("column", "# x\ty\n0\t0.5\n0\t1.5\n");
-    CU_ASSERT(run("--disks column") == 0);
-    read_err(err, sizeof err);
+    write_text("column", "# x\ty\n0\t0.5\n0\t1.5\n");
+    CU_ASSERT(run_pile("--disks column") == 0);
     CU_ASSERT_STRING_EQUAL(err,
                            "repose pile: unstable: 1 negative mode; --branch minimum seeks a stable state\n");
-    CU_ASSERT(run("--base 24 --eps 1e-3 --disorder 1e-5 --piles 2") == 0);
-    read_err(err, sizeof err);
+    CU_ASSERT(run_pile("--base 24 --eps 1e-3 --disorder 1e-5 --piles 2") == 0);
     CU_ASSERT(strstr(err, "unstable: 2 of 2 piles") != NULL);
-    CU_ASSERT(run("--disks three") == 0);
-    read_err(err, sizeof err);
+    CU_ASSERT(run_pile("--disks three") == 0);
     CU_ASSERT(*err == '\0');
-    CU_ASSERT(run("--disks column --branch minimum") == 1);
+    CU_ASSERT(run_pile("--disks column --branch minimum") == 1);
 }
 
 static void test_program(void)
@@ -1322,20 +1270,17 @@ static void test_program(void)
                  {65, "--alpha-deg 30 --disorder 0.2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1 --disorder 1e-3 --piles 2"},
                  {1, "--alpha-deg 30 --well 1 --mu 0.1"}};
-    strcpy(folder, "/tmp/repose_pile_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    enter();
     check_outputs();
     check_summary();
     check_outlines();
     check_ensemble();
     check_failed();
     check_note();
-    write_file("hanging", "# x\ty\n0\t0.5\n3\t4\n");
+    write_text("hanging", "# x\ty\n0\t0.5\n3\t4\n");
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
-        CU_ASSERT(run(cases[c].words) == cases[c].status);
-    char line[128];
-    snprintf(line, sizeof line, "rm -r %s", folder);
-    CU_ASSERT(system(line) == 0);
+        CU_ASSERT(run_pile(cases[c].words) == cases[c].status);
+    leave();
 }
 
 void suite_equilibrium(void)

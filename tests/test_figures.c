@@ -83,12 +83,10 @@ static void collect_names(void)
                                        "mu",
                                        "H_ratio_mean",
                                        "H_slope_ratio_mean",
-                                       "N_centre_mean",
+                                       "middle_mean",
                                        "weakest_level_mean",
-                                       "D_mean",
                                        "H_ratio_se",
-                                       "D_diagonals_mean",
-                                       "N_centre_diagonals_mean",
+                                       "middle_diagonals_mean",
                                        "theta_t_displacement_deg_mean",
                                        "theta_t_displacement_deg_se",
                                        "theta_t_energy_deg_mean",
@@ -585,11 +583,26 @@ static void test_style_in_one_place(void)
     globfree(&found);
 }
 
+/* `make` draws a figure again after a change of a file that it loads. */
+static void test_loaded_files(void)
+{
+    CU_ASSERT(
+        system(
+            "n=0\n"
+            "for line in $(sed -n \"s/^load '\\(.*\\)'/\\1/p; T; F\" figures/l?/*.gp | paste -d: - -); do\n"
+            "  name=${line#*:}; loaded=${line%%:*}; name=${name##*/}; n=$((n + 1))\n"
+            "  make --no-print-directory -np build/figures/${name%.gp}.svg 2>/dev/null |\n"
+            "    grep -q \"^build/figures/${name%.gp}.svg: .*$loaded\" || { echo \"$line\"; exit 1; }\n"
+            "done\n"
+            "[ $n -gt 20 ]") == 0);
+}
+
 void suite_figures(void)
 {
     static const check_case cases[] = {{"drawn data", test_drawn},
                                        {"all are described", test_all_described},
                                        {"style in one place", test_style_in_one_place},
+                                       {"files that are loaded", test_loaded_files},
                                        {0}};
     check_register("figures", cases);
 }

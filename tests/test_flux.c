@@ -9,6 +9,7 @@
 #include "sweeps/driver/box.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 static const sweep_protocol *const protocol = &sweep_protocol_flux;
 
@@ -85,16 +86,15 @@ static void no_header(FILE *out)
 /* A run with its tables in a folder of its own. */
 typedef struct {
     sweep_result result;
-    char folder[40];
+    char folder[FOLDER_PATH];
     rp_table series, grains;
 } traced;
 
 static void trace(const char *const changes[], traced *t)
 {
-    char path[64];
+    char path[FOLDER_PATH + 16];
     void *p = params(changes);
-    strcpy(t->folder, "/tmp/repose_flux_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(t->folder));
+    folder_make("flux", t->folder);
     const sweep_tables tables = {t->folder, 1000000, no_header};
     CHECK_OK(protocol->check(p));
     CHECK_OK(protocol->run(p, 1993, 0, &tables, &t->result));
@@ -107,13 +107,7 @@ static void trace(const char *const changes[], traced *t)
 
 static void trace_free(traced *t)
 {
-    static const char *const names[] = {"series", "pile_grains", "pile_contacts", "pile_walls", "energy"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char path[64];
-        snprintf(path, sizeof path, "%s/%s.tsv", t->folder, names[i]);
-        unlink(path);
-    }
-    CU_ASSERT(rmdir(t->folder) == 0);
+    folder_remove(t->folder);
     rp_table_free(&t->series);
     rp_table_free(&t->grains);
 }

@@ -8,6 +8,7 @@
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 enum { MOST_CANDIDATES = 24 };
 
@@ -114,15 +115,10 @@ enum { N_SCENES = sizeof scenes / sizeof *scenes };
 /* All tables of the scene's end; NULL if the scene is refused. A run that fails has a result: its end. */
 static char *outcome(const char *text, const char *change)
 {
-    char path[] = "/tmp/repose_keys_XXXXXX";
     const rp_texts changes = {1, {change}};
-    const int file = mkstemp(path);
-    CU_ASSERT_FATAL(file >= 0 && write(file, text, strlen(text)) == (ssize_t)strlen(text));
-    close(file);
     dem_scene scene;
     dem_sim *sim = NULL;
-    rp_status status = dem_scene_read(path, change ? &changes : NULL, &scene);
-    unlink(path);
+    rp_status status = grains_read(text, change ? &changes : NULL, &scene);
     if (!status) status = dem_scene_start(&scene, &sim);
     char *tables = NULL;
     size_t size;

@@ -17,8 +17,8 @@ static const struct {
     {"angle tilt", "--mu 0.3 --theta-r-deg 18",
      "--mu 0.4|--theta-r-deg 17|--phi-deg 50|--form lattice|--form sine|--form printed"},
     {"angle slope", "grains.tsv --width 4",
-     "--width 3.6|--cell 0.3|--height raw_centre|--height top|--empty skip|--parabola origin|--where "
-     "'r<0.105'"},
+     "--width 3.6|--cell 0.3|--height raw_centre|--height top|--empty skip|--parabola origin|--y-axis "
+     "down|--where 'r<0.105'"},
     {"angle compare", "runs.tsv --bootstrap 50", "--phi-deg 50|--bootstrap 51|--seed 4|--where mu=0.2"},
     {"angle phi", "runs.tsv --bootstrap 20",
      "--from 0.15|--to 0.15|--bootstrap 21|--seed 4|--where 'pile<4'"},
@@ -68,7 +68,7 @@ static const struct {
      "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
      "--theta-t-deg 5|--theta-t-error-deg 2"},
     {"claims", "--claims claims.tsv --tables .",
-     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published"},
+     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published|--power"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv"}};
 
 /* Options that change no row, or that other tests follow. */
@@ -315,6 +315,30 @@ static void check_json(const char *command, const char *base)
     rp_table_free(&t);
 }
 
+/* The parameters as objects are those that are printed, each with its unit, default and range. */
+static void check_params(const char *command)
+{
+    size_t n = 0;
+    CU_ASSERT(run("%s", command) == 0);
+    char *text = strdup(out), *rest = text, *line;
+    CU_ASSERT(run("%s --json", command) == 0);
+    json_t *all = json_loads(out, 0, NULL), *rows = json_object_get(all, "rows");
+    while ((line = strsep(&rest, "\n"))) {
+        char name[64];
+        if (*line != ' ' || sscanf(line, "%63s", name) != 1) continue;
+        json_t *row = json_array_get(rows, n++);
+        const char *meaning = json_string_value(json_object_get(row, "meaning")),
+                   *unit = json_string_value(json_object_get(row, "unit"));
+        const bool same = row && !strcmp(json_string_value(json_object_get(row, "name")), name) && unit &&
+                          strstr(line, unit) && meaning && strstr(line, meaning);
+        if (!same) fprintf(stderr, "repose %s --json: row %zu is not %s\n", command, n, line);
+        CU_ASSERT(same);
+    }
+    CU_ASSERT(n > 20 && n == json_array_size(rows));
+    json_decref(all);
+    free(text);
+}
+
 static void test_json(void)
 {
     enter();
@@ -325,6 +349,8 @@ static void test_json(void)
                        strcmp(lines[i].base, "--x1 0.3") ? lines[i].base : "--x1 0.3 --map");
     check_json("calibrate",
                "--runs more.tsv --theta-r-deg 60 --error-deg 1 --bootstrap 20"); /* no result: 1 */
+    check_params("params repose --units si");
+    check_params("params scene");
     FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
     CU_ASSERT_STRING_EQUAL(out, "");
     FAILS(64, "unknown option --json", "help --json");

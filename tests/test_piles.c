@@ -11,6 +11,7 @@
 #include "sweeps/driver/pile.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 static const double DEG = M_PI / 180;
 
@@ -28,6 +29,17 @@ static double dip_of(size_t k, const double x[], const double N[], double apart)
     CHECK_OK(stress_base_profile(k, x, r, N, &base));
     free(r);
     return stress_dip(base.N);
+}
+
+/* Of bins whose mean is 1: that of the four in the middle, and that less the mean of two on either side. */
+static double inner(const double N[])
+{
+    return (N[8] + N[9] + N[10] + N[11]) / 4;
+}
+
+static double middle_of(const double N[])
+{
+    return inner(N) - (N[6] + N[7] + N[12] + N[13]) / 4;
 }
 
 /* Loads 1 + s |u|^power of k disks at 3 + 0.2 u, u from -1/2 to 1/2. */
@@ -86,17 +98,71 @@ static void dip_invariances(void)
     CU_ASSERT(fabs(D) > 0.01);
 }
 
+/* ---- rays under an outline ---- */
+
+/* Highest points at the middles of columns, along the tent, or for a continuum slope the triangle. The
+ * polygon is cut at the ends and at the top by half a column at most: heights differ there by 0.5 tan 45
+ * degrees of 30, 2 %. */
+static void rays_under_outlines(void)
+{
+    enum { COLUMNS = 120, AT = 7, POINTS = 10 };
+    static const double inner_deg[] = {30, 45};
+    for (int tent = 0; tent < 2; tent++) {
+        an_point v[5];
+        an_profile profile;
+        CHECK_OK(an_tent(30 * DEG, inner_deg[tent] * DEG, 0.38, v));
+        CHECK_OK(an_profile_set(&profile, v, 5));
+        double x[COLUMNS], top[COLUMNS], rays[STRESS_DIP_BINS], mean = 0, exact[STRESS_DIP_BINS] = {0};
+        for (int i = 0; i < COLUMNS; i++) { /* in no order */
+            const double at = (i * 7 % COLUMNS + 0.5) / COLUMNS;
+            x[i] = AT + COLUMNS * at;
+            CHECK_OK(an_profile_height(&profile, at, &top[i]));
+            top[i] *= COLUMNS;
+        }
+        const stress_base base = {.centroid = AT + 0.5 * COLUMNS, .width = 0.9 * COLUMNS};
+        CHECK_OK(sweep_outline_rays(COLUMNS, x, top, &base, rays));
+        for (int i = 0; i < POINTS * STRESS_DIP_BINS; i++) {
+            an_force f;
+            CHECK_OK(
+                an_profile_force(&profile, 0.5 + 0.9 * ((i + 0.5) / (POINTS * STRESS_DIP_BINS) - 0.5), &f));
+            exact[i / POINTS] += f.N / POINTS;
+            mean += f.N / (POINTS * STRESS_DIP_BINS);
+        }
+        for (int k = 0; k < STRESS_DIP_BINS; k++) CHECK_NEAR(rays[k], exact[k] / mean, 0.02);
+        CU_ASSERT((stress_middle(rays) < -0.03) == (tent == 1) && fabs(middle_of(rays)) < 0.1);
+        CHECK_NEAR(stress_middle(rays), middle_of(rays), 1e-12);
+        CHECK_NEAR(stress_excess(rays, rays), 0, 0);
+    }
+}
+
+/* A wall is steeper than rays: its foot is filled. Points left of zero; a base beyond the disks. */
+static void rays_under_walls(void)
+{
+    enum { N = 9 };
+    double x[N], top[N], rays[STRESS_DIP_BINS];
+    for (int i = 0; i < N; i++) {
+        x[i] = i - 13.5;
+        top[i] = 17;
+    }
+    const stress_base base = {.centroid = x[4], .width = 32};
+    CHECK_OK(sweep_outline_rays(N, x, top, &base, rays));
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
+        CHECK_NEAR(rays[k], rays[STRESS_DIP_BINS - 1 - k], 1e-9);
+        /* from x up to 17 along both rays within the block and its filled feet, 10 wide each */
+        const double out = fmax(fabs(-16 + 1.6 * (k + 0.5)) - 4, 0);
+        CU_ASSERT(out > 10.1 ? rays[k] < 1e-12 : rays[k] > 0.01);
+    }
+}
+
 /* ---- friction required at the base ---- */
 
 /* By hand; diagonals alone, full triangle: tan(30 degrees) (k - 1)/(k + 1), at the ends of the base. */
-static void friction_and_centre(void)
+static void friction_of_base(void)
 {
     const double N[] = {2, 4, 5, 0}, H[] = {-1.5, 2, -1, 0}, pushed[] = {0, 0, 0, 1e-9};
     CU_ASSERT(sweep_outline_friction(4, N, H) == 0.75);
     CU_ASSERT(sweep_outline_friction(1, N + 3, H) == INFINITY &&
               sweep_outline_friction(4, N, pushed) == INFINITY);
-    CU_ASSERT(sweep_outline_centre(4, N) == 0.9 && sweep_outline_centre(3, N) == 0.8);
-    CU_ASSERT(sweep_outline_centre(1, N) == 1);
     for (long k = 2; k < 50; k += 9) {
         sweep_outline h = {0};
         double exact_N[50], exact_H[50];
@@ -227,9 +293,10 @@ static void open_rows(void)
         CHECK_NEAR(output(&r, "H_slope_ratio"), 1, BALANCE);
         CU_ASSERT(output(&r, "strongest_level") == 0 && output(&r, "weakest_level") == 0);
         CHECK_NEAR(output(&r, "D"), output(&r, "D_diagonals"), BALANCE);
-        CHECK_NEAR(output(&r, "N_centre"), output(&r, "N_centre_diagonals"), BALANCE);
+        CHECK_NEAR(output(&r, "middle"), output(&r, "middle_diagonals"), BALANCE);
+        CHECK_NEAR(output(&r, "excess"), 0, BALANCE);
         CU_ASSERT(output(&r, "horizontal") == 0 && output(&r, "negative_modes") == 0);
-        CU_ASSERT((output(&r, "N_centre") < 0.97) == (tent == 1));
+        CU_ASSERT((output(&r, "middle") < -0.02) == (tent == 1));
     }
 }
 
@@ -323,9 +390,6 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
     CHECK_NEAR(output(r, "thrust_ratio"), (out[1] - out[0]) / (exact_out[1] - exact_out[0]), BALANCE);
     CHECK_NEAR(output(r, "D"), dip_of(K, x, N, 1), BALANCE);
     CHECK_NEAR(output(r, "D_diagonals"), dip_of(K, x, exact, 1), BALANCE);
-    CHECK_NEAR(output(r, "N_centre"), (N[K / 2 - 1] + N[K / 2]) / 2 / gsl_stats_max(N, 1, K), BALANCE);
-    CHECK_NEAR(output(r, "N_centre_diagonals"),
-               (exact[K / 2 - 1] + exact[K / 2]) / 2 / gsl_stats_max(exact, 1, K), BALANCE);
     double largest = gsl_stats_max(flank, 1, K), slope[2], unused;
     for (size_t i = 0; i < K; i++) flank[i] = fabs(h->exact[i].H);
     CHECK_NEAR(output(r, "H_ratio"), largest / gsl_stats_max(flank, 1, K), BALANCE);
@@ -335,13 +399,19 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
     CHECK_NEAR(output(r, "H_slope_ratio"), slope[0] / slope[1], BALANCE);
     CHECK_NEAR(output(r, "left_deg"), atan(2 * c->height) / DEG, BALANCE);
     CHECK_NEAR(output(r, "right_deg"), atan(2 * c->height) / DEG, BALANCE);
-    stress_base base;
+    stress_base base, diagonals;
+    double rays[STRESS_DIP_BINS];
     CHECK_OK(stress_base_profile(K, x, r_disk, N, &base));
+    CHECK_OK(stress_base_profile(K, x, r_disk, exact, &diagonals));
+    stress_base_bins(&base, K, x, r_disk, exact, rays);
     for (int k = 0; k < STRESS_DIP_BINS; k++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "n_%02d", k + 1);
         CHECK_NEAR(output(r, name), base.N[k], BALANCE);
     }
+    CHECK_NEAR(output(r, "middle"), middle_of(base.N), BALANCE);
+    CHECK_NEAR(output(r, "middle_diagonals"), middle_of(diagonals.N), BALANCE);
+    CHECK_NEAR(output(r, "excess"), inner(base.N) - inner(rays), BALANCE);
 }
 
 static void check_continuum(const pile_case *c, const sweep_outline *h, const double x[], const double N[],
@@ -494,13 +564,13 @@ static void solver_choices(void)
 /* Tables of a traced run: the forces that its outputs are of. */
 static void traced(void)
 {
-    char folder[] = "/tmp/repose_pile_XXXXXX", path[64], line[80];
+    char folder[FOLDER_PATH], path[80];
     sweep_pile p;
     sweep_result r;
     rp_table t;
     rp_params_defaults(sweep_pile_schema, &p);
     p.base = 12;
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    folder_make("pile", folder);
     CHECK_OK(sweep_protocol_pile.run(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
     snprintf(path, sizeof path, "%s/base.tsv", folder);
     CHECK_OK(rp_table_read(path, &t));
@@ -516,15 +586,16 @@ static void traced(void)
     CHECK_NEAR(weight, 78, BALANCE * 78);
     CHECK_NEAR(output(&r, "H_N_max"), most, BALANCE);
     rp_table_free(&t);
-    snprintf(line, sizeof line, "rm -r %s", folder);
-    CU_ASSERT(system(line) == 0);
+    folder_remove(folder);
 }
 
 void suite_piles(void)
 {
     static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
                                        {"the dip: invariances", dip_invariances},
-                                       {"friction required at the base", friction_and_centre},
+                                       {"rays under outlines", rays_under_outlines},
+                                       {"rays under walls", rays_under_walls},
+                                       {"friction required at the base", friction_of_base},
                                        {"sizes of unequal disks", sizes},
                                        {"unequal piles are stable", unequal_piles_stand},
                                        {"open rows: diagonals alone", open_rows},

@@ -4,7 +4,6 @@
  * group of rows that was committed, and at most one more.
  *
  * The files that Repose writes itself are synced before they are renamed, and their folder afterwards. */
-#include <ftw.h>
 #include <glob.h>
 #include <gsl/gsl_rng.h>
 #include <signal.h>
@@ -22,6 +21,8 @@
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
+#include "tests/folder.h"
+#include "tests/noise.h"
 
 /* ---- What happened to the disk */
 
@@ -338,63 +339,24 @@ static void write_disk(size_t cut, const char *folder)
 
 enum { ROWS = 80 };
 
-static const rp_param schema[] = {{"x", "", RP_REAL, 0, "0.25", "[0, 10]", "shift"}, {0}};
-static const sweep_output outputs[] = {{"y", "", "x + noise"}, {"z", "", "noise"}, {0}};
-
-static rp_status check(const void *params)
-{
-    (void)params;
-    return RP_OK;
-}
-
-static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
-                         const sweep_tables *tables, sweep_result *result)
-{
-    (void)tables;
-    gsl_rng *r = rp_random_alloc(seed, run, RP_PURPOSE_TEST);
-    if (!r) return rp_fail(RP_NO_MEMORY, "power: out of memory");
-    result->values[1] = gsl_rng_uniform(r);
-    result->values[0] = *(const double *)params + result->values[1];
-    gsl_rng_free(r);
-    strcpy(result->status, "ok");
-    return RP_OK;
-}
-
-static const sweep_protocol protocol = {.name = "power",
-                                        .about = "power",
-                                        .schema = schema,
-                                        .params_size = sizeof(double),
-                                        .outputs = outputs,
-                                        .check = check,
-                                        .run = run_one};
+static const sweep_protocol protocol = NOISE_PROTOCOL("power", noise_run);
 static const sweep_protocol *const protocols[] = {&protocol, NULL};
 
-static char base[64], file[96], dir[96], cut_dir[96];
-
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
+static char base[FOLDER_PATH], file[96], dir[96], cut_dir[96];
 
 static void clear(const char *folder)
 {
-    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    folder_remove(folder);
 }
 
-/* In memory, where there is such a file system. */
 static void enter(void)
 {
-    strcpy(base, access("/dev/shm", W_OK) == 0 ? "/dev/shm/repose_power_XXXXXX" : "/tmp/repose_power_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    folder_make_in_memory("power", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
     snprintf(dir, sizeof dir, "%s/d", base);
     snprintf(cut_dir, sizeof cut_dir, "%s/cut", base);
     chance = rp_random_alloc(18, 13, RP_PURPOSE_TEST);
-    FILE *out = fopen(file, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    fprintf(out, "protocol = \"power\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n", ROWS / 2);
-    fclose(out);
+    file_print(file, "protocol = \"power\"; replicas = %d; grid = { x = [1.0, 2.0]; };\n", ROWS / 2);
 }
 
 static void leave(void)
@@ -428,7 +390,7 @@ static rp_status read_rows(const char *folder, char lines[ROWS][256], size_t *n)
     size_t run;
     snprintf(path, sizeof path, "%s/rows.tsv", base);
     FILE *rows = fopen(path, "w+");
-    rp_status status = sweep_export(folder, protocols, false, NULL, rows);
+    rp_status status = sweep_export(folder, protocols, false, NULL, NULL, rows);
     rewind(rows);
     *n = 0;
     for (size_t k = 0; k < ROWS; k++) *lines[k] = '\0';

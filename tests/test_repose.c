@@ -82,10 +82,10 @@ typedef struct {
     double x[256], y[256], r[256];
 } grains;
 
-static void read_grains(grains *g)
+static void read_grains(const char *name, grains *g)
 {
     rp_table t;
-    CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
+    CHECK_OK(rp_table_read(path_of(name), &t));
     CU_ASSERT_FATAL(t.n_rows > 0 && t.n_rows <= 256);
     g->n = t.n_rows;
     for (size_t i = 0; i < g->n; i++) {
@@ -119,6 +119,51 @@ static void check_halves(const grains *g, const sweep_result *result)
             h[(int)(g->x[i] / 0.2)] = fmax(h[(int)(g->x[i] / 0.2)], g->y[i] - 0.1);
     double upper = line_deg(5, h, 0.2), lower = line_deg(5, h + 6, 0.2);
     CHECK_NEAR(output(result, "theta_lower_less_upper_deg"), lower - upper, ANGLE_TOLERANCE_DEG);
+    CHECK_NEAR(output(result, "theta_upper_deg"), upper, ANGLE_TOLERANCE_DEG);
+}
+
+/* In a triangular lattice every grain has order 1; a line of three has it in the middle, and ends with one
+ * neighbour do not count. At 1.24 diameters a grain is a neighbour, at 1.26 it is none, nor is a fixed one.
+ */
+static void test_bond_order(void)
+{
+    dem_state g[7] = {{.r = 1.0}};
+    for (int k = 0; k < 6; k++)
+        g[k + 1] = (dem_state){.x = 2.0 * cos(k * M_PI / 3.0), .y = 2.0 * sin(k * M_PI / 3.0), .r = 1.0};
+    CHECK_NEAR(sweep_bond_order(7, g, NULL, NULL), 1.0, 1e-14);
+    CU_ASSERT(isnan(sweep_bond_order(2, g, NULL, NULL)));
+    /* bonds at 0 and 45 degrees: half of |1 + exp(i 270)|; the others are too far away */
+    g[1] = (dem_state){.x = 2.48, .r = 1.0};
+    g[2] = (dem_state){.x = sqrt(2.0), .y = sqrt(2.0), .r = 1.0};
+    g[3] = (dem_state){.x = -2.52, .r = 1.0};
+    g[4] = (dem_state){.y = -2.0, .r = 1.0, .fixed = true};
+    const double apart = hypot(2.48 - sqrt(2.0), sqrt(2.0));
+    CU_ASSERT(apart < 2.5); /* so they touch one another as well */
+    const double angle = atan2(sqrt(2.0), 2.48 - sqrt(2.0));
+    CHECK_NEAR(sweep_bond_order(5, g, NULL, NULL),
+               (sqrt(0.5) + fabs(cos(3.0 * angle)) + fabs(cos(3.0 * (M_PI - angle - 0.25 * M_PI)))) / 3.0,
+               1e-14);
+}
+
+/* Order of the filled box, by angles of the bonds. */
+static void check_order(const sweep_result *result)
+{
+    grains g;
+    double sum = 0.0, n = 0.0;
+    read_grains("filled_grains.tsv", &g);
+    for (size_t i = 0; i < g.n; i++) {
+        double re = 0.0, im = 0.0, near = 0.0;
+        for (size_t j = 0; j < g.n; j++) {
+            const double dx = g.x[j] - g.x[i], dy = g.y[j] - g.y[i];
+            if (i == j || hypot(dx, dy) > 1.25 * (g.r[i] + g.r[j])) continue;
+            re += cos(6.0 * atan2(dy, dx));
+            im += sin(6.0 * atan2(dy, dx));
+            near++;
+        }
+        if (near >= 2.0) sum += hypot(re, im) / near, n++;
+    }
+    CU_ASSERT(n > 0.0);
+    CHECK_NEAR(output(result, "psi6"), sum / n, 1e-12);
 }
 
 static void check_variant(const grains *g, const sweep_result *result, const char *name, ang_options options)
@@ -153,9 +198,10 @@ static void test_surfaces(void)
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     CU_ASSERT(output(&result, "fill_steps_used") == 4000.0 && output(&result, "relax_steps_used") == 4000.0);
     CU_ASSERT(output(&result, "steps") == 8000.0);
-    read_grains(&g);
+    read_grains("pile_grains.tsv", &g);
     CU_ASSERT(output(&result, "cells") < 11.0);
     check_halves(&g, &result);
+    check_order(&result);
     static const struct {
         const char *name;
         ang_options options;
@@ -707,6 +753,7 @@ static void test_patience(void)
 void suite_repose(void)
 {
     static const check_case cases[] = {{"every variant of the surface", test_surfaces},
+                                       {"bond order", test_bond_order},
                                        {"friction of the floor", test_frictions},
                                        {"choices of contact", test_contact_choices},
                                        {"floor of grains", test_floor_of_grains},

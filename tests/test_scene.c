@@ -6,6 +6,7 @@
 #include "dem/scene.h"
 #include "dem/sim.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 static const char *const EXAMPLE =
     "gravity = [0.0, -981.0];  rotation = false;  shape = \"sphere\";\n"
@@ -16,21 +17,10 @@ static const char *const EXAMPLE =
     "particles = ( { x = 0.0; y = 0.2385; r = 0.1; m = 1.0; vx = 0.0; vy = -1.0; omega = 0.0; },\n"
     "              { x = 0.05; y = 0.5; r = 0.12; } );\n";
 
-static rp_status read_text(const char *text, const rp_texts *changes, dem_scene *scene)
-{
-    char path[] = "/tmp/repose-scene-XXXXXX";
-    int handle = mkstemp(path);
-    CU_ASSERT_FATAL(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
-    close(handle);
-    rp_status status = dem_scene_read(path, changes, scene);
-    unlink(path);
-    return status;
-}
-
 static void example(void)
 {
     dem_scene s;
-    CHECK_OK(read_text(EXAMPLE, NULL, &s));
+    CHECK_OK(grains_read(EXAMPLE, NULL, &s));
     CU_ASSERT(s.def.gravity[1] == -981.0 && s.def.dt == 5e-5 && s.steps == 400);
     CU_ASSERT(s.def.normal == DEM_HERTZ && s.def.tangential == DEM_SPRING && s.def.slip == DEM_TRUNCATED &&
               s.def.tension);
@@ -46,7 +36,7 @@ static void example(void)
     CHECK_NEAR(s.grains[1].m, 4.0 / 3.0 * M_PI * 0.12 * 0.12 * 0.12, 1e-16);
     dem_scene_free(&s);
     rp_texts changes = {3, {"tangential.mu=infinite", "steps=7", "shape=disk"}};
-    CHECK_OK(read_text(EXAMPLE, &changes, &s));
+    CHECK_OK(grains_read(EXAMPLE, &changes, &s));
     CU_ASSERT(isinf(s.def.material.mu) && s.steps == 7 && s.def.shape == DEM_DISK);
     CHECK_NEAR(s.grains[1].m, M_PI * 0.12 * 0.12, 1e-16);
     dem_scene_free(&s);
@@ -100,11 +90,11 @@ static void written_and_read(void)
         dem_state p[40], q[40];
         char *text;
         size_t size;
-        CHECK_OK(read_text(k == 0 ? EXAMPLE : texts[k], NULL, &s));
+        CHECK_OK(grains_read(k == 0 ? EXAMPLE : texts[k], NULL, &s));
         FILE *out = open_memstream(&text, &size);
         dem_scene_write(&s, out);
         fclose(out);
-        CHECK_OK(read_text(text, NULL, &back));
+        CHECK_OK(grains_read(text, NULL, &back));
         CU_ASSERT_EQUAL(s.steps, back.steps);
         CU_ASSERT_EQUAL(s.def.integrator, back.def.integrator);
         CU_ASSERT_EQUAL(back.def.integrator, k == 3 ? DEM_GEAR5 : k == 7 ? DEM_IMPLICIT : DEM_VERLET);
@@ -179,7 +169,7 @@ static void refused(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[512];
         snprintf(text, sizeof text, "particles = ( { x = 0.0; y = 0.5; r = 0.1; } );\n%s\n", cases[k].change);
-        CHECK_FAILS(read_text(text, NULL, &s), RP_BAD_INPUT, cases[k].message);
+        CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, cases[k].message);
         dem_scene_free(&s);
     }
     static const char *const whole[][2] = {
@@ -195,7 +185,7 @@ static void refused(void)
          "box_turn_deg_per_step = 11: out of range"},
         {"fill = { W = 1.0; H = 1.0; };", "N: missing (number of grains)"}};
     for (size_t k = 0; k < sizeof whole / sizeof *whole; k++) {
-        CHECK_FAILS(read_text(whole[k][0], NULL, &s), RP_BAD_INPUT, whole[k][1]);
+        CHECK_FAILS(grains_read(whole[k][0], NULL, &s), RP_BAD_INPUT, whole[k][1]);
         dem_scene_free(&s);
     }
     static const char *const sets[][2] = {{"steps", "key=value expected"},
@@ -203,10 +193,10 @@ static void refused(void)
                                           {"particle.mu=0.1", "no such group (did you mean \"particles\"?)"},
                                           {"mu=0.1", "mu: unknown key"},
                                           {"dt=-1", "dt = -1: out of range"},
-                                          {"dt=[1.0,2.0]", "one number, word or boolean"}};
+                                          {"dt=[1.0,2.0]", "dt: one value expected, not a list"}};
     for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
         rp_texts changes = {1, {sets[k][0]}};
-        CHECK_FAILS(read_text(EXAMPLE, &changes, &s), RP_BAD_INPUT, sets[k][1]);
+        CHECK_FAILS(grains_read(EXAMPLE, &changes, &s), RP_BAD_INPUT, sets[k][1]);
         dem_scene_free(&s);
     }
     CHECK_FAILS(dem_scene_read("/no/such/scene.cfg", NULL, &s), RP_BAD_INPUT, "cannot read");
@@ -221,7 +211,7 @@ static void particles_from_table(void)
     fclose(out);
     dem_scene s;
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
-    CHECK_OK(read_text(text, NULL, &s));
+    CHECK_OK(grains_read(text, NULL, &s));
     CU_ASSERT(s.def.n_grains == 2 && s.grains[0].x == 0.5 && s.grains[0].vy == -2.0 &&
               s.grains[0].omega == 3.0 && s.grains[1].r == 0.08);
     CU_ASSERT(s.grains[1].fixed && !s.grains[0].fixed);
@@ -230,7 +220,7 @@ static void particles_from_table(void)
     out = fopen(table, "w");
     fputs("# x y r\n0.5 0.7 -0.1\n", out);
     fclose(out);
-    CHECK_FAILS(read_text(text, NULL, &s), RP_BAD_INPUT, ":2: r = -0.1: out of range");
+    CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, ":2: r = -0.1: out of range");
     dem_scene_free(&s);
     unlink(table);
 }
@@ -242,12 +232,12 @@ static void half_lines(void)
         dem_scene s, back;
         char *text;
         size_t size;
-        CHECK_OK(read_text(EXAMPLE, NULL, &s));
+        CHECK_OK(grains_read(EXAMPLE, NULL, &s));
         s.def.walls[0].extent[end] = end ? 2.385 : -0.25;
         FILE *out = open_memstream(&text, &size);
         dem_scene_write(&s, out);
         fclose(out);
-        CHECK_OK(read_text(text, NULL, &back));
+        CHECK_OK(grains_read(text, NULL, &back));
         CHECK_NEAR(back.def.walls[0].extent[end], end ? 2.385 : -0.25, 0.0);
         CU_ASSERT(fabs(back.def.walls[0].extent[1 - end]) >= 1e300);
         CU_ASSERT((back.def.walls[0].extent[1 - end] < 0.0) == (end == 1));

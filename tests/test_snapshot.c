@@ -22,6 +22,7 @@
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/grains.h"
 
 /* ---- Simulations ---- */
@@ -241,12 +242,11 @@ static void large_pile(void)
 
 /* ---- Files ---- */
 
-static char folder[64];
+static char folder[FOLDER_PATH];
 
 static void enter(void)
 {
-    strcpy(folder, "/tmp/repose_snapshot_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    folder_make("snapshot", folder);
 }
 
 /* Exit status of a line of shell in the folder, -1 after a signal; $REPOSE is the program. Its messages are
@@ -264,9 +264,7 @@ static int shell(const char *line)
 
 static void leave(void)
 {
-    char line[128];
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    CU_ASSERT(system(line) == 0);
+    folder_remove(folder);
 }
 
 static const char *in_folder(const char *name)
@@ -291,10 +289,7 @@ static unsigned char *read_bytes(const char *name, size_t *n)
 
 static void write_bytes(const char *name, const void *bytes, size_t n)
 {
-    FILE *out = fopen(in_folder(name), "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CU_ASSERT(fwrite(bytes, 1, n, out) == n);
-    fclose(out);
+    file_write(in_folder(name), bytes, n);
 }
 
 /* Write the state of a small scene to the file s; its simulation. */
@@ -595,7 +590,11 @@ static void refused_resumes(void)
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     CU_ASSERT(shell("\"$REPOSE\" run --resume d 2>err") == 74 && says("another process runs in this folder"));
     close(other);
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d && mv d again && " START "300 && diff -r d again") == 0);
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
+                    "grep -q 'd: the run is done' done && mv d again && " START
+                    "300 && diff -r d again") == 0);
+    CU_ASSERT(shell("mkdir empty && \"$REPOSE\" run --resume empty 2>err") == 65 &&
+              says("no unfinished run"));
     leave();
 }
 

@@ -1,6 +1,5 @@
 /* The sweep driver with toy protocols: plans, resume, crashes, determinism, tables, and every bad input. */
 #include <fcntl.h>
-#include <ftw.h>
 #include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <sqlite3.h>
@@ -20,6 +19,7 @@
 #include "sweeps/driver/private.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 /* The toy protocol: y = x + k + noise from the stream of the run. */
 enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK };
@@ -83,35 +83,20 @@ static const sweep_protocol toy_protocol = TOY("toy"), other_protocol = TOY("oth
 static const sweep_protocol *const toys[] = {&toy_protocol, &other_protocol, NULL};
 
 /* One folder for each test: `base` holds s.cfg and the sweep `dir`. */
-static char base[64], file[96], dir[96], store[128];
-
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
+static char base[FOLDER_PATH], file[96], dir[96], store[128];
 
 static void clean(void)
 {
-    nftw(base, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
-}
-
-static void write_text(const char *path, const char *text)
-{
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    fputs(text, out);
-    fclose(out);
+    folder_remove(base);
 }
 
 static void fresh(const char *text)
 {
-    strcpy(base, "/tmp/repose_sweep_XXXXXX");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    folder_make("sweep", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
     snprintf(dir, sizeof dir, "%s/deep/d", base);
     snprintf(store, sizeof store, "%s/store.sqlite", dir);
-    write_text(file, text);
+    file_print(file, "%s", text);
 }
 
 static rp_status prepare(sweep_counts *counts)
@@ -165,7 +150,7 @@ static void export_table(bool reduce, rp_table *t, char *path, size_t size)
     snprintf(path, size, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, toys, reduce, "the command", out));
+    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, out));
     fclose(out);
     CHECK_OK(rp_table_read(path, t));
 }
@@ -269,7 +254,7 @@ static void test_shared_piles(void)
     CHECK_OK(prepare(NULL));
     CHECK_OK(run(1, NULL));
     const char *own = digest(6);
-    write_text(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
+    file_print(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
                      "grid = { x = [0.125, 2.385]; };");
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.planned == 6 && c.stored == 0);
@@ -326,7 +311,7 @@ static void test_growing(void)
         char text[256], path[128];
         rp_table t;
         snprintf(text, sizeof text, "protocol = \"toy\"; seed = 77; %s", steps[i].text);
-        write_text(file, text);
+        file_print(file, "%s", text);
         CHECK_OK(prepare(&c));
         CU_ASSERT(c.planned == steps[i].planned && c.stored == steps[i].stored);
         CHECK_OK(run(2, &c));
@@ -543,7 +528,7 @@ static void test_crash(void)
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(2, &c), RP_NO_RESULT, "3 of 10 runs are aborted: 3 crashed; run again to try them again");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "no digest: 3 of 10 runs are aborted");
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs are aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
@@ -576,7 +561,7 @@ static void test_plan_again(void)
     sweep_counts c;
     CHECK_OK(prepare(NULL));
     CHECK_OK(run(1, NULL));
-    write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.planned == 8 && c.stored == 4); /* x = 1.5 is no longer planned, but stays in the store */
     CU_ASSERT(sql_number("SELECT count(*) FROM runs") == 6);
@@ -588,13 +573,13 @@ static void test_plan_again(void)
     sql(KEEP);
     CHECK_OK(run(2, &c));
     CU_ASSERT(c.stored == 8 && sql_number(KEPT) == 6);
-    write_text(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    file_print(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 0); /* another seed, other results */
     /* the same protocol with other bits: no stored run matches */
     sweep_protocol changed = toy_protocol;
     changed.fingerprint = toy_fingerprint;
-    write_text(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
+    file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
     /* with a further output: stored runs have no value of it */
@@ -606,14 +591,14 @@ static void test_plan_again(void)
     CU_ASSERT(c.planned == 8 && c.stored == 0);
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 8);
-    write_text(file, "protocol = \"other\"; replicas = 2;");
+    file_print(file, "protocol = \"other\"; replicas = 2;");
     CHECK_FAILS(prepare(&c), RP_BAD_INPUT, "holds runs of protocol \"toy\", not \"other\"");
     CHECK_OK(sweep_status(dir, toys, &c)); /* and the refused plan changed nothing */
     CU_ASSERT(c.planned == 8);
     /* a copy of the file that was edited in place */
     char copy[128];
     snprintf(copy, sizeof copy, "%s/sweep.cfg", dir);
-    write_text(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
+    file_print(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "plan again");
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c)); /* the folder's own file can be planned */
@@ -692,7 +677,7 @@ static void test_bad_files(void)
         fresh(cases[i].text);
         char more[128];
         snprintf(more, sizeof more, "%s/more.cfg", base);
-        write_text(more, "replicas = 2;");
+        file_print(more, "replicas = 2;");
         CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, cases[i].message);
         CU_ASSERT(access(dir, F_OK) != 0); /* no folder was created */
         clean();
@@ -715,7 +700,8 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, stdout), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
+                "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
@@ -730,19 +716,19 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
     CHECK_FAILS(prepare(NULL), RP_IO, "store.sqlite: cannot open the store");
     rmdir(store);
-    write_text(store, "this is not a database, although it is long enough to be taken for one at first sight "
+    file_print(store, "this is not a database, although it is long enough to be taken for one at first sight "
                       "by a program that looks at the size only, which must be refused all the same.");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO,
                 "store.sqlite: cannot read the store: file is not a database");
     CHECK_FAILS(run(1, NULL), RP_IO, "file is not a database");
     CHECK_FAILS(prepare(NULL), RP_IO, "file is not a database");
-    write_text(store, "");
+    file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, "no such table: main.sweep");
     unlink(store);
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, full), RP_IO, "No space left on device");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
     fclose(full);
     clean();
 }
@@ -849,11 +835,11 @@ static void test_merge(void)
     snprintf(other, sizeof other, "%s/other", base);
     snprintf(path, sizeof path, "%s/store.sqlite", other);
     char *const paths[] = {other};
-    write_text(file,
+    file_print(file,
                "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, 7.0]; k = [4, 3]; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
     CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
-    write_text(file, GRID_SWEEP);
+    file_print(file, "%s", GRID_SWEEP);
     CHECK_OK(prepare(NULL));
     CHECK_OK(run_shard(2, 3));
     CHECK_OK(sweep_merge(dir, toys, 1, paths, &m, &c));
@@ -877,7 +863,7 @@ static void test_merge(void)
     changed.fingerprint = toy_fingerprint;
     CHECK_OK(sweep_prepare(file, other, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "another model of the physics");
-    write_text(path, "not a store");
+    file_print(path, "not a store");
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_IO, "not a database");
     unlink(path);
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "no store");
@@ -940,7 +926,7 @@ static char *exported(void)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, out);
+    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
     free(text);
@@ -988,7 +974,7 @@ static void test_salvage(void)
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         write_store(bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
         most = n;

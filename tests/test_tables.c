@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
+#include "angle/angle.h"
 #include "core/random.h"
 #include "dem/scene.h"
 #include "stats/stats.h"
@@ -471,6 +472,49 @@ static void test_pile(void)
     leave();
 }
 
+/* Means over piles with unequal disks: each pile alone is a run of a sweep with the same stream. */
+static void test_ensemble(void)
+{
+    enum { PILES = 3 };
+    static const char *const columns[][2] = {{"N/mg", "N_se/mg"}, {"H/mg", "H_se/mg"}};
+    checked each[PILES];
+    enter();
+    write_text("s.cfg",
+               "protocol = \"pile\"; replicas = %d; seed = 5; piles = \"shared\";\n"
+               "fixed = { base = 4; eps = 1e-3; disorder = 2e-3; };\n",
+               PILES);
+    for (int r = 0; r < PILES; r++) {
+        char name[32];
+        GOOD("run s.cfg --row %d -o d%d", r, r);
+        snprintf(name, sizeof name, "d%d/base.tsv", r);
+        each[r] = checked_read(name);
+    }
+    GOOD("pile --base 4 --eps 1e-3 --disorder 2e-3 --seed 5 --piles %d", PILES);
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == BASE);
+    for (size_t i = 0; i < BASE; i++) {
+        for (int q = 0; q < 2; q++) {
+            double v[PILES];
+            stats_summary s;
+            for (int r = 0; r < PILES; r++) v[r] = at(&each[r], i, columns[q][0]);
+            CHECK_OK(stats_mean(PILES, v, &s));
+            CHECK_NEAR(at(&c, i, columns[q][0]), s.mean, 1e-13);
+            CHECK_NEAR(at(&c, i, columns[q][1]), s.se, 1e-13);
+        }
+        const double width = at(&c, i, "N/mg") / at(&c, i, "N/(chi*g*B)");
+        CHECK_NEAR(at(&c, i, "x/B"), 0.5 + ((double)i - 0.5 * (BASE - 1.0)) / width, 1e-13);
+        NEAR_RELATIVE(at(&c, i, "N_se/(chi*g*B)") * width, at(&c, i, "N_se/mg"), 1e-13);
+        NEAR_RELATIVE(at(&c, i, "H/(chi*g*B)") * width, at(&c, i, "H/mg"), 1e-13);
+        NEAR_RELATIVE(at(&c, i, "H_se/(chi*g*B)") * width, at(&c, i, "H_se/mg"), 1e-13);
+        CHECK_NEAR(at(&c, i, "N_diagonals/mg"), at(each, i, "N_diagonals/mg"), 0.0);
+        CHECK_NEAR(at(&c, i, "H_diagonals/mg"), at(each, i, "H_diagonals/mg"), 0.0);
+        CHECK_NEAR(at(&c, i, "i"), (double)i + 1.0, 0.0);
+    }
+    checked_end(&c);
+    for (int r = 0; r < PILES; r++) rp_table_free(&each[r].t);
+    leave();
+}
+
 /* ---- runs of a sweep ---- */
 
 /* Every row of the exported runs is the run made again; every column of the reduced table comes from them. */
@@ -480,7 +524,7 @@ static void test_sweep(void)
     write_text(
         "s.cfg",
         "protocol = \"pile\"; replicas = 3; seed = 7;\n"
-        "fixed = { alpha_deg = 30.0; disorder = 0.02; }; grid = { base = [9, 12]; eps = [1e-4, 2e-4]; };\n");
+        "fixed = { alpha_deg = 30.0; disorder = 2e-3; }; grid = { base = [9, 12]; eps = [1e-4, 2e-4]; };\n");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
@@ -769,6 +813,81 @@ static void test_continuum(void)
     leave();
 }
 
+static void check_phi(checked *c, size_t row, const ang_phi *fit)
+{
+    const struct {
+        const char *column;
+        double value;
+    } list[] = {{"phi_deg", fit->phi * 180.0 / M_PI},
+                {"phi_lo_deg", fit->lo * 180.0 / M_PI},
+                {"phi_hi_deg", fit->hi * 180.0 / M_PI},
+                {"boot_lo_deg", fit->boot_lo * 180.0 / M_PI},
+                {"boot_hi_deg", fit->boot_hi * 180.0 / M_PI},
+                {"chi2", fit->chi2},
+                {"dof", (double)fit->dof},
+                {"p_value", fit->p_value},
+                {"one_phi", fit->dof > 0 ? fit->p_value >= 0.05 : NAN},
+                {"open", fit->lo_open ? (fit->hi_open ? 2.0 : -1.0) : fit->hi_open}};
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        const double value = at(c, row, list[k].column);
+        CU_ASSERT(isnan(value) == isnan(list[k].value));
+
+        if (!isnan(value)) CHECK_NEAR(value, list[k].value, 1e-12 * (1.0 + fabs(value)));
+    }
+}
+
+/* The fits of phi by the library: to all groups, then to each. */
+static void test_phi(void)
+{
+    enum { PILES = 6, GROUPS = 2 };
+    double r[GROUPS][PILES], t[GROUPS][PILES];
+    ang_piles groups[GROUPS];
+    char text[2048] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n";
+    enter();
+    for (int g = 0; g < GROUPS; g++) {
+        groups[g] = (ang_piles){g ? 0.3 : 0.2, PILES, r[g], t[g]};
+        for (int k = 0; k < PILES; k++) {
+            const double r_deg = 10.0 + 4.0 * g + 0.5 * (k % 3), t_deg = 6.0 + 2.0 * g + 0.375 * (k % 4);
+            r[g][k] = r_deg * (M_PI / 180.0), t[g][k] = t_deg * (M_PI / 180.0); /* the same bits */
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\tok\n", groups[g].mu, r_deg,
+                     t_deg);
+        }
+    }
+    write_text("runs.tsv", "%s", text);
+    GOOD("angle phi runs.tsv --bootstrap 50 --seed 31");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == (GROUPS + 1) * ANG_N_AGAINST);
+    gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_BOOTSTRAP);
+    ang_phi fits[GROUPS + 1][ANG_N_AGAINST];
+    CHECK_OK(ang_phi_fit(GROUPS, groups, 50, rng, fits[0]));
+    for (size_t g = 0; g < GROUPS; g++) CHECK_OK(ang_phi_fit(1, &groups[g], 50, rng, fits[g + 1]));
+    gsl_rng_free(rng);
+    for (size_t row = 0; row < c.t.n_rows; row++) {
+        const size_t g = row / ANG_N_AGAINST, a = row % ANG_N_AGAINST;
+        check_phi(&c, row, &fits[g][a]);
+        at(&c, row, "against");
+        CU_ASSERT_STRING_EQUAL(word(&c.t, row, "against"), ang_against_words[a]);
+        CHECK_NEAR(at(&c, row, "n_mu"), g ? 1.0 : GROUPS, 0.0);
+        CHECK_NEAR(at(&c, row, "n"), g ? PILES : GROUPS * PILES, 0.0);
+        const double mu = at(&c, row, "mu"),
+                     found[] = {at(&c, row, "measured_deg"), at(&c, row, "measured_se_deg"),
+                                at(&c, row, "fitted_deg"), at(&c, row, "sixty_deg")};
+        CU_ASSERT(g ? mu == groups[g - 1].mu : isnan(mu));
+        if (g == 0 || a >= ANG_BALANCED_LESS_MARGINAL) {
+            for (int k = 0; k < 4; k++) CU_ASSERT(isnan(found[k]));
+            continue;
+        }
+        stats_summary measured;
+        double given[2];
+        CHECK_OK(ang_phi_angles(&groups[g - 1], (ang_against)a, 2, (double[]){fits[0][a].phi, M_PI / 3.0},
+                                &measured, given));
+        const double expected[] = {measured.mean, measured.se, given[0], given[1]};
+        for (int k = 0; k < 4; k++) CHECK_NEAR(found[k], expected[k] * 180.0 / M_PI, 1e-12);
+    }
+    checked_end(&c);
+    leave();
+}
+
 /* Columns by their names, against the members of the same name. */
 typedef struct {
     const char *column;
@@ -979,6 +1098,29 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(run("run s.cfg") == 0 && strstr(err, warning));
     GOOD("run s.cfg --set units=si");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "run s.cfg --set units=metric");
+    /* disks: the default density is that of spheres, but in cgs */
+    CU_ASSERT(run("run s.cfg --set shape=disk") == 0);
+    FAILS(65, "density: the default is that of spheres", "run s.cfg --set shape=disk --set units=si");
+    CU_ASSERT(strstr(err, "a mass per area in kg/m^2 (1 g/cm^2 is 10)") != NULL);
+    FAILS(65, "give that of the disks, a mass per area\n", "run s.cfg --set shape=disk --set units=sigma");
+    GOOD("run s.cfg --set shape=disk --set units=si --set density=1000");
+    write_text("s.cfg", "steps = 2; particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 1.0; } );\n");
+    GOOD("run s.cfg --set shape=disk --set units=si"); /* not asked for */
+    write_text("s.cfg", "units = \"si\"; shape = \"disk\"; particles_file = \"p.tsv\";\n");
+    write_text("p.tsv", "x y r\n0 0 0.1\n");
+    FAILS(65, "density: the default is that of spheres", "run s.cfg");
+    write_text("s.cfg",
+               "units = \"si\"; shape = \"disk\"; steps = 2; fill = { N = 3; W = 0.02; H = 0.02; };\n");
+    FAILS(65, "s.cfg:1: density: the default is that of spheres", "run s.cfg");
+    GOOD("run s.cfg --set density=10");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", short_run);
+    write_text("w.cfg", text);
+    FAILS(65, "grid point shape = disk: density: the default is that of spheres", "sweep plan w.cfg -o v");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", "fill_steps = 200; density = 1000.0; ");
+    write_text("w.cfg", text);
+    GOOD("sweep plan w.cfg -o v");
     write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
     leave();
@@ -993,9 +1135,11 @@ void suite_tables(void)
                                        {"systems of units of sweeps", test_systems_of_sweeps},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},
+                                       {"ensemble of piles", test_ensemble},
                                        {"runs and points of a sweep", test_sweep},
                                        {"forensics", test_forensics},
                                        {"angle compare", test_compare},
+                                       {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},

@@ -185,6 +185,26 @@ static void test_slopes(void)
     leave();
 }
 
+/* A segment is drawn as far as half the size of the grains' region, whichever side of that is longer. */
+static void test_segment(void)
+{
+    enter();
+    for (int tall = 0; tall < 2; tall++) {
+        write_text("pile_grains.tsv", "x\ty\tr\n0\t0\t1\n%d\t%d\t1\n", tall ? 0 : 10, tall ? 10 : 0);
+        write_text("pile_walls.tsv",
+                   "wall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t0\t0\t%d\t%d\t-30\t30\n",
+                   tall ? 0 : -1, tall);
+        GOOD("view pile_grains.tsv -o a.svg");
+        read_svg("a.svg");
+        const mark *wall = find_stroke(WALL);
+        CU_ASSERT_FATAL(n_circles == 4 && wall != NULL);
+        const double scale = hypot(circles[1].x - circles[0].x, circles[1].y - circles[0].y) / 10.0;
+        /* the grains' region is 12 by 2; half of 12 and a radius to both sides of 2 */
+        CHECK_NEAR(hypot(wall->x2 - wall->x, wall->y2 - wall->y) / scale, 16.0, 0.1);
+    }
+    leave();
+}
+
 /* Colours run from the least to the largest value of the column; of both signs, white is 0. */
 static void test_colors(void)
 {
@@ -383,7 +403,7 @@ static void test_closing_line(void)
     GOOD("run stairs.cfg -o d");
     CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
     CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
-    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 (method 3); tables in d\n") != NULL);
+    CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
     GOOD("run stairs.cfg -o d --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
     /* a pile ends at the wall that has opened; a level one has no slope */
@@ -392,7 +412,7 @@ static void test_closing_line(void)
                "direction = [-1.0, 0.0]; open_at_step = 5; } ); particles = ( %s );\n",
                grains);
     GOOD("run open.cfg -o open");
-    CU_ASSERT(strstr(err, "over x = 0 to 2 (method 3)") != NULL);
+    CU_ASSERT(strstr(err, "over x = 0 to 2 cm (method 3)") != NULL);
     write_text("level.cfg",
                "steps = 10; %s particles = ( { x = 0.3; y = 0.1; r = 0.1; fixed = true; }, { x = "
                "0.6; y = 0.1; r = 0.1; fixed = true; } );\n",
@@ -467,6 +487,7 @@ void suite_view(void)
     static const check_case cases[] = {{"grains", test_circles},
                                        {"forces and walls", test_forces},
                                        {"walls that slope", test_slopes},
+                                       {"segments of walls", test_segment},
                                        {"colours", test_colors},
                                        {"stress and base", test_stress},
                                        {"frames", test_frames},

@@ -12,23 +12,12 @@
 
 static const double R = 0.1, M = 0.0042;
 
-static rp_status read_text(const char *text, dem_scene *scene)
-{
-    char path[] = "/tmp/repose-walls-XXXXXX";
-    int handle = mkstemp(path);
-    CU_ASSERT_FATAL(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text));
-    close(handle);
-    rp_status status = dem_scene_read(path, NULL, scene);
-    unlink(path);
-    return status;
-}
-
 /* The simulation of a valid scene; the scene's steps. */
 static dem_sim *start_text(const char *text, long *steps)
 {
     dem_scene scene;
     dem_sim *sim = NULL;
-    CHECK_OK(read_text(text, &scene));
+    CHECK_OK(grains_read(text, NULL, &scene));
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
     if (steps) *steps = scene.steps;
@@ -199,7 +188,7 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
 {
     dem_scene scene;
     dem_sim *sim = NULL;
-    CHECK_OK(read_text(DRUM, &scene));
+    CHECK_OK(grains_read(DRUM, NULL, &scene));
     scene.def.kernel = kernel;
     scene.def.ledger = ledger;
     scene.def.integrator = integrator;
@@ -384,11 +373,11 @@ static void bowl(void)
 static void normalised(void)
 {
     dem_scene s;
-    CHECK_OK(read_text("walls = ( { point = [0.0, 0.0]; direction = [3.0, 4.0]; },\n"
-                       "          { point = [0.0, 0.0]; direction = [0.6, 0.8]; },\n"
-                       "          { circle = [1.0, 2.0, 3.0]; sides = 4; velocity = [1.0, 2.0]; } );\n"
-                       "particles = ( { x = 3.0; y = 3.0; r = 0.1; } );\n",
-                       &s));
+    CHECK_OK(grains_read("walls = ( { point = [0.0, 0.0]; direction = [3.0, 4.0]; },\n"
+                         "          { point = [0.0, 0.0]; direction = [0.6, 0.8]; },\n"
+                         "          { circle = [1.0, 2.0, 3.0]; sides = 4; velocity = [1.0, 2.0]; } );\n"
+                         "particles = ( { x = 3.0; y = 3.0; r = 0.1; } );\n",
+                         NULL, &s));
     CU_ASSERT_EQUAL(s.def.n_walls, 6);
     CHECK_NEAR(s.def.walls[0].direction[0], 0.6, 1e-16);
     CU_ASSERT(s.def.walls[1].direction[0] == 0.6 && s.def.walls[1].direction[1] == 0.8);
@@ -427,7 +416,7 @@ static void refused(void)
         {"walls = ( { polygon = [0.0, 0.0, 1.0, 0.0]; } ); " ONE, "a list ( [x, y], ... )"},
         {"walls = ( { polygon = ( [0.0, 0.0], [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "points 1 and 2 are"},
         {"walls = ( { polygon = ( [0.0, 0.0], [2.0, 0.0], [1.0, 0.0] ); } ); " ONE, "folds back at"},
-        {"walls = ( { circle = [0.0, 0.0, 0.0]; } ); " ONE, "radius = 0: must be above 0"},
+        {"walls = ( { circle = [0.5, 2.0, -3.0]; } ); " ONE, "radius = -3: must be above 0"},
         {"walls = ( { circle = [0.0, 0.0]; } ); " ONE, "circle: three numbers [a, b, c]"},
         {"walls = ( { circle = [0.0, 0.0, 2.0]; sides = 2; } ); " ONE, "sides = 2: out of range"},
         {"walls = ( { circle = [0.0, 0.0, 2.0]; point = [0.0, 0.0]; } ); " ONE,
@@ -441,7 +430,7 @@ static void refused(void)
          "can only open at once"}};
     dem_scene s;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        CHECK_FAILS(read_text(cases[k][0], &s), RP_BAD_INPUT, cases[k][1]);
+        CHECK_FAILS(grains_read(cases[k][0], NULL, &s), RP_BAD_INPUT, cases[k][1]);
         dem_scene_free(&s);
     }
     static const char *const starts[][2] = {
@@ -465,7 +454,7 @@ static void refused(void)
          "dt = 0.0001: too large for the lightest grain at a wall"}};
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
         dem_sim *sim = NULL;
-        CHECK_OK(read_text(starts[k][0], &s));
+        CHECK_OK(grains_read(starts[k][0], NULL, &s));
         CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, starts[k][1]);
         dem_scene_free(&s);
     }

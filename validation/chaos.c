@@ -1,6 +1,5 @@
 /* Chaos: growth rate of a round-off perturbation in an avalanche. Reproducibility: the kernel of the pair
  * loop and the number of workers change no bit. */
-#include <ftw.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
@@ -12,6 +11,7 @@
 #include "sweeps/driver/protocol.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/grains.h"
 
 static const double D = 0.2; /* nominal diameter */
@@ -175,20 +175,14 @@ static void kernels_agree(void)
     dem_free(reference);
 }
 
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
-{
-    (void)info, (void)type, (void)ftw;
-    return remove(path);
-}
-
 /* Piles of a sweep have the same digest from one, two and five workers. */
 static void workers_agree(void)
 {
 #define X(name) &sweep_protocol_##name,
     static const sweep_protocol *const protocols[] = {SWEEP_PROTOCOLS(X) NULL};
 #undef X
-    char base[] = "/tmp/repose_chaos_XXXXXX", file[64], digests[3][33];
-    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(base));
+    char base[FOLDER_PATH], file[80], digests[3][33];
+    folder_make("chaos", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
     FILE *out = fopen(file, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
@@ -197,7 +191,7 @@ static void workers_agree(void)
           out);
     fclose(out);
     for (int k = 0; k < 3; k++) {
-        char dir[64];
+        char dir[80];
         sweep_counts counts;
         size_t n;
         snprintf(dir, sizeof dir, "%s/%d", base, k);
@@ -207,7 +201,7 @@ static void workers_agree(void)
         CHECK_OK(sweep_digest(dir, protocols, digests[k], &n));
         CU_ASSERT(n == 8 && strcmp(digests[k], digests[0]) == 0);
     }
-    nftw(base, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    folder_remove(base);
 }
 
 void suite_chaos(void)

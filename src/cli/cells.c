@@ -39,8 +39,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         const char *equals = strchr(words->words[w], '=');
         if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
-        const int column = rp_table_column(table, key);
-        if (column < 0) return rp_fail(RP_BAD_INPUT, "%s: no column %s", table->path, key);
+        int column;
+        rp_status status = rp_table_find(table, key, NULL, &column);
+        if (status) return status;
         *matches = text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
@@ -55,6 +56,29 @@ bool cli_find_table(const char *folders, const char *name, char path[4096])
         if (access(path, F_OK) == 0) return true;
         if (!strchr(folder, ',')) return false;
     }
+}
+
+/* "FILE, protocol NAME, seed S, P grid points x R replicas" and "T s". */
+static bool read_sweep(const char *path, cli_sweep *sweep)
+{
+    rp_table *t;
+    if (cli_table_read(path, &t)) return false;
+    const char *plan = rp_table_find_note(t, "sweep"), *time = rp_table_find_note(t, "run_time");
+    const char *numbers = plan ? strstr(plan, ", seed ") : NULL;
+    sweep->seconds = time ? strtod(time, NULL) : NAN;
+    return numbers && sscanf(numbers, ", seed %*u, %lf grid points x %lf replicas", &sweep->points,
+                             &sweep->replicas) == 2;
+}
+
+bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep)
+{
+    char path[4096];
+    snprintf(sweep->name, sizeof sweep->name, "%.*s", (int)strcspn(table, " "), table);
+    for (char *end = sweep->name + strlen(sweep->name); end; end = strrchr(sweep->name, '_')) {
+        *end = '\0';
+        if (cli_find_table(folders, sweep->name, path) && read_sweep(path, sweep)) return true;
+    }
+    return false;
 }
 
 rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell)
@@ -118,7 +142,7 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
     if (!cli_cell_text(cell, mean)) snprintf(mean, sizeof mean, "%s", name);
     if (!cli_cell_text(cell, error) && n > 4 && strcmp(name + n - 4, "_deg") == 0)
         snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
-    if (!cli_cell_text(cell, mean)) return rp_fail(RP_BAD_INPUT, "%s: no column %s", cell->path, name);
+    if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
     rp_status status = cli_cell_column(cell, mean, &number->value);
     return status || !cli_cell_text(cell, error) ? status : cli_cell_column(cell, error, &number->se);

@@ -29,6 +29,14 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
 /* Path of NAME.tsv in the first of `folders`, joined by commas, that has it; false if none has. */
 bool cli_find_table(const char *folders, const char *name, char path[4096]);
 
+/* The sweep whose runs a table comes from: NAME of NAME.tsv or of NAME_*.tsv, the longest such name with a
+ * header line `sweep`. Processor seconds of all runs. False if there is none. */
+typedef struct {
+    char name[128];
+    double points, replicas, seconds;
+} cli_sweep;
+bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep);
+
 /* One cell of a table. */
 typedef struct {
     rp_table *table;

@@ -50,6 +50,7 @@ typedef struct {
     CLI_CLAIM_TEXTS(X)
 #undef X
     cli_claim_test test;
+    const char *family;     /* of claims that answer one question; "" without a column of that name */
     stats_number published; /* NaN: none */
     double samples, margin; /* 0: not said; INFINITY: none */
 } cli_claim;
@@ -70,11 +71,15 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
 
 /* A claim judged by the tables in `folders`. */
 typedef struct {
-    stats_verdict verdict;
-    bool two_readings; /* of the published +-, with different verdicts */
+    stats_verdict verdict, uncorrected; /* for the other tests of its family, */
+    size_t tests;                       /* so many */
+    bool two_readings;                  /* of the published +-, with different verdicts */
     stats_match match;
     stats_number ours, against;
+    stats_number tested, tested_against; /* with the errors that decide */
+    stats_change change;
     double n;         /* values behind ours; NaN where the table does not say */
+    double dof;       /* of the error of ours; infinite where the test takes it as known */
     char text[256];   /* ours, as the report shows it */
     char reason[512]; /* verdict with what explains it */
 } cli_judged;
@@ -82,6 +87,22 @@ typedef struct {
 /* Every claim, in new memory. Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of
  * rp_table_read. */
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged);
+
+/* The power of a claim's test, from the errors in the tables. */
+typedef struct {
+    cli_sweep sweep;   /* whose runs answer, the first of several */
+    double runs;       /* present ones a grid point; of several sweeps, all */
+    double effect, se; /* smallest effect that matters; present error */
+    double power;      /* with the present runs */
+    double needed;     /* runs a grid point for CLI_POWER; infinite: the paper's own error is too large */
+    double needed_sd;  /* the same if the paper's +- is a standard deviation */
+    double seconds;    /* processor time of the lesser number */
+} cli_power;
+
+/* Power 0.95 is asked of every test. False for a claim without a number, without an error or without a margin
+ * that says which effect matters, and where no sweep answers. */
+#define CLI_POWER 0.95
+bool cli_claim_power(const cli_claim *claim, const char *folders, const cli_judged *judged, cli_power *power);
 
 /* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. */
 void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256]);

@@ -130,6 +130,9 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")
 
+/* As sweep_check_whole, of a table that was written without the runs that lack. */
+rp_status cli_check_whole(const char *dir, const sweep_counts *counts);
+
 /* For long preparations: progress on a terminal, unless `quiet`. */
 const sweep_watch *cli_watch(bool quiet);
 

@@ -14,6 +14,8 @@
     X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty cells have height 0, or are left out")              \
     X(CHOICE, parabola, "", "free", ANG_PARABOLA_WORDS,                                                      \
       "parabola of method 3: three coefficients, or through the origin")                                     \
+    X(CHOICE, y_axis, "", "up", "up | down",                                                                 \
+      "where y grows to: down in the rows of a picture; the lowest point then lies d/2 above the ground")    \
     CLI_WHERE(X)
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
@@ -44,6 +46,24 @@ static rp_status refuse_several_steps(const rp_table *table)
                            table->path, table->lines[i], cli_text(table, i, column),
                            cli_text(table, 0, column));
     return RP_OK;
+}
+
+/* A height above the ground in place of a row of a picture. */
+static void turn_over(size_t n, double y[], double diameter)
+{
+    const double lowest = gsl_stats_max(y, 1, n);
+    for (size_t i = 0; i < n; i++) y[i] = lowest - y[i] + 0.5 * diameter;
+}
+
+/* A table does not tell whether its surface falls to the left or its y points down. */
+static void warn_negative(const ang_slope slopes[ANG_N_METHODS])
+{
+    bool negative = !cli_given("y-axis");
+    for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
+    if (negative)
+        fputs("repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
+              "so), or y counts downward, as the rows of a picture do (--y-axis down)\n",
+              stderr);
 }
 
 /* Without slopes: rows without result. */
@@ -93,6 +113,7 @@ static rp_status slope_of_table(rp_table *table, void *values)
     rp_status status = refuse_several_steps(table);
     if (!status) status = read_grains(table, options.height == ANG_TOP, !(o->cell > 0.0), &with_r, &block);
     if (!status) status = choose_cell(o, table, block, with_r, &options.diameter, &origin);
+    if (!status && o->y_axis) turn_over(n, block + n, options.diameter);
     if (!status) {
         status = ang_surface_make(n, block, block + n, with_r ? block + 2 * n : NULL, o->width, &options,
                                   &surface);
@@ -109,6 +130,7 @@ static rp_status slope_of_table(rp_table *table, void *values)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
     if (!status || status == RP_NO_RESULT)
         print_slopes(&surface, status ? NULL : slopes, status ? word : "ok", options.diameter, origin);
+    if (!status) warn_negative(slopes);
     ang_surface_free(&surface);
     return status;
 }
@@ -124,6 +146,7 @@ const cli_command cmd_angle_slope = {
     "is needed for --height top only. By default a cell is as wide as the mean diameter of the grains.\n"
     "Without r it is as wide as the widest gap along x between neighbouring points, so that no cell is\n"
     "empty, or as the median distance from a point to its nearest one, where that is larger.\n"
+    "For points in pixels, whose y is the row of a picture, give --y-axis down.\n"
     "Fewer than 5 filled cells: no_pile; fewer than half of the cells: sparse; both have exit status 1.",
     "repose angle slope pile.tsv --width 4",
     slope_params,

@@ -12,8 +12,7 @@
     X(TEXT, fit, "", "mu", "",                                                                               \
       "parameter sought, or two (mu,mu_roll); the piles must vary these and no others")                      \
     X(TEXT, sweep, "", "sweeps/studies/calibrate.cfg", "", "sweep file of the piles that give the response") \
-    X(TEXT, o, "", "build/sweeps/calibrate", "",                                                             \
-      "folder of that sweep; runs that it holds are not made again")                                         \
+    X(TEXT, o, "", "calibrate", "", "folder of that sweep; runs that it holds are not made again")           \
     X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
@@ -50,6 +49,9 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     FILE *out;
     rp_status status = cli_claim_sweep(folder, file, o->force);
     if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
+    if (!status && !o->quiet && counts.stored < counts.planned)
+        fprintf(stderr, "repose calibrate: makes %zu piles, once, and keeps them in the folder %s\n",
+                counts.planned - counts.stored, folder);
     if (!status)
         status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
                                o->quiet, &counts);
@@ -57,7 +59,7 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     if (!status) status = rp_file_open(path, &out);
     if (status) return status;
     return rp_file_close(path, out,
-                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), out));
+                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), NULL, out));
 }
 
 /* The names under --fit, one or two, as column numbers. */
@@ -182,31 +184,14 @@ static void note_scope(const source *s)
                   "other models, protocols or sizes: the answer does not carry over to them");
 }
 
-/* The fitted angle over the whole range of the parameters, from the least to the largest. */
-static void find_reach(const stats_calibration *c, size_t angle, double reach[2])
-{
-    enum { SAMPLES = 65 };
-    const size_t rows = c->n_params > 1 ? SAMPLES : 1;
-    double variance;
-    reach[0] = INFINITY, reach[1] = -INFINITY;
-    for (size_t i = 0; i < SAMPLES * rows; i++) {
-        const double part[] = {(double)(i % SAMPLES) / (SAMPLES - 1), (double)(i / SAMPLES) / (SAMPLES - 1)};
-        double x[STATS_MAX_PARAMS] = {0};
-        for (size_t p = 0; p < c->n_params; p++) x[p] = c->lo[p] + part[p] * (c->hi[p] - c->lo[p]);
-        const double value = stats_response_value(&c->response[angle], x, &variance);
-        reach[0] = fmin(reach[0], value);
-        reach[1] = fmax(reach[1], value);
-    }
-}
-
 /* "theta_r from 10 to 35 degrees and theta_t ..., for 0.1 <= mu <= 0.6" */
 static void reach_text(const source *s, const stats_calibration *c, unsigned mask, char *text, size_t size)
 {
     size_t used = 0;
     for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
-        double reach[2];
+        double reach[2], at[2][STATS_MAX_PARAMS];
         if (!(mask & 1u << angle)) continue;
-        find_reach(c, a++, reach);
+        stats_calibration_reach(c, a++, reach, at);
         used += (size_t)snprintf(text + used, size - used, "%s%s from %.3g to %.3g degrees",
                                  used ? " and " : "", angle_names[angle], reach[0], reach[1]);
     }
@@ -264,30 +249,33 @@ static void print_found(const source *s, const stats_calibrated found[])
         }
 }
 
-/* What would make these piles reach the measurement. Near the end of its range a response may be flat. */
+/* What would make these piles reach the measurement: more of the range where the response is largest, or
+ * smallest, at an end. Near its end the response may be flat. */
 static const char *how_to_extend(const source *s, const stats_calibration *c, stats_calibrated_status why,
                                  char text[256])
 {
-    double reach[2], variance, x[STATS_MAX_PARAMS] = {c->hi[0]};
     const bool above = why == STATS_CALIBRATED_ABOVE_RANGE;
     if (c->n_params > 1 || why == STATS_CALIBRATED_NO_MATCH) {
         snprintf(text, 256, "piles of other %s (--sweep), or of another parameter (--fit), may reach further",
                  s->params[0]);
         return text;
     }
-    find_reach(c, 0, reach);
-    x[0] = above ? c->hi[0] : c->lo[0];
-    const double end = stats_response_value(&c->response[0], x, &variance);
-    x[0] += (above ? -0.1 : 0.1) * (c->hi[0] - c->lo[0]);
-    const bool flat =
-        fabs(end - stats_response_value(&c->response[0], x, &variance)) < 0.02 * (reach[1] - reach[0]);
-    const double last = above ? c->hi[0] : c->lo[0];
-    if (flat)
+    double reach[2], at[2][STATS_MAX_PARAMS], variance;
+    stats_calibration_reach(c, 0, reach, at);
+    const double x = at[above][0], inward = 0.1 * (c->hi[0] - c->lo[0]);
+    const bool inside = x > c->lo[0] && x < c->hi[0], upper = x == c->hi[0];
+    const double near =
+        stats_response_value(&c->response[0], &(double){upper ? x - inward : x + inward}, &variance);
+    if (inside)
+        snprintf(text, 256,
+                 "the angle is %s within the range, near %s = %.3g: vary another parameter (--fit)",
+                 above ? "largest" : "smallest", s->params[0], x);
+    else if (fabs(reach[above] - near) < 0.02 * (reach[1] - reach[0]))
         snprintf(text, 256, "the angle hardly changes near %s = %g: vary another parameter (--fit)",
-                 s->params[0], last);
+                 s->params[0], x);
     else
         snprintf(text, 256, "piles with %s %s %g (--sweep) extend it", s->params[0],
-                 above ? "above" : "below", last);
+                 upper ? "above" : "below", x);
     return text;
 }
 
@@ -295,9 +283,9 @@ static const char *how_to_extend(const source *s, const stats_calibration *c, st
 static void warn_outside(const stats_calibration *c, unsigned mask, const stats_measured *m)
 {
     for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
-        double reach[2];
+        double reach[2], at[2][STATS_MAX_PARAMS];
         if (!(mask & 1u << angle)) continue;
-        find_reach(c, a, reach);
+        stats_calibration_reach(c, a, reach, at);
         if (m->angle[a] < reach[0] || m->angle[a] > reach[1])
             fprintf(stderr,
                     "repose calibrate: %s = %g degrees lies outside what the response reaches, %.3g to %.3g: "
@@ -584,7 +572,9 @@ const cli_command cmd_calibrate = {
     "friction that gives a measured angle of repose, with its interval",
     "--theta-r-deg ANGLE --error-deg SE [options]",
     "Finds the friction that gives a measured angle. Piles are simulated over a range of friction; this\n"
-    "takes some minutes the first time and is stored in -o. The mean angles, weighted by their errors,\n"
+    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next "
+    "call\n"
+    "from there takes no time. The mean angles, weighted by their errors,\n"
     "are fitted by powers or a saturating form, whichever has the least AIC. The fit is inverted.\n"
     "\n"
     "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"
@@ -596,9 +586,9 @@ const cli_command cmd_calibrate = {
     "  at_least         the upper end of the interval lies beyond the simulated range\n"
     "  at_most          the lower end lies beyond it\n"
     "  not_identified   every friction of the range agrees\n"
-    "  above_range      the angle is larger than all simulated ones\n"
-    "  below_range      the angle is smaller than all simulated ones\n"
-    "  no_match         no friction agrees with all measurements\n"
+    "  above_range      the angle is larger than the fitted one anywhere in the range\n"
+    "  below_range      the angle is smaller than the fitted one anywhere in the range\n"
+    "  no_match         no friction agrees with both angles together\n"
     "  underdetermined  two parameters are sought from one angle\n"
     "The exit status is 1 unless the status is ok.\n"
     "\n"

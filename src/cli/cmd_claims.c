@@ -13,7 +13,8 @@
     X(TEXT, id, "", "all", "", "one claim, with its variants")                                               \
     X(BOOL, variants, "", "false", "",                                                                       \
       "also the claims under other choices that a paper leaves open; the header does not count them")        \
-    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")
+    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")          \
+    X(BOOL, power, "", "false", "", "the power of each test, and the runs that 0.95 needs")
 
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
 
@@ -65,6 +66,26 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
     }
 }
 
+static void print_powers(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+{
+    rp_table_note(stdout, "asked power", "%g", CLI_POWER);
+    rp_table_header(stdout,
+                    "id, test, effect [own], se [own], sweep, runs, power, needed, needed_sd, seconds "
+                    "[s], verdict");
+    for (size_t i = 0; i < all->n; i++) {
+        const cli_claim *c = &all->claims[i];
+        const size_t mark = cli_mark();
+        cli_power p;
+        if (chosen(c, o) && cli_claim_power(c, o->tables, &judged[i], &p)) {
+            printf("%s\t%s\t", c->id, c->test_word);
+            printf("%g\t%.3g\t%s\t%g\t", p.effect, p.se, p.sweep.name, p.runs);
+            printf("%.3f\t%g\t%g\t%.0f\t%s\n", p.power, p.needed, p.needed_sd, p.seconds,
+                   stats_verdict_texts[judged[i].verdict]);
+        }
+        cli_release(mark);
+    }
+}
+
 static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
     cli_judged *judged;
@@ -72,7 +93,7 @@ static rp_status judge_all(const cli_claims *all, const claims_options *o)
     if (status) return status;
     cli_table(stdout);
     note_counts(all, judged, o);
-    print_verdicts(all, judged, o);
+    (o->power ? print_powers : print_verdicts)(all, judged, o);
     return RP_OK;
 }
 
@@ -110,7 +131,13 @@ const cli_command cmd_claims = {
     "  can't be tested   for the reason given\n"
     "  by eye            the claim is a picture without a number\n"
     "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers.",
+    "Claims of paper `ours` are this program's own, beyond the papers.\n"
+    "--power takes present tables for a pilot: the chance that a test decides if the effect is as large as\n"
+    "matters (of `independent` and `order`: if there is none), with the present `runs` a grid point; and\n"
+    "how many are `needed` for a chance of 0.95, inf where the paper's own error is too large; needed_sd: "
+    "if\n"
+    "the paper's +- is a standard deviation; seconds: processor time of the sweep with needed_sd. Claims\n"
+    "without an error or a sweep have no row.",
     "repose claims --paper lh",
     claims_params,
     .prints_table = true,

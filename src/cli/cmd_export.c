@@ -92,7 +92,7 @@ static rp_status select_rows(rp_table *table, const rp_texts *conditions)
 }
 
 /* A sweep's runs or points, with all parameters, by way of memory. */
-static rp_status read_sweep(const char *dir, bool reduce, rp_table **table)
+static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, sweep_counts *counts)
 {
     char path[64];
     const int memory = memfd_create("sweep", MFD_CLOEXEC);
@@ -101,25 +101,27 @@ static rp_status read_sweep(const char *dir, bool reduce, rp_table **table)
     snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
     rp_status status =
         sweep_export(dir, sweep_protocols, SWEEP_PARAMETERS | (reduce ? SWEEP_POINTS : SWEEP_RUNS),
-                     cli_command_line(), file);
+                     cli_command_line(), counts, file);
     if (!status) status = cli_texts_read(path, table);
     if (!status) (*table)->path = dir;
     fclose(file);
     return status;
 }
 
-/* The table that a run, a sweep or a file stands for. */
-static rp_status read_source(const char *source, const export_options *o, rp_table **table)
+/* The table that a run, a sweep or a file stands for; of a sweep its counts, else nothing planned. */
+static rp_status read_source(const char *source, const export_options *o, rp_table **table,
+                             sweep_counts *counts)
 {
     char *path = cli_memory(strlen(source) + 16, 1);
     strcpy(path, source);
+    *counts = (sweep_counts){0};
     const bool sweep = is_there(source, "sweep.cfg"), run = is_there(source, "states.tsv");
     struct stat info;
     if (o->reduce && !sweep) return rp_fail(RP_USAGE, "--reduce goes with a sweep; %s is none", source);
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
     if (run) strcat(path, "/states.tsv");
-    rp_status status = sweep ? read_sweep(source, o->reduce, table) : cli_table_read(path, table);
+    rp_status status = sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table);
     return status ? status : select_rows(*table, &o->where);
 }
 
@@ -127,7 +129,8 @@ static rp_status export_table(const char *source, const export_options *o)
 {
     rp_table *t;
     cli_export e;
-    rp_status status = read_source(source, o, &t);
+    sweep_counts counts;
+    rp_status status = read_source(source, o, &t, &counts);
     if (status) return status;
     size_t n = t->n_columns;
     int *columns = cli_memory(n + strlen(o->columns), sizeof *columns);
@@ -138,7 +141,8 @@ static rp_status export_table(const char *source, const export_options *o)
     if (!status) status = cli_export_open(o->o, &e);
     if (status) return status;
     status = (o->to == TO_CSV ? cli_export_csv : cli_export_json)(t, n, columns, e.out);
-    return cli_export_close(&e, status);
+    status = cli_export_close(&e, status);
+    return status ? status : cli_check_whole(source, &counts);
 }
 
 /* ---- frames of a run ---- */
@@ -150,37 +154,26 @@ static bool is_number(const char *text)
     return *text && !*end;
 }
 
-/* Every cell of a frame's table is a number, and equal steps follow one another. */
+/* Every cell of a frame's table is a number, and steps rise. */
 static rp_status find_frames(rp_table *table, cli_frames *f)
 {
-    double step = NAN, next;
+    double *step = cli_memory(table->n_rows, sizeof *step), unused;
     rp_status status = RP_OK;
-    *f = (cli_frames){.table = table,
-                      .first = cli_memory(table->n_rows + 1, sizeof *f->first),
-                      .steps = cli_memory(table->n_rows, sizeof *f->steps),
-                      .step = rp_table_column(table, "step"),
-                      .t = rp_table_column(table, "t")};
+    *f = (cli_frames){
+        .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
     for (size_t i = 0; i < table->n_rows && !status; i++) {
         for (size_t c = 0; c < table->n_columns && !status; c++)
             if (!is_number(cli_export_cell(table, i, (int)c)))
-                status = rp_table_number(table, i, (int)c, true, &next);
-        if (!status && f->step >= 0) status = rp_table_number(table, i, f->step, false, &next);
-        if (f->step < 0) next = 0.0;
-        if (!status && next < step)
-            status = rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->path, table->lines[i],
-                             next, step);
-        if (next != step) f->steps[f->n] = next, f->first[f->n++] = i;
-        step = next;
+                status = rp_table_number(table, i, (int)c, true, &unused);
+        if (!status && f->step >= 0) status = rp_table_number(table, i, f->step, false, &step[i]);
     }
-    f->first[f->n] = table->n_rows;
-    return status;
-}
-
-size_t cli_frame_at(const cli_frames *f, double step)
-{
-    size_t k = 0;
-    while (k < f->n && f->step >= 0 && f->steps[k] != step) k++;
-    return k;
+    if (status) return status;
+    cli_frames_split(table->n_rows, step, f);
+    for (size_t k = 1; k < f->n; k++)
+        if (f->steps[k] < f->steps[k - 1])
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->path,
+                           table->lines[f->first[k]], f->steps[k], f->steps[k - 1]);
+    return RP_OK;
 }
 
 double cli_frame_step(const cli_run_frames *run, size_t frame)
@@ -285,9 +278,10 @@ static rp_status export_frames(const char *source, const export_options *o)
 {
     cli_run_frames run = {0};
     rp_table *table;
+    sweep_counts none;
     if (is_there(source, "sweep.cfg"))
         return rp_fail(RP_USAGE, "%s is a sweep, which has no grains: csv and json go with it", source);
-    rp_status status = read_source(source, o, &table);
+    rp_status status = read_source(source, o, &table, &none);
     if (!status) status = find_frames(table, &run.grains);
     if (!status) status = find_grains(&run, o->columns);
     if (!status && run.grains.n == 0) status = rp_fail(RP_BAD_INPUT, "%s: no grains", source);
@@ -304,7 +298,7 @@ static rp_status export_frames(const char *source, const export_options *o)
 static rp_status act_export(void *values)
 {
     const export_options *o = values;
-    const char *source = cli_argument(0);
+    const char *source = cli_data(cli_argument(0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT)
         return rp_fail(RP_USAGE, "--set goes with --to lammps-input");
     switch ((target)o->to) {

@@ -79,21 +79,50 @@ static void print_protocol(const sweep_protocol *protocol)
         printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
 }
 
+/* ---- the same as rows of a table, for --json ---- */
+
+static void schema_rows(const char *of, const char *kind, const rp_param *schema)
+{
+    char text[64];
+    for (const rp_param *p = schema; p->name; p++)
+        printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
+               type_word(p->type), default_of(p, text), shown(p->range), p->meaning);
+}
+
+static void scene_rows(void)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema);
+}
+
+static void protocol_rows(const sweep_protocol *protocol)
+{
+    schema_rows(protocol->name, "parameter", protocol->schema);
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        printf("%s\toutput\t%s\t%s\treal\t-\t-\t%s\n", protocol->name, o->name, shown(rp_unit(o->unit)),
+               o->meaning);
+}
+
 static rp_status print_all(void *values)
 {
     const params_options *o = values;
     const char *name = cli_argument(0);
-    rp_units_set((rp_units)o->units);
+    const bool rows = cli_given("json");
     bool found = false;
+    rp_units_set((rp_units)o->units);
+    if (rows) {
+        cli_provenance(stdout);
+        rp_table_header(stdout, "of, kind, name, unit, type, default, range, meaning");
+    }
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
-        if (found) putchar('\n');
-        print_protocol(*p);
+        if (found && !rows) putchar('\n');
+        (rows ? protocol_rows : print_protocol)(*p);
         found = true;
     }
     if (!name || strcmp(name, "scene") == 0) {
-        if (found) putchar('\n');
-        print_scene();
+        if (found && !rows) putchar('\n');
+        (rows ? scene_rows : print_scene)();
         found = true;
     }
     if (found) return RP_OK;
@@ -110,7 +139,9 @@ const cli_command cmd_params = {
     "[PROTOCOL | scene] [--units WORD]",
     "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
     "protocol's outputs. `scene` prints the keys of a scene file. Without an argument, everything is\n"
-    "printed.",
+    "printed. With --json, each parameter, key and output is an object of `rows`, with the members of,\n"
+    "kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
+    .prints_table = true,
     .act = print_all};

@@ -13,11 +13,13 @@
 #include "cli/watch.h"
 #include "core/clock.h"
 #include "core/config.h"
+#include "core/units.h"
 #include "dem/scene.h"
 #include "sweeps/driver/sweep.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
-    X(TEXTS, set, "", "", "", "KEY=VALUE or GROUP.KEY=VALUE replaces a key of the file; may be repeated")    \
+    X(TEXTS, set, "", "", "",                                                                                \
+      "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
       "interval of the frames (of a sweep's run: energies) written; auto: the final frame (energies: 100)")  \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
@@ -230,17 +232,30 @@ static void report_place(const char *directory)
     fputc('\n', stderr);
 }
 
+/* " cm" or another unit of the scene; numbers in units of the grains have none. */
+static const char *unit_text(const char *cgs, char text[32])
+{
+    const bool named = rp_units_now() != RP_SIGMA;
+    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(cgs) : "");
+    return text;
+}
+
 /* What happened, in one line. */
 static void report_end(const scene_run *r, const char *directory)
 {
     bool rest;
+    char unit[32];
     cli_slope slope;
     if (cli_at_rest(r->sim, &rest) || cli_slope_of(r->sim, &slope)) return;
-    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g s; %s", dem_count(r->sim), dem_step(r->sim),
-            dem_time(r->sim), rest ? "at rest" : "not at rest");
-    if (rest && !isnan(slope.theta))
-        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.3g to %.3g (method 3)",
-                slope.theta, slope.se, slope.x[0], slope.x[1]);
+    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(r->sim), dem_step(r->sim),
+            dem_time(r->sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
+    if (rest && !isnan(slope.theta)) {
+        /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
+        const double digit = pow(10.0, floor(log10(slope.x[1] - slope.x[0])) - 2.0);
+        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
+                slope.theta, slope.se, digit * round(slope.x[0] / digit) + 0.0,
+                digit * round(slope.x[1] / digit) + 0.0, unit_text("cm", unit));
+    }
     report_place(directory);
 }
 
@@ -483,7 +498,10 @@ static rp_status resume(const run_options *o)
     bool done;
     rp_status status =
         cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
-    if (!status && done) return RP_OK;
+    if (!status && done) {
+        printf("%s: the run is done; its tables are in this folder\n", o->resume);
+        return RP_OK;
+    }
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
         cli_unfinished_close(&out.unfinished);
@@ -520,6 +538,9 @@ const cli_command cmd_run = {
     "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] [--plot] "
     "[--quiet] | [SCENE.cfg] --resume DIR [--plot] [--quiet] | SWEEP.cfg [--row N] [--every N] [--ledger] "
     "-o DIR [--force] [--quiet]",
+    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
+    "PREFIX/share/repose where it is installed.\n"
+    "\n"
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"

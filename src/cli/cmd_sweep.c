@@ -22,6 +22,12 @@ void cli_print_counts(const sweep_counts *counts)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
 }
 
+rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
+{
+    rp_status status = sweep_check_whole(dir, counts);
+    return status ? rp_prefix(status, "the table is not whole: ") : RP_OK;
+}
+
 /* An energy that grows is seen in a run's tables, and not in its row. */
 static void warn_undamped(const char *file, const sweep_counts *counts)
 {
@@ -41,6 +47,20 @@ static void warn_undamped(const char *file, const sweep_counts *counts)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
+static void print_planned(const char *dir, const sweep_counts *counts)
+{
+    if (!cli_given("json")) {
+        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir, counts->planned,
+               counts->points, counts->replicas, counts->stored);
+        return;
+    }
+    cli_provenance(stdout);
+    rp_table_note(stdout, "folder", "%s", dir);
+    rp_table_header(stdout, "runs, points, replicas, stored");
+    CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
+            (double)counts->stored);
+}
+
 static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
@@ -51,9 +71,7 @@ static rp_status act_plan(void *values)
                                sweep_protocols, cli_watch(o->quiet), &counts);
     if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
     if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status)
-        printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", o->o, counts.planned,
-               counts.points, counts.replicas, counts.stored);
+    if (!status) print_planned(o->o, &counts);
     return status;
 }
 
@@ -72,6 +90,7 @@ static const cli_command plan = {
     "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
+    .prints_table = true,
     .act = act_plan};
 
 #define LIMITS(X)                                                                                            \
@@ -163,13 +182,15 @@ CLI_OPTIONS(export, EXPORT_OPTIONS)
 static rp_status act_export(void *values)
 {
     const export_options *o = values;
+    sweep_counts counts;
     FILE *out;
     rp_status status = sweep_check_output(cli_argument(0), o->o);
     if (!status) status = rp_file_open(o->o, &out);
     if (status) return status;
     status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
-                          cli_command_line(), out);
-    return rp_file_close(o->o, out, status);
+                          cli_command_line(), &counts, out);
+    status = rp_file_close(o->o, out, status);
+    return status ? status : cli_check_whole(cli_argument(0), &counts);
 }
 
 static const cli_command export = {
@@ -178,7 +199,8 @@ static const cli_command export = {
     "DIR [--reduce] [-o FILE]",
     "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
     "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs\n"
-    "that are aborted (see sweep run) are among the failed; the header then has their number.",
+    "that are aborted (see sweep run) are among the failed; the header then has their number. While runs\n"
+    "are missing or aborted, the table has the others, and the exit status is 1.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
     .prints_table = true,
@@ -190,8 +212,13 @@ static rp_status act_digest(void *values)
     char text[33];
     size_t rows;
     rp_status status = sweep_digest(cli_argument(0), sweep_protocols, text, &rows);
-    if (!status) printf("%s\t%zu\n", text, rows);
-    return status;
+    if (status) return status;
+    if (!cli_given("json")) return printf("%s\t%zu\n", text, rows), RP_OK;
+    cli_provenance(stdout);
+    rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */
+    rp_table_header(stdout, "runs");
+    CLI_ROW((double)rows);
+    return RP_OK;
 }
 
 static const cli_command digest = {
@@ -199,9 +226,11 @@ static const cli_command digest = {
     "print a digest of all results",
     "DIR",
     "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does\n"
-    "not depend on the number of workers or on interruptions. Exit status 1 while rows are missing.",
+    "not depend on the number of workers or on interruptions. Exit status 1 while rows are missing. With\n"
+    "--json, the digest is among the notes.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
+    .prints_table = true,
     .act = act_digest};
 
 /* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
@@ -259,7 +288,7 @@ static rp_status export_to(const make_options *o, const char *name, const char *
     FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
     rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), out);
+    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), NULL, out);
     return out ? rp_file_close(path, out, status) : status;
 }
 

@@ -19,10 +19,7 @@ static rp_status act_merge(void *values)
                   merged.stores, merged.duplicates, merged.foreign);
     if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(&counts);
-    return counts.stored < counts.planned
-               ? rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", cli_argument(0),
-                         counts.planned - counts.stored, counts.planned)
-               : sweep_check_aborted(&counts);
+    return sweep_check_whole(cli_argument(0), &counts);
 }
 
 const cli_command cmd_sweep_merge = {
@@ -40,7 +37,7 @@ const cli_command cmd_sweep_merge = {
 
 #define SLURM_OPTIONS(X)                                                                                     \
     X(INT, shards, "", NULL, "[1, 100000]", "jobs of the array")                                             \
-    X(INT, j, "", "1", "[1, 4096]", "processors of each job, and its workers")                               \
+    X(INT, j, "", "1", "[1, 4096]", "worker processes of each job, and its processors")                      \
     X(TEXT, time, "", "1:00:00", "", "longest time of a job, as sbatch takes it")                            \
     X(TEXT, mem, "", "1G", "", "memory of each processor")
 

@@ -179,12 +179,33 @@ static size_t index_of(const char *name)
     return i;
 }
 
+/* Names of the commands that work on several processors. */
+static void list_parallel(const cli_command *const *c, char *names, size_t size)
+{
+    for (; *c; c++) {
+        const size_t used = strlen(names);
+        if ((*c)->group)
+            list_parallel((*c)->group, names, size);
+        else if ((*c)->options && rp_params_find((*c)->options(), "j"))
+            snprintf(names + used, size - used, "%s%s", used ? ", " : "", (*c)->name);
+    }
+}
+
+static rp_status not_parallel(void)
+{
+    char names[256] = "";
+    list_parallel(cli_commands, names, sizeof names);
+    return rp_fail(RP_USAGE, "unknown option -j: repose %s works on one processor; -j goes with %s",
+                   line.command->name, names);
+}
+
 /* An option that is written with too few or too many dashes is found as well. */
 static rp_status unknown_option(const char *text)
 {
     char word[64], nearest[96] = "";
     const char *name = text + strspn(text, "-");
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
+    if (strcmp(word, "j") == 0) return not_parallel();
     rp_guess guess = rp_guess_of(word);
     rp_guess_schema(&guess, line.options);
     rp_guess_try(&guess, "help");
@@ -306,7 +327,7 @@ static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    rp_status status = cli_table_read(cli_argument(0), &table);
+    rp_status status = cli_table_read(cli_data(cli_argument(0)), &table);
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
     for (size_t i = 0; where && i < conditions->n && !status; i++)
         status = rp_table_where(table, conditions->items[i]);

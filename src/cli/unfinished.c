@@ -206,6 +206,15 @@ static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_h
     return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
 }
 
+/* The result is in its place, and nothing of another run is beside it. */
+static bool is_whole(const char *directory, const char *table)
+{
+    char unfinished[4400], whole[4400];
+    snprintf(unfinished, sizeof unfinished, "%s/unfinished", directory);
+    snprintf(whole, sizeof whole, "%s/%s", directory, table);
+    return access(unfinished, F_OK) != 0 && access(whole, F_OK) == 0;
+}
+
 rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
                                 const char *const names[CLI_GROWING], cli_keep *keep, void *context,
                                 bool *done)
@@ -216,6 +225,7 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
     rp_snapshot s = {0};
     *u = (cli_unfinished){.lock = -1};
     rp_status status = complete_move(directory, done);
+    *done |= !status && is_whole(directory, names[0]);
     if (status || *done) return status;
     status = enter(u, directory, layout, names);
     if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot", path), OWNER, layout);

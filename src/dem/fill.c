@@ -36,8 +36,10 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng 
         long tries = 0;
         do {
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
-                return rp_fail(RP_NO_RESULT, "no room for grain %ld of %ld in %g x %g", i + 1, f->N, f->W,
-                               f->H);
+                return rp_fail(RP_NO_RESULT,
+                               "no room for grain %ld of N = %ld in W = %g, H = %g with radius_mean = %g, "
+                               "radius_max = %g: fewer or smaller grains, or a larger box",
+                               i + 1, f->N, f->W, f->H, f->radius_mean, f->radius_max);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
         } while (!is_free(c, grains, f, x, y, r));

@@ -1,6 +1,7 @@
 /* Scene files, through schemas; see scene.h. */
 #include "dem/scene.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -17,6 +18,7 @@
 typedef struct {
     dem_scene scene;
     dem_physics physics;
+    bool has_density; /* given, no default */
     double y_min, turn_deg, box_turn_deg;
     int units;
     const char *particles_file;
@@ -340,9 +342,10 @@ static rp_status alloc_grains(scene_file *file, size_t n)
     return file->scene.grains ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
 }
 
-static double mass_of(const scene_file *file, double r)
+static rp_status mass_of(const scene_file *file, double r, double *m)
 {
-    return dem_mass(file->physics.shape, file->physics.density, r);
+    *m = dem_mass(file->physics.shape, file->physics.density, r);
+    return dem_density_check(file->physics.shape, file->has_density);
 }
 
 static rp_status read_particles(const config_setting_t *list, scene_file *file)
@@ -355,7 +358,7 @@ static rp_status read_particles(const config_setting_t *list, scene_file *file)
         dem_grain *p = &file->scene.grains[i];
         rp_params_defaults(particle_schema, p);
         status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
-        if (p->m < 0.0) p->m = mass_of(file, p->r);
+        if (!status && p->m < 0.0) status = mass_of(file, p->r, &p->m);
     }
     return status;
 }
@@ -380,7 +383,7 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
         if (!status && !(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
-        if (columns[3] < 0) v[3] = mass_of(file, v[2]);
+        if (!status && columns[3] < 0) status = mass_of(file, v[2], &v[3]);
         file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
     return status;
@@ -393,6 +396,7 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
     rp_status status = rp_config_group(group, fill_schema, f, NULL);
     if (status) return status;
     status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    if (!status) status = dem_density_check(file->physics.shape, file->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     f->shape = file->physics.shape;
     f->density = file->physics.density;
@@ -438,16 +442,66 @@ static rp_status read_value(const char *value, config_t *one)
     return status ? status : rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
 }
 
-static rp_status no_group(const config_t *config, const char *name, const char *text)
+static rp_status no_member(const config_setting_t *group, const char *name, const char *text)
 {
-    const config_setting_t *root = config_root_setting(config);
     rp_guess guess = rp_guess_of(name);
-    for (int i = 0; i < config_setting_length(root); i++)
-        rp_guess_try(&guess, config_setting_name(config_setting_get_elem(root, (unsigned)i)));
+    for (int i = 0; i < config_setting_length(group); i++)
+        rp_guess_try(&guess, config_setting_name(config_setting_get_elem(group, (unsigned)i)));
     return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
 }
 
-/* Put "group.key=value" into the tree that was read, in place of what stands there. */
+/* The index in "walls[2]", which ends the name there; -1 for a name alone, -2 for no index. */
+static long take_index(char *name)
+{
+    char *open = strchr(name, '['), *end;
+    if (!open) return -1;
+    const long i = strtol(open + 1, &end, 10);
+    const bool whole = isdigit((unsigned char)open[1]) && strcmp(end, "]") == 0;
+    *open = '\0';
+    return whole ? i : -2;
+}
+
+/* One step of a path: the member `name` of the group, or its entry where the name has an index. */
+static rp_status step_into(char *name, const char *text, config_setting_t **group)
+{
+    const long i = take_index(name);
+    config_setting_t *member = config_setting_get_member(*group, name);
+    if (!member) return no_member(*group, name, text);
+    const int n = config_setting_length(member);
+    if (config_setting_is_list(member) && (i < 0 || i >= n))
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is a list of %d entries: %s[0] to %s[%d]", text, name, n,
+                       name, name, n - 1);
+    if (!config_setting_is_list(member) && i != -1)
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is no list with entries", text, name);
+    *group = i < 0 ? member : config_setting_get_elem(member, (unsigned)i);
+    return config_setting_is_group(*group)
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
+}
+
+/* Add a copy of the value to a group under this name; to a list or an array without a name. */
+static bool add_copy(config_setting_t *parent, const char *name, const config_setting_t *value)
+{
+    const int type = config_setting_type(value);
+    config_setting_t *copy = config_setting_add(parent, name, type);
+    if (!copy) return false;
+    switch (type) {
+    case CONFIG_TYPE_INT: return config_setting_set_int(copy, config_setting_get_int(value));
+    case CONFIG_TYPE_INT64: return config_setting_set_int64(copy, config_setting_get_int64(value));
+    case CONFIG_TYPE_FLOAT: return config_setting_set_float(copy, config_setting_get_float(value));
+    case CONFIG_TYPE_BOOL: return config_setting_set_bool(copy, config_setting_get_bool(value));
+    case CONFIG_TYPE_STRING: return config_setting_set_string(copy, config_setting_get_string(value));
+    default: break;
+    }
+    bool whole = true;
+    for (int i = 0; i < config_setting_length(value) && whole; i++) {
+        const config_setting_t *part = config_setting_get_elem(value, (unsigned)i);
+        whole = add_copy(copy, config_setting_name(part), part);
+    }
+    return whole;
+}
+
+/* Put "group.key=value" or "list[0].key=value" into the tree that was read, in place of what stands there. */
 static rp_status change(config_t *config, const char *text)
 {
     char path[128];
@@ -455,38 +509,22 @@ static rp_status change(config_t *config, const char *text)
     if (!equals || equals == text || equals - text >= (long)sizeof path)
         return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
     snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
+    for (char *dot; (dot = strstr(path, ".["));)
+        memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
     config_t one;
     rp_status status = read_value(equals + 1, &one);
-    if (status) {
-        config_destroy(&one);
-        return status;
-    }
-    const config_setting_t *value = config_lookup(&one, "v");
-    config_setting_t *parent = config_root_setting(config);
-    char *dot = strrchr(path, '.'), *key = dot ? dot + 1 : path;
-    if (dot) {
+    config_setting_t *group = config_root_setting(config);
+    char *key = path;
+    for (char *dot; !status && (dot = strchr(key, '.')); key = dot + 1) {
         *dot = '\0';
-        parent = config_lookup(config, path);
+        status = step_into(key, text, &group);
     }
-    int type = config_setting_type(value);
-    if (!parent || !config_setting_is_group(parent) || config_setting_is_aggregate(value))
-        status = parent ? rp_fail(RP_BAD_INPUT, "--set %s: one number, word or boolean expected", text)
-                        : no_group(config, path, text);
+    if (!status && strchr(key, '['))
+        status = rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (!status) {
-        if (config_setting_get_member(parent, key)) config_setting_remove(parent, key);
-        config_setting_t *member = config_setting_add(parent, key, type);
-        if (!member)
+        if (config_setting_get_member(group, key)) config_setting_remove(group, key);
+        if (!add_copy(group, key, config_lookup(&one, "v")))
             status = rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
-        else if (type == CONFIG_TYPE_INT)
-            config_setting_set_int(member, config_setting_get_int(value));
-        else if (type == CONFIG_TYPE_INT64)
-            config_setting_set_int64(member, config_setting_get_int64(value));
-        else if (type == CONFIG_TYPE_FLOAT)
-            config_setting_set_float(member, config_setting_get_float(value));
-        else if (type == CONFIG_TYPE_BOOL)
-            config_setting_set_bool(member, config_setting_get_bool(value));
-        else
-            config_setting_set_string(member, config_setting_get_string(value));
     }
     config_destroy(&one);
     return status;
@@ -506,6 +544,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     rp_params_defaults(top_schema, file);
     status = rp_config_group(root, top_schema, file, others);
     if (status) return status;
+    file->has_density = config_setting_get_member(root, "density") != NULL;
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");

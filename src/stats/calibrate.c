@@ -192,19 +192,24 @@ static rp_status check_measured(const stats_calibration *c, const stats_measured
     return RP_OK;
 }
 
-/* Nothing in the range agrees. One parameter and one angle: beyond which end, if the response goes on as it
- * does. */
+/* Nothing in the range agrees. One angle then lies on one side of the whole response, the same for every x.
+ * A response of one parameter that rises or falls throughout is taken to go on so, beyond the end x[0]. */
 static void no_match(const problem *s, const double x[], stats_calibrated result[])
 {
-    bool at_end = x[0] == s->c->lo[0] || x[0] == s->c->hi[0];
-    for (size_t p = 0; p < s->c->n_params; p++) result[p].status = STATS_CALIBRATED_NO_MATCH;
-    if (s->c->n_params == 2 || s->c->n_angles == 2 || !at_end || !s->c->response[0].monotone) return;
-    bool above = x[0] == s->c->hi[0];
-    result[0].status = above ? STATS_CALIBRATED_ABOVE_RANGE : STATS_CALIBRATED_BELOW_RANGE;
+    double variance;
+    const stats_calibration *c = s->c;
+    stats_calibrated_status status = STATS_CALIBRATED_NO_MATCH;
+    if (c->n_angles == 1)
+        status = s->m->angle[0] > stats_response_value(&c->response[0], x, &variance)
+                     ? STATS_CALIBRATED_ABOVE_RANGE
+                     : STATS_CALIBRATED_BELOW_RANGE;
+    for (size_t p = 0; p < c->n_params; p++) result[p].status = status;
+    const bool at_end = x[0] == c->lo[0] || x[0] == c->hi[0];
+    if (c->n_params == 2 || c->n_angles == 2 || !at_end || !c->response[0].monotone) return;
     result[0].n_solutions = 1;
     result[0].solutions[0].value = NAN;
-    result[0].solutions[0].lower = above ? x[0] : NAN;
-    result[0].solutions[0].upper = above ? NAN : x[0];
+    result[0].solutions[0].lower = x[0] == c->hi[0] ? x[0] : NAN;
+    result[0].solutions[0].upper = x[0] == c->hi[0] ? NAN : x[0];
 }
 
 static void judge(const problem *s, size_t p, stats_calibrated *r)

@@ -75,9 +75,9 @@ typedef struct {
     X(NOT_IDENTIFIED, "not_identified", "every value of the range agrees with the measurement")              \
     X(SEVERAL, "several", "separate intervals agree with the measurement")                                   \
     X(UNDERDETERMINED, "underdetermined", "more parameters than angles: limits, no value")                   \
-    X(ABOVE_RANGE, "above_range", "no value of the range agrees; the angle lies beyond the upper end")       \
-    X(BELOW_RANGE, "below_range", "no value of the range agrees; the angle lies beyond the lower end")       \
-    X(NO_MATCH, "no_match", "no parameters of the range give what was measured")
+    X(ABOVE_RANGE, "above_range", "the angle is larger than the response anywhere in the range")             \
+    X(BELOW_RANGE, "below_range", "the angle is smaller than the response anywhere in the range")            \
+    X(NO_MATCH, "no_match", "no parameters of the range give both angles together")
 
 typedef enum {
 #define X(name, word, meaning) STATS_CALIBRATED_##name,
@@ -122,6 +122,10 @@ void stats_calibration_free(stats_calibration *c);
 
 /* The fitted angle at x, and the variance of the fit and of the discrepancy. */
 double stats_response_value(const stats_response_fit *response, const double x[], double *variance);
+
+/* The least and the largest fitted angle over the whole range of the parameters, and where they are. */
+void stats_calibration_reach(const stats_calibration *c, size_t angle, double reach[2],
+                             double at[2][STATS_MAX_PARAMS]);
 
 /* SD of an angle over piles at x: a parabola in each parameter through the logarithms of the points'
  * variances, since the variance of a dozen piles alone is too uncertain for a weight. */

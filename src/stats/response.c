@@ -265,6 +265,26 @@ double stats_response_value(const stats_response_fit *r, const double x[], doubl
     return value;
 }
 
+void stats_calibration_reach(const stats_calibration *c, size_t angle, double reach[2],
+                             double at[2][STATS_MAX_PARAMS])
+{
+    enum { SAMPLES = 65 };
+    const size_t rows = c->n_params > 1 ? SAMPLES : 1;
+    double variance;
+    reach[0] = INFINITY, reach[1] = -INFINITY;
+    for (size_t i = 0; i < SAMPLES * rows; i++) {
+        const double part[] = {(double)(i % SAMPLES) / (SAMPLES - 1), (double)(i / SAMPLES) / (SAMPLES - 1)};
+        double x[STATS_MAX_PARAMS] = {0};
+        for (size_t p = 0; p < c->n_params; p++) x[p] = (1.0 - part[p]) * c->lo[p] + part[p] * c->hi[p];
+        const double value = stats_response_value(&c->response[angle], x, &variance);
+        for (int most = 0; most < 2; most++)
+            if (most ? value > reach[1] : value < reach[0]) {
+                reach[most] = value;
+                memcpy(at[most], x, sizeof x);
+            }
+    }
+}
+
 /* ---- least squares ---- */
 
 typedef struct {

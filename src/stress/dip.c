@@ -34,7 +34,7 @@ static rp_status base_width(size_t n, const double x[], const double N[], double
 rp_status stress_base_profile(size_t n, const double x[], const double r[], const double N[],
                               stress_base *base)
 {
-    double total = 0.0, moment = 0.0, inside = 0.0;
+    double total = 0.0, moment = 0.0;
     *base = (stress_base){0};
     for (size_t i = 0; i < n; i++) {
         total += N[i];
@@ -45,30 +45,56 @@ rp_status stress_base_profile(size_t n, const double x[], const double r[], cons
     rp_status status = base_width(n, x, N, total, base);
     if (status) return status;
     if (!(base->width > 0.0)) return rp_fail(RP_NO_RESULT, "base: all the load is at one position");
+    stress_base_bins(base, n, x, r, N, base->N);
+    return RP_OK;
+}
+
+void stress_base_bins(const stress_base *base, size_t n, const double x[], const double r[], const double N[],
+                      double bins[STRESS_DIP_BINS])
+{
     const double bin = base->width / STRESS_DIP_BINS, left = base->centroid - 0.5 * base->width;
+    double inside = 0.0;
+    for (int k = 0; k < STRESS_DIP_BINS; k++) bins[k] = 0.0;
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < STRESS_DIP_BINS; k++) {
             const double lo = fmax(x[i] - r[i], left + k * bin), hi = fmin(x[i] + r[i], left + (k + 1) * bin);
-            if (hi > lo) base->N[k] += N[i] * (hi - lo) / (2.0 * r[i]);
+            if (hi > lo) bins[k] += N[i] * (hi - lo) / (2.0 * r[i]);
         }
-    for (int k = 0; k < STRESS_DIP_BINS; k++) inside += base->N[k];
-    for (int k = 0; k < STRESS_DIP_BINS; k++) base->N[k] *= STRESS_DIP_BINS / inside;
-    return RP_OK;
+    for (int k = 0; k < STRESS_DIP_BINS; k++) inside += bins[k];
+    for (int k = 0; k < STRESS_DIP_BINS; k++) bins[k] *= STRESS_DIP_BINS / inside;
+}
+
+enum { HALF = STRESS_DIP_BINS / 2, BINS_01 = 2, BINS_02 = 4, BINS_03 = 6 }; /* 0.1 B is two bins, and so on */
+
+/* Mean over the bins from number `from` to before `to`, counted outwards, of both sides. */
+static double mean_between(const double N[STRESS_DIP_BINS], int from, int to)
+{
+    double sum = 0.0;
+    for (int k = HALF - to; k < HALF + to; k++)
+        if (k < HALF - from || k >= HALF + from) sum += N[k];
+    return sum / (2.0 * (to - from));
+}
+
+static double mean_load(const double N[STRESS_DIP_BINS])
+{
+    double mean = 0.0;
+    for (int k = 0; k < STRESS_DIP_BINS; k++) mean += N[k] / STRESS_DIP_BINS;
+    return mean;
 }
 
 double stress_dip(const double N[STRESS_DIP_BINS])
 {
-    double centre = 0.0, shoulders = 0.0, mean = 0.0;
-    for (int k = 0; k < STRESS_DIP_BINS; k++) {
-        const int from_middle =
-            k < STRESS_DIP_BINS / 2 ? STRESS_DIP_BINS / 2 - 1 - k : k - STRESS_DIP_BINS / 2;
-        mean += N[k] / STRESS_DIP_BINS;
-        if (from_middle < 2)
-            centre += N[k] / 4.0;
-        else if (from_middle < 6)
-            shoulders += N[k] / 8.0;
-    }
-    return (centre - shoulders) / mean;
+    return (mean_between(N, 0, BINS_01) - mean_between(N, BINS_01, BINS_03)) / mean_load(N);
+}
+
+double stress_middle(const double N[STRESS_DIP_BINS])
+{
+    return (mean_between(N, 0, BINS_01) - mean_between(N, BINS_01, BINS_02)) / mean_load(N);
+}
+
+double stress_excess(const double N[STRESS_DIP_BINS], const double rays[STRESS_DIP_BINS])
+{
+    return (mean_between(N, 0, BINS_01) - mean_between(rays, 0, BINS_01)) / mean_load(N);
 }
 
 /* Mean D of n piles drawn with replacement, each mirrored or not. */

@@ -150,9 +150,19 @@ typedef struct {
 rp_status stress_base_profile(size_t n, const double x[], const double r[], const double N[],
                               stress_base *base);
 
+/* Profile of other loads on the same base: in its bins, over their mean. NaN without load in the bins. */
+void stress_base_bins(const stress_base *base, size_t n, const double x[], const double r[], const double N[],
+                      double bins[STRESS_DIP_BINS]);
+
 /* (Mean N where |x - c| < 0.1 B, less that where 0.1 B < |x - c| < 0.3 B) over the mean N; below 0 is a dip.
  */
 double stress_dip(const double N[STRESS_DIP_BINS]);
+
+/* Two statistics of a dip; both are negative for one. The middle against its neighbours: mean N where |x - c|
+ * < 0.1 B, less that where 0.1 B < |x - c| < 0.2 B, over the mean N. The excess: mean where |x - c| < 0.1 B
+ * of N less `rays`, over the mean N; rays is the profile of 60-degree rays under the pile's own outline. */
+double stress_middle(const double N[STRESS_DIP_BINS]);
+double stress_excess(const double N[STRESS_DIP_BINS], const double rays[STRESS_DIP_BINS]);
 
 /* D of an ensemble of piles. */
 typedef struct {

@@ -38,8 +38,11 @@ rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long
  * load. alpha in (0, pi/3). Errors: those of an_continuum and stress_base_profile. */
 rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
 
-/* N of the middle of the base, of the two there if k is even, over the largest. */
-double sweep_outline_centre(size_t k, const double N[]);
+/* Profile that rays of 60 degrees put on this base under the outline of a pile of disks of mean diameter 1:
+ * the highest points of columns of that width, where disks have their highest points (x, top), joined by
+ * straight lines. Steps steeper than rays are filled. Errors: RP_NO_MEMORY, RP_BAD_INPUT (not finite). */
+rp_status sweep_outline_rays(size_t n, const double x[], const double top[], const stress_base *base,
+                             double N[STRESS_DIP_BINS]);
 
 /* Friction that the base must have at least: largest |H|/N of its disks. INFINITY for a disk that
  * carries H but no N. */

@@ -591,3 +591,12 @@ rp_status sweep_check_aborted(const sweep_counts *counts)
                   : rp_fail(RP_NO_RESULT, "%zu of %zu runs are aborted: %s; run again to try them again", n,
                             counts->planned, text);
 }
+
+rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)
+{
+    if (counts->stored < counts->planned)
+        return rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", dir, counts->planned - counts->stored,
+                       counts->planned);
+    rp_status status = sweep_check_aborted(counts);
+    return status ? rp_prefix(status, "%s: ", dir) : RP_OK;
+}

@@ -26,10 +26,13 @@ typedef struct {
 #define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
 #define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
 
-/* The same of a bin of STRESS_DIP_BIN_LIST, for protocols whose piles `repose stress dip` reads. */
-#define SWEEP_BIN_INDEX(k) OUT_n_##k,
-#define SWEEP_BIN_ROW(k)                                                                                     \
+/* The same of the bins of the base (STRESS_DIP_BIN_LIST), for protocols whose piles `repose stress dip`
+ * reads: the pressure there, and that of rays. */
+#define SWEEP_N_INDEX(k)    OUT_n_##k,
+#define SWEEP_RAYS_INDEX(k) OUT_rays_##k,
+#define SWEEP_N_ROW(k)                                                                                       \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+#define SWEEP_RAYS_ROW(k) {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */

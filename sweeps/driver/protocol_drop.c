@@ -18,17 +18,18 @@
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
  * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
  * outputs are kept. */
+#include <assert.h>
 #include <gsl/gsl_fit.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "analytic/analytic.h"
 #include "stress/stress.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
 #include "sweeps/driver/box.h"
+#include "sweeps/driver/pile.h"
 
 /* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
 #pragma GCC diagnostic ignored "-Woverride-init"
@@ -37,12 +38,13 @@ typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
     double damping_shear, rest_speed, rest_force, x_limit;
     long N, max_steps;
-    int law;
+    int law, collisions;
 } drop_params;
 
 #define AT(field) offsetof(drop_params, field)
 
 enum { LAW_SLIP_ROLL, LAW_SPRING };
+enum { COLLISIONS_HARD, COLLISIONS_SOFT };
 
 /* clang-format off */
 #define ROW(...)            DEM_NAME_ROW(drop_params, , __VA_ARGS__)
@@ -55,6 +57,7 @@ static const rp_param schema[] = {
     {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
     {"radius_width", "d/2", RP_REAL, AT(radius_width), "0", "[0, 0.2]", "standard deviation of the radii, cut at three of it"},
     {"law", "", RP_CHOICE, AT(law), "spring", "slip_roll | spring", "tangential law: viscous slip under mu N, and wells of the ground; or shear springs, at the ground too"},
+    {"collisions", "", RP_CHOICE, AT(collisions), "hard", "hard | soft", "of fast disks: instantaneous ones, or soft contacts alone", true},
     {"restitution", "", RP_REAL, AT(restitution), "0.5", "[0, 1]", "of hard collisions"},
     {"eps", "", RP_REAL, AT(eps), "2e-3", "[1e-6, 1e-2]", "m g/(K_s d)"},
     {"damping", "", RP_REAL, AT(damping), "0.15", "(0, 2]", "normal, of contacts, over critical of a pair"},
@@ -81,7 +84,12 @@ static const rp_param schema[] = {
     X(balance, "", "1 - load of the ground over weight") \
     X(capped, "", "drops that did not come to rest within max_steps; a pile with one is no result") \
     X(away, "", "disks that rolled away") \
+    X(excess, "", "N less that of 60-degree rays under the pile's outline, mean within 0.1 B of the centroid, over the mean N") \
+    X(middle, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.2 B, over the mean N") \
     X(psi6, "", "mean |psi_6| of the disks with two or more neighbours") \
+    X(strongest_60, "", "share of the strongest contacts of the disks that run within 10 degrees of 60 or 120") \
+    X(packed, "", "share of the disks that are close-packed: six neighbours, |psi_6| at least 0.9") \
+    X(packed_60, "", "strongest_60 of the contacts between close-packed disks") \
     X(contacts, "", "mean contacts a disk") \
     X(moved_max, "", "largest number of disks that a drop moved by more than 0.1 d, itself left out") \
     X(moved_share, "", "share of drops that moved more than 10") \
@@ -89,8 +97,13 @@ static const rp_param schema[] = {
     X(steps, "", "steps of the drops") \
     X(relax_steps, "", "steps of the relaxation at the end")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
+enum {
+    OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
+        N_OUTPUTS
+};
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW)
+                                           STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW){0}};
+static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 typedef struct {
     const drop_params *p;
@@ -138,7 +151,7 @@ static dem_definition make_scene(const drop_params *p)
                                   .mu_roll = p->mu_roll,
                                   .k_roll = 0.05 * k,
                                   .gamma_roll = gamma_s};
-    def.hard = (dem_hard){true, p->restitution, p->mu};
+    def.hard = (dem_hard){p->collisions == COLLISIONS_HARD, p->restitution, p->mu};
     dem_box_walls(&def, 1.0, &def.material);
     def.n_walls = 1; /* the floor of that box */
     if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
@@ -372,41 +385,96 @@ static void measure_shape(const drop *d)
     v[OUT_right_deg] = side_slope(d, 1.0, top);
 }
 
-/* |mean of exp(6 i theta)| over the neighbours nearer than 1.25 times touching. */
-static void measure_order(const drop *d)
+/* Index of the disk with that id among those that are left, n if it is not. Both orders ascend. */
+static size_t find(const drop *d, uint32_t id)
 {
-    double sum = 0.0, n = 0.0, contacts = 0.0;
-    for (size_t i = 0; i < d->n; i++) {
-        const dem_state *a = &d->states[i];
-        double re = 0.0, im = 0.0, near = 0.0;
-        contacts += a->contacts;
-        for (size_t j = 0; j < d->n; j++) {
-            const dem_state *b = &d->states[j];
-            const double dx = b->x - a->x, dy = b->y - a->y, reach = 1.25 * (a->r + b->r),
-                         r2 = dx * dx + dy * dy;
-            if (i == j || r2 > reach * reach) continue;
-            const double c2 = (dx * dx - dy * dy) / r2, s2 = 2.0 * dx * dy / r2; /* of 2 theta; cubed */
-            re += c2 * c2 * c2 - 3.0 * c2 * s2 * s2;
-            im += 3.0 * c2 * c2 * s2 - s2 * s2 * s2;
-            near += 1.0;
-        }
-        if (near < 2.0) continue;
-        sum += sqrt(re * re + im * im) / near;
-        n += 1.0;
+    size_t lo = 0, hi = d->n;
+    while (lo < hi) {
+        const size_t mid = lo + (hi - lo) / 2;
+        if (d->states[mid].id < id)
+            lo = mid + 1;
+        else
+            hi = mid;
     }
-    d->result->values[OUT_psi6] = sum / n;
-    d->result->values[OUT_contacts] = contacts / (double)d->n;
+    return lo < d->n && d->states[lo].id == id ? lo : d->n;
 }
 
-static rp_status measure_base(const drop *d)
+/* Within 10 degrees of 60 or 120 degrees to the horizontal. */
+static bool is_at_60(const dem_contact *c)
+{
+    const double turn = sweep_degrees(atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)));
+    return fabs(turn - 60.0) <= 10.0;
+}
+
+/* Of contacts between disks that no other contact of one of their disks is stronger than; most[i]: the
+ * strongest force of disk i. */
+static void measure_strongest(const drop *d, size_t n, const dem_contact contacts[], const bool packed[],
+                              double most[])
+{
+    double all[2] = {0.0}, at_60[2] = {0.0};
+    for (int pass = 0; pass < 2; pass++)
+        for (const dem_contact *c = contacts; c < contacts + n; c++) {
+            const size_t a = find(d, c->id_a), b = c->id_b ? find(d, c->id_b) : d->n;
+            if (a == d->n || b == d->n) continue;
+            if (pass == 0) {
+                most[a] = fmax(most[a], c->normal_force);
+                most[b] = fmax(most[b], c->normal_force);
+            } else if (c->normal_force >= fmin(most[a], most[b])) {
+                const bool both = packed[a] && packed[b];
+                all[0] += 1.0, all[1] += both;
+                at_60[0] += is_at_60(c), at_60[1] += both && is_at_60(c);
+            }
+        }
+    d->result->values[OUT_strongest_60] = at_60[0] / all[0];
+    d->result->values[OUT_packed_60] = at_60[1] / all[1];
+}
+
+/* Bond order, close-packed disks, and directions of the strongest contacts. */
+static rp_status measure_order(const drop *d, size_t n_contacts, const dem_contact contacts[])
+{
+    double *v = d->result->values, touching = 0.0, n_packed = 0.0;
+    double *order = calloc(2 * d->n + 1, sizeof *order), *most = order + d->n;
+    int *neighbours = calloc(d->n + 1, sizeof *neighbours);
+    bool *packed = calloc(d->n + 1, sizeof *packed);
+    rp_status status = order && neighbours && packed ? RP_OK : rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    if (!status) v[OUT_psi6] = sweep_bond_order(d->n, d->states, order, neighbours);
+    for (size_t i = 0; i < d->n && !status; i++) {
+        touching += d->states[i].contacts;
+        packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
+        n_packed += packed[i];
+    }
+    v[OUT_contacts] = touching / (double)d->n;
+    v[OUT_packed] = n_packed / (double)d->n;
+    if (!status) measure_strongest(d, n_contacts, contacts, packed, most);
+    free(order);
+    free(neighbours);
+    free(packed);
+    return status;
+}
+
+/* Pressure of rays under the outline, beside that of the base. */
+static rp_status measure_rays(const drop *d, const stress_base *base)
+{
+    double *v = d->result->values;
+    double *x = malloc((2 * d->n + 1) * sizeof *x), *top = x + d->n;
+    if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    for (size_t i = 0; i < d->n; i++) {
+        x[i] = d->states[i].x;
+        top[i] = d->states[i].y + d->states[i].r;
+    }
+    rp_status status = sweep_outline_rays(d->n, x, top, base, &v[OUT_rays_01]);
+    free(x);
+    if (!status) v[OUT_excess] = stress_excess(base->N, &v[OUT_rays_01]);
+    return status;
+}
+
+static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
     double *v = d->result->values, weight = 0.0, load = 0.0, disks = 0.0;
-    dem_contact *contacts;
-    size_t n_all, n = 0;
-    rp_status status = dem_contacts(d->sim, &contacts, &n_all);
-    double *x = malloc(3 * (n_all + 1) * sizeof *x), *r = x + n_all, *N = r + n_all;
-    if (!status && !x) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    for (size_t k = 0; k < n_all && !status; k++) {
+    size_t n = 0;
+    double *x = malloc(3 * (n_contacts + 1) * sizeof *x), *r = x + n_contacts, *N = r + n_contacts;
+    if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    for (size_t k = 0; k < n_contacts; k++) {
         const dem_contact *c = &contacts[k];
         if (c->id_b || fabs(c->x) > d->p->x_limit) continue;
         x[n] = c->x;
@@ -415,10 +483,9 @@ static rp_status measure_base(const drop *d)
         load += N[n++];
     }
     stress_base base;
-    if (!status) status = stress_base_profile(n, x, r, N, &base);
+    rp_status status = stress_base_profile(n, x, r, N, &base);
     for (size_t i = 0; i < d->n; i++) weight += d->states[i].m;
     for (size_t i = 0; i < n && !status; i++) disks += fabs(x[i] - base.centroid) <= 0.5 * base.width;
-    free(contacts);
     free(x);
     if (status) return status;
     v[OUT_balance] = 1.0 - load / weight;
@@ -426,8 +493,21 @@ static rp_status measure_base(const drop *d)
     v[OUT_width] = base.width;
     v[OUT_centroid] = base.centroid;
     v[OUT_dip] = stress_dip(base.N);
+    v[OUT_middle] = stress_middle(base.N);
     memcpy(&v[OUT_n_01], base.N, sizeof base.N);
-    return RP_OK;
+    return measure_rays(d, &base);
+}
+
+static rp_status measure_contacts(const drop *d)
+{
+    dem_contact *contacts;
+    size_t n;
+    rp_status status = dem_contacts(d->sim, &contacts, &n);
+    if (status) return status;
+    status = measure_order(d, n, contacts);
+    if (!status) status = measure_base(d, n, contacts);
+    free(contacts);
+    return status;
 }
 
 /* From the states, those that rolled away. */
@@ -522,16 +602,13 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
 {
     drop d;
     rp_status status = make(&d, params, seed, run, tables ? tables->keep : NULL, result);
-    if (!status) {
-        measure_shape(&d);
-        measure_order(&d);
-    }
+    if (!status) measure_shape(&d);
     if (!status && tables && tables->directory) {
         status = rp_make_directory(tables->directory);
         if (!status) status = sweep_state_write(tables, d.sim, "pile");
         if (!status) status = write_drops(&d, tables);
     }
-    if (!status) status = measure_base(&d);
+    if (!status) status = measure_contacts(&d);
     if (!status) conclude(&d);
     return finish(&d, status);
 }

@@ -1,6 +1,7 @@
 /* Protocol `pile`: static equilibrium of a close-packed pile of soft disks, solved (statics/equilibrium.h),
  * and its forces on the base beside those of diagonal contacts alone. Replicas differ in the disks' sizes, if
  * these are unequal. Liffman, Chan & Hughes 1992. */
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,8 +42,9 @@ const rp_param sweep_pile_schema[] = {
     X(n_disks, "", "disks") \
     X(D, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.3 B, over the mean N") \
     X(D_diagonals, "", "D of the forces by diagonal contacts alone") \
-    X(N_centre, "", "N of the middle of the base over the largest") \
-    X(N_centre_diagonals, "", "N_centre of the forces by diagonal contacts alone") \
+    X(middle, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.2 B, over the mean N") \
+    X(middle_diagonals, "", "middle of the forces by diagonal contacts alone") \
+    X(excess, "", "N less that of diagonal contacts alone, mean within 0.1 B of the centroid, over the mean N") \
     X(H_ratio, "", "largest H over that of diagonals alone") \
     X(thrust_ratio, "", "sum of H outwards, both halves, over that of diagonals alone") \
     X(H_slope_ratio, "", "slope of H within 0.1 B of the middle over that of diagonals alone") \
@@ -68,8 +70,9 @@ const rp_param sweep_pile_schema[] = {
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_BIN_INDEX) N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_BIN_ROW){0}};
+enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) N_OUTPUTS };
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW){0}};
+static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
 {
@@ -202,20 +205,29 @@ static rp_status find_level(const statics_pile *pile, double *v)
     return RP_OK;
 }
 
-/* As of protocol drop, from the load of the base disks alone. A single disk has no profile. */
-static rp_status base_profile(size_t k, const double x[], const double r[], const double N[], double *dip,
-                              double profile[])
+/* As of protocol drop, from the load of the base disks alone. A single disk has no profile. Diagonal contacts
+ * alone, `exact` (NULL: not known), are rays of 60 degrees under the pile's own steps. */
+static rp_status base_profile(size_t k, const double x[], const double r[], const double N[],
+                              const double exact[], double *v)
 {
-    stress_base base;
+    stress_base base, diagonals;
+    double rays[STRESS_DIP_BINS];
     rp_status status = stress_base_profile(k, x, r, N, &base);
-    if (!status) *dip = stress_dip(base.N);
-    if (!status && profile) memcpy(profile, base.N, sizeof base.N);
-    return status == RP_NO_RESULT ? RP_OK : status;
+    if (status) return status == RP_NO_RESULT ? RP_OK : status;
+    memcpy(&v[OUT_n_01], base.N, sizeof base.N);
+    v[OUT_D] = stress_dip(base.N);
+    v[OUT_middle] = stress_middle(base.N);
+    if (!exact) return RP_OK;
+    stress_base_bins(&base, k, x, r, exact, rays);
+    v[OUT_excess] = stress_excess(base.N, rays);
+    status = stress_base_profile(k, x, r, exact, &diagonals);
+    v[OUT_D_diagonals] = stress_dip(diagonals.N);
+    v[OUT_middle_diagonals] = stress_middle(diagonals.N);
+    return status;
 }
 
 /* Beside diagonals alone, `exact` is room for 2 k numbers. */
-static rp_status compare_diagonals(sweep_solved *s, const double x[], const double r[], double exact[],
-                                   double *v)
+static void compare_diagonals(sweep_solved *s, const double x[], double exact[], double *v)
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
@@ -231,14 +243,12 @@ static rp_status compare_diagonals(sweep_solved *s, const double x[], const doub
         thrust += side * s->H[i];
         exact_thrust += side * exact[k + i];
     }
-    v[OUT_N_centre_diagonals] = sweep_outline_centre(k, exact);
     v[OUT_H_N_max_diagonals] = sweep_outline_friction(k, exact, exact + k);
     v[OUT_H_ratio] = s->H_ratio = H_most / exact_most;
     v[OUT_thrust_ratio] = thrust / exact_thrust;
     v[OUT_N_error_rms] = s->N_error_rms = sqrt(squares / (double)k);
     v[OUT_N_error_max] = s->N_error_max = most;
     v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
-    return base_profile(k, x, r, exact, &v[OUT_D_diagonals], NULL);
 }
 
 static rp_status measure(sweep_solved *s, double *v)
@@ -250,11 +260,11 @@ static rp_status measure(sweep_solved *s, double *v)
         x[i] = s->h->disks[s->disk[i]].x;
         r[i] = 0.5;
     }
-    rp_status status = s->h->exact ? compare_diagonals(s, x, r, r + k, v) : RP_OK;
-    if (!status) status = base_profile(k, x, r, s->N, &v[OUT_D], &v[OUT_n_01]);
+    double *exact = s->h->exact ? r + k : NULL;
+    if (exact) compare_diagonals(s, x, exact, v);
+    rp_status status = base_profile(k, x, r, s->N, exact, v);
     if (!status) status = find_level(s->pile, v);
     if (!status) {
-        v[OUT_N_centre] = sweep_outline_centre(k, s->N);
         v[OUT_H_N_max] = sweep_outline_friction(k, s->N, s->H);
         compare_continuum(s, x, v);
     }

@@ -70,6 +70,8 @@ enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
     X(theta_t_static_deg, "degree", "last quasi-static tilt before a grain moves 0.5 d") \
     X(theta_rt_deg, "degree", "theta_r3 + theta_t by displacement") \
     X(theta_lower_less_upper_deg, "degree", "straight line through the cells right of W/2, to the opening, less that through those left of W/2") \
+    X(theta_upper_deg, "degree", "straight line through the cells left of W/2, the upper half") \
+    X(psi6, "", "mean |psi_6| of the grains in the filled box with two or more neighbours") \
     X(grains, "", "grains with 0 < x < W in the pile") \
     X(cells, "", "occupied cells of the surface") \
     X(fill_steps_used, "", "steps until the filled box was at rest") \
@@ -185,7 +187,10 @@ static rp_status fill_to_rest(experiment *e)
 {
     rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling") : RP_OK;
     note_filling(e, status);
-    return status ? status : sweep_state_write(e->box.tables, e->box.sim, "filled");
+    if (!status) status = dem_states(e->box.sim, e->box.states);
+    if (status) return status;
+    e->values[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+    return sweep_state_write(e->box.tables, e->box.sim, "filled");
 }
 
 static rp_status open_box(experiment *e)
@@ -231,13 +236,13 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
 /* The middle cell of an odd number belongs to neither half. */
 static rp_status measure_halves(experiment *e)
 {
-    double upper = NAN, lower = NAN;
+    double *upper = &e->values[OUT_theta_upper_deg], lower = NAN;
     const ang_options options = sweep_box_options(&e->p->box);
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
-    if (!status) status = local_slope(&s, 0, s.n_cells / 2, &upper);
+    if (!status) status = local_slope(&s, 0, s.n_cells / 2, upper);
     if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &lower);
-    e->values[OUT_theta_lower_less_upper_deg] = lower - upper;
+    e->values[OUT_theta_lower_less_upper_deg] = lower - *upper;
     ang_surface_free(&s);
     return status;
 }
@@ -413,7 +418,8 @@ static rp_status fingerprint(char digits[33])
     enum { N_RUNS = 4 };
     static const char hashed[] =
         "theta_r1_deg theta_r2_deg theta_r3_deg theta_t_displacement_deg theta_t_energy_deg "
-        "theta_lower_less_upper_deg grains cells contact_number residual_energy residual_force";
+        "theta_lower_less_upper_deg theta_upper_deg psi6 grains cells contact_number residual_energy "
+        "residual_force";
     repose_params p[N_RUNS];
     sweep_result results[N_RUNS];
     for (int k = 0; k < N_RUNS; k++) {

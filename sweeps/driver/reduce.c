@@ -31,13 +31,6 @@ static size_t count_outputs(const sweep_protocol *protocol)
     return n;
 }
 
-static bool is_axis(const sweep_plan *plan, const rp_param *param)
-{
-    for (size_t a = 0; a < plan->n_axes; a++)
-        if (plan->axes[a].param == param) return true;
-    return false;
-}
-
 static void note_maker(const char *program, size_t runs, void *context)
 {
     rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
@@ -78,13 +71,13 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
     return status;
 }
 
-static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command, FILE *out)
+static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,
+                            sweep_counts *counts, FILE *out)
 {
     char text[256];
     digester digest;
-    sweep_counts counts;
     rp_status status = sweep_store_note(store, "main", "file", text, sizeof text);
-    if (!status) status = sweep_store_count(store, plan, &counts);
+    if (!status) status = sweep_store_count(store, plan, counts);
     if (!status) status = find_digest(plan, store, &digest);
     if (status) return status;
     rp_table_provenance(out, command);
@@ -94,13 +87,13 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
-    rp_table_note(out, "missing", "%zu of %zu", counts.planned - counts.stored, counts.planned);
-    rp_table_note(out, "failed", "%zu of %zu", counts.failed, counts.stored);
-    if (sweep_count_aborted(&counts) > 0)
-        rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(&counts));
+    rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
+    rp_table_note(out, "failed", "%zu of %zu", counts->failed, counts->stored);
+    if (sweep_count_aborted(counts) > 0)
+        rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
-        if (!is_axis(plan, p))
+        if (!sweep_plan_is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
@@ -125,7 +118,7 @@ static rp_status write_columns(const table *t)
     for (size_t a = 0; a < t->plan->n_axes; a++)
         add_column(list, t->plan->axes[a].param->name, "", t->plan->axes[a].param->unit);
     for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
-        if (!is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
+        if (!sweep_plan_is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
@@ -152,7 +145,7 @@ static void write_parameters(const table *t, size_t point)
     const void *values = sweep_plan_point(t->plan, point);
     for (size_t a = 0; a < t->plan->n_axes; a++) write_parameter(t->out, t->plan->axes[a].param, values);
     for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
-        if (!is_axis(t->plan, p)) write_parameter(t->out, p, values);
+        if (!sweep_plan_is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
 static rp_status write_run(const sweep_row *row, void *context)
@@ -217,13 +210,14 @@ static rp_status write_reduced(table *t, sweep_store *store)
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, FILE *out)
+                       const char *command, sweep_counts *counts, FILE *out)
 {
     sweep_folder f;
+    sweep_counts unused;
     rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) {
         table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = count_outputs(f.plan.protocol)};
-        status = write_head(&f.plan, f.store, command, out);
+        status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
         if (!status) status = write_columns(&t);
         if (!status)
             status = what & SWEEP_POINTS ? write_reduced(&t, f.store)
@@ -243,13 +237,9 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
     if (!status) status = find_digest(&f.plan, f.store, &d);
     memcpy(digest, d.text, sizeof d.text);
     *n_rows = d.n_rows;
-    if (!status && *n_rows < f.plan.n_runs)
-        status = rp_fail(RP_NO_RESULT, "%s: no digest yet: %zu of %zu runs are missing", dir,
-                         f.plan.n_runs - *n_rows, f.plan.n_runs);
     sweep_counts counts;
     if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
-    if (!status && (status = sweep_check_aborted(&counts)) != RP_OK)
-        rp_prefix(status, "%s: no digest: ", dir);
+    if (!status && (status = sweep_check_whole(dir, &counts)) != RP_OK) rp_prefix(status, "no digest: ");
     sweep_folder_close(&f);
     return status;
 }

@@ -129,6 +129,9 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
 size_t sweep_count_aborted(const sweep_counts *counts);
 rp_status sweep_check_aborted(const sweep_counts *counts);
 
+/* Is every run of the sweep in `dir` stored with an outcome? Errors: RP_NO_RESULT (missing, aborted). */
+rp_status sweep_check_whole(const char *dir, const sweep_counts *counts);
+
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
@@ -142,11 +145,11 @@ rp_status sweep_check_output(const char *dir, const char *path);
 /* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
- * too, "-" for an empty one. `command` is for the header and may be NULL.
- * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+ * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
+ * the table is made of. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, FILE *out);
+                       const char *command, sweep_counts *counts, FILE *out);
 
 /* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
  * digits and NUL. Independent of workers, interruptions, times and host.

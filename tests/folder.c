@@ -1,0 +1,55 @@
+/* Folders and files that a test makes. */
+#include "tests/folder.h"
+
+#include <ftw.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "tests/check.h"
+
+static void make_in(const char *root, const char *name, char path[FOLDER_PATH])
+{
+    snprintf(path, FOLDER_PATH, "%s/repose_%s_XXXXXX", root, name);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(path));
+}
+
+void folder_make(const char *name, char path[FOLDER_PATH])
+{
+    make_in("/tmp", name, path);
+}
+
+void folder_make_in_memory(const char *name, char path[FOLDER_PATH])
+{
+    make_in(access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp", name, path);
+}
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
+{
+    (void)info, (void)type, (void)ftw;
+    return remove(path);
+}
+
+void folder_remove(const char *path)
+{
+    nftw(path, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+void file_write(const char *path, const void *bytes, size_t n)
+{
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    CU_ASSERT(fwrite(bytes, 1, n, out) == n);
+    CU_ASSERT(fclose(out) == 0);
+}
+
+void file_print(const char *path, const char *format, ...)
+{
+    va_list args;
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    va_start(args, format);
+    vfprintf(out, format, args);
+    va_end(args);
+    CU_ASSERT(fclose(out) == 0);
+}

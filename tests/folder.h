@@ -1,0 +1,21 @@
+/* Folders and files that a test makes. */
+#ifndef FOLDER_H
+#define FOLDER_H
+
+#include <stddef.h>
+
+enum { FOLDER_PATH = 64 };
+
+/* A new folder /tmp/repose_NAME_XXXXXX; for thousands of writes in memory, where there is such a file system.
+ */
+void folder_make(const char *name, char path[FOLDER_PATH]);
+void folder_make_in_memory(const char *name, char path[FOLDER_PATH]);
+
+/* Remove a file or a folder with all that it holds. */
+void folder_remove(const char *path);
+
+/* Write a file anew: bytes, or formatted text. */
+void file_write(const char *path, const void *bytes, size_t n);
+void file_print(const char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

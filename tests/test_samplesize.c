@@ -1,0 +1,126 @@
+/* Power and number of values: closed forms, textbook's numbers, and piles that are drawn and judged. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_randist.h>
+#include <math.h>
+
+#include "core/random.h"
+#include "stats/claims.h"
+#include "stats/samplesize.h"
+#include "stats/stats.h"
+#include "tests/check.h"
+
+/* A power is an average over 64 quantiles of the estimated error. */
+static const double POWER_ERROR = 1e-3;
+
+/* Above 0 by two standard errors; a change of at most 1 is none. */
+static const stats_rule above = {0.0, INFINITY, 0.025, 2.0}, none = {-1.0, 1.0, 0.05, 1.6448536269514722};
+
+/* Known errors: the normal distribution. The error falls as the root of the number of values. */
+static void test_known_errors(void)
+{
+    const stats_pilot pilot = {.se = 0.75, .n = 16.0, .dof = INFINITY};
+    CHECK_NEAR(stats_power(&above, &pilot, 1.2, 16.0), gsl_cdf_ugaussian_P(1.2 / 0.75 - 2.0), 1e-15);
+    CHECK_NEAR(stats_power(&above, &pilot, 1.2, 64.0), gsl_cdf_ugaussian_P(1.2 / 0.375 - 2.0), 1e-15);
+    CHECK_NEAR(stats_power(&none, &pilot, 0.0, 144.0), 2.0 * gsl_cdf_ugaussian_P(4.0 - none.known) - 1.0,
+               1e-14);
+    CHECK_NEAR(stats_power(&none, &pilot, 0.25, 144.0),
+               gsl_cdf_ugaussian_P(3.0 - none.known) - gsl_cdf_ugaussian_P(none.known - 5.0), 1e-14);
+    CHECK_NEAR(stats_power(&none, &pilot, 0.0, 16.0), 0.0, 0.0); /* the interval is wider than the margins */
+    CHECK_NEAR(stats_sample_size(&above, &pilot, 1.2, 0.95),
+               ceil(16.0 * pow((2.0 + none.known) * 0.75 / 1.2, 2.0)), 0.0);
+    CHECK_NEAR(stats_sample_size(&none, &pilot, 0.0, 0.95),
+               ceil(16.0 * pow((none.known + gsl_cdf_ugaussian_Pinv(0.975)) * 0.75, 2.0)), 0.0);
+}
+
+/* The error of a published number stays: it bounds the power of any number of values. */
+static void test_fixed_errors(void)
+{
+    const stats_pilot pilot = {.se = 0.6, .n = 9.0, .dof = INFINITY, .fixed = 0.8};
+    CHECK_NEAR(stats_power(&above, &pilot, 3.0, 9.0), gsl_cdf_ugaussian_P(1.0), 1e-15);
+    CHECK_NEAR(stats_power(&above, &pilot, 3.0, INFINITY), gsl_cdf_ugaussian_P(3.0 / 0.8 - 2.0), 1e-15);
+    CU_ASSERT(isfinite(stats_sample_size(&above, &pilot, 3.0, 0.95)));
+    CU_ASSERT(isinf(stats_sample_size(&above, &pilot, 2.9, 0.95))); /* 2.9/0.8 - 2 < 1.645 */
+    const stats_pilot student = {.se = 0.6, .n = 9.0, .dof = 8.0, .fixed = 0.8};
+    CU_ASSERT(isinf(stats_sample_size(&above, &student, 2.9, 0.95)));
+    CHECK_NEAR(stats_power(&above, &student, 2.9, 1e7), gsl_cdf_ugaussian_P(2.9 / 0.8 - 2.0), 1e-3);
+    CU_ASSERT(isnan(stats_power(&above, &(stats_pilot){.se = NAN, .n = 4.0, .dof = 3.0}, 1.0, 8.0)));
+    CU_ASSERT(isnan(stats_sample_size(&above, &(stats_pilot){.se = 1.0, .n = NAN, .dof = 3.0}, 1.0, 0.95)));
+    const stats_pilot exact = {.se = 0.0, .n = 2.0, .dof = INFINITY};
+    CHECK_NEAR(stats_power(&above, &exact, 0.1, 2.0), 1.0, 0.0);
+    CHECK_NEAR(stats_power(&above, &exact, -0.1, 2.0), 0.0, 0.0);
+}
+
+/* One-sample t tests, two-sided at 5 %, effect of half a standard deviation: 34, 44 and 54 values in tables
+ * of the power of t tests (Cohen 1988). */
+static void test_textbook(void)
+{
+    static const struct {
+        double power, n;
+    } rows[] = {{0.80, 34.0}, {0.90, 44.0}, {0.95, 54.0}};
+    const stats_pilot pilot = {.se = 2.0 / sqrt(12.0), .n = 12.0, .dof = 11.0};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const double n = stats_sample_size(&above, &pilot, 1.0, rows[k].power);
+        CHECK_NEAR(n, rows[k].n, 0.0);
+        CU_ASSERT(stats_power(&above, &pilot, 1.0, n) >= rows[k].power);
+        CU_ASSERT(stats_power(&above, &pilot, 1.0, n - 1.0) < rows[k].power);
+    }
+}
+
+enum { PILES = 6, CASES = 20000 };
+
+/* Shares of drawn ensembles that the verdicts decide: a mean above 0, and a paired change that is none. */
+static void draw_shares(double mean, double sd, double *share_above, double *share_none)
+{
+    gsl_rng *rng = rp_random_alloc(1993, 11, RP_PURPOSE_TEST);
+    double x[2 * PILES], y[2 * PILES], pile[2 * PILES];
+    *share_above = *share_none = 0.0;
+    for (int k = 0; k < CASES; k++) {
+        stats_summary s;
+        stats_trend t;
+        stats_change change = {.p_value = 1.0};
+        for (int i = 0; i < PILES; i++) {
+            const double common = gsl_ran_gaussian(rng, 5.0);
+            for (int j = 0; j < 2; j++) {
+                x[2 * i + j] = j;
+                pile[2 * i + j] = i;
+                y[2 * i + j] = common + (j ? gsl_ran_gaussian(rng, sd) : 0.0);
+            }
+        }
+        CHECK_OK(stats_trend_fit(2 * PILES, x, y, pile, 0.0, 1.0, &t));
+        stats_contrast_interval(&t.change, 0.9, &change.lo90, &change.hi90);
+        *share_none += stats_equivalent(&change, 1.0) == STATS_REPRODUCED;
+        for (int i = 0; i < PILES; i++) y[i] = mean + gsl_ran_gaussian(rng, sd);
+        CHECK_OK(stats_mean(PILES, y, &s));
+        const stats_number own = stats_of_few((stats_number){s.mean, s.se}, PILES);
+        *share_above += stats_exceed(own, (stats_number){0.0, 0.0}, 1) == STATS_REPRODUCED;
+    }
+    gsl_rng_free(rng);
+    *share_above /= CASES;
+    *share_none /= CASES;
+}
+
+/* The power of a pilot with other numbers of piles is that of the verdicts on drawn ensembles. */
+static void test_drawn_ensembles(void)
+{
+    static const double sds[] = {0.7, 1.0, 1.6};
+    for (size_t k = 0; k < sizeof sds / sizeof *sds; k++) {
+        double share_above, share_none;
+        const stats_pilot pilot = {.se = sds[k] / sqrt(15.0), .n = 15.0, .dof = 14.0};
+        const double p_above = stats_power(&above, &pilot, 1.1, PILES),
+                     p_none = stats_power(&none, &pilot, 0.0, PILES);
+        draw_shares(1.1, sds[k], &share_above, &share_none);
+        CHECK_NEAR(share_above, p_above, POWER_ERROR + 4.0 * sqrt(p_above * (1.0 - p_above) / CASES));
+        CHECK_NEAR(share_none, p_none, POWER_ERROR + 4.0 * sqrt(p_none * (1.0 - p_none) / CASES));
+        CU_ASSERT(p_above > 0.2 && p_above < 0.95);
+    }
+}
+
+void suite_samplesize(void)
+{
+    static const check_case cases[] = {{"known errors", test_known_errors},
+                                       {"errors that stay", test_fixed_errors},
+                                       {"t tests of the textbook", test_textbook},
+                                       {"drawn ensembles", test_drawn_ensembles},
+                                       {0}};
+    check_register("samplesize", cases);
+}
