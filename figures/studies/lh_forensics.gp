@@ -8,15 +8,17 @@ legend = 3
 load 'figures/style.gp'
 density = 'lh_forensics_density.tsv'
 chosen(name) = rows(density, 'choice', name)
-label(k) = word('{/:Italic k}_{/:Italic n}{/:Italic d}^{1.5}/{/:Italic mg} {/:Italic γ}_{/:Italic n}({/:Italic d}/{/:Italic g})^{1/2} {/:Italic μ}_{floor}/{/:Italic μ}', k)
+array group[3] = ['{/:Italic k}_n {/:Italic d}^{1.5}/{/:Italic mg}', '{/:Italic γ}_n ({/:Italic d}/{/:Italic g})^{1/2}', '{/:Italic μ} of the floor over {/:Italic μ}']
+array heads[3] = ['(a) stiffness over weight', '(b) damping', '(c) friction of the floor']
 set ylabel 'posterior over prior'
 set yrange [0:*]
 set format x '10^{%T}'
 do for [k=1:3] {
     name = word('stiffness damping_rate floor_friction', k)
-    eval panel(k, sprintf('(%s) %s', word('a b c', k), word('mass, by\ stiffness damping floor\ friction', k)))
-    set xlabel label(k)
+    eval panel(k, heads[k])
+    set xlabel group[k]
     if (k < 3) { set logscale x } else { unset logscale x; set format x '%h' }
+    set xrange [real(word('2e3 3 0.5', k)):real(word('4e5 50 3', k))]
     set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead ls guide
     plot chosen(name) using 'value':'all' with linespoints ls ours title 'all', \
          chosen(name) using 'value':'none' with lines ls 12 title 'numbers without a common error', \
