@@ -9,6 +9,8 @@ load 'figures/style.gp'
 density = 'lh_forensics_density.tsv'
 chosen(name) = rows(density, 'choice', name)
 array group[3] = ['{/:Italic k}_n {/:Italic d}^{1.5}/{/:Italic mg}', '{/:Italic γ}_n ({/:Italic d}/{/:Italic g})^{1/2}', '{/:Italic μ} of the floor over {/:Italic μ}']
+array least[3] = [2e3, 3, 0.5]
+array largest[3] = [4e5, 50, 3]
 array heads[3] = ['(a) stiffness over weight', '(b) damping', '(c) friction of the floor']
 set ylabel 'posterior over prior'
 set yrange [0:*]
@@ -18,7 +20,7 @@ do for [k=1:3] {
     eval panel(k, heads[k])
     set xlabel group[k]
     if (k < 3) { set logscale x } else { unset logscale x; set format x '%h' }
-    set xrange [real(word('2e3 3 0.5', k)):real(word('4e5 50 3', k))]
+    set xrange [least[k]:largest[k]]
     set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead ls guide
     plot chosen(name) using 'value':'all' with linespoints ls ours title 'all', \
          chosen(name) using 'value':'none' with lines ls 12 title 'numbers without a common error', \
