@@ -99,6 +99,8 @@ STUDIES := $(basename $(notdir $(wildcard sweeps/studies/*.cfg sweeps/val/*.cfg)
 # These have larger ensembles too, which the report prefers.
 STUDIED := $(STUDIES) $(foreach s,$(SWEEPS),$(if $(filter study,$(file <$(wildcard sweeps/*/$(s).cfg))),$(s)))
 owner     = $(lastword $(sort $(foreach s,$(SWEEPS) $(STUDIES),$(if $(filter $(s) $(s)_% $(s)/%,$(1)),$(s)))))
+# The files that a figure's file loads.
+loads     = $(if $(1),$(sort $(shell sed -n "s/^load '\(.*\)'.*/\1/p" $(1))))
 # A figure of a study is drawn where its tables are in results.
 tables_of = $(foreach t,$(filter %.tsv,$(file <$(wildcard figures/*/$(1).gp))),$(if $(findstring ',$(t)),,$(t)))
 lacks     = $(strip $(foreach t,$(call tables_of,$(1)),$(if $(filter $(STUDIES),$(call owner,$(t:.tsv=))),$(if $(wildcard results/$(t)),,$(t)))))
@@ -156,7 +158,7 @@ $(T)/published.tsv: figures/claims.tsv $(CODE)
 	@mkdir -p $(T) && $(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
-$(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
+$(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(call loads,$$(wildcard figures/*/$$*.gp)) $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
 	@mkdir -p $(@D)
 	@for t in pdf png svg; do gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='$$t'; file='$(B)/figures/$*'" \
 	  figures/style.gp $< || exit 1; done

@@ -20,9 +20,10 @@ for folder in sweeps/*/ examples/ examples/*/; do
     case $folder in
     sweeps/driver/ | *\*/) ;;
     sweeps/*) put 644 "share/repose/$folder" "$folder"*.cfg ;;
-    *) put 644 "share/doc/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
+    *) put 644 "share/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
     esac
 done
+ln -sfn ../../repose/examples "$to/share/doc/repose/examples"
 "$build/repose" help --man "$to/share/man/man1"
 install -d "$to/share/bash-completion/completions"
 "$build/repose" help --completion >"$to/share/bash-completion/completions/repose"

@@ -526,6 +526,19 @@ static void test_holdout(void)
     gsl_rng_free(rng);
 }
 
+/* Means exactly on a parabola: four points are too few for its three terms, five are enough. */
+static void test_terms_of_points(void)
+{
+    for (int n = 4; n < 6; n++) {
+        stats_calibration c;
+        start(1, 1);
+        for (int g = 0; g < n; g++) add_four(0.1 * g, 0.0, 10.0 + 8.0 * g + 1.5 * g * g, 0.01);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CU_ASSERT(c.response[0].n_points == (size_t)n && c.response[0].n_terms == (size_t)n - 2);
+        stats_calibration_free(&c);
+    }
+}
+
 /* ---- bad input ---- */
 
 static void test_errors(void)
@@ -577,6 +590,7 @@ void suite_calibrate(void)
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
                                        {"held-out piles that lack an angle", test_holdout},
+                                       {"terms that a number of points allows", test_terms_of_points},
                                        {"errors", test_errors},
                                        {0}};
     check_register("calibration", cases);

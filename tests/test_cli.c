@@ -1009,7 +1009,8 @@ static void test_claims(void)
             PLAIN("up", "rises", "1", "trend k=2 change", "-") PLAIN("high", "above", "-", "u v", "t v")
                 PLAIN("count", "most", "-", "t #count", "7") PLAIN("elsewhere", "above", "-", "none v", "0")
                     PLAIN("sketch", "untestable", "-", "-", "-")
-                        PLAIN("form", "formula", "-", "angle: theta_MS", "-"));
+                        PLAIN("form", "formula", "-", "angle: theta_MS", "-")
+                            PLAIN("steady", "constant", "-", "angle twin", "-"));
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
@@ -1019,7 +1020,7 @@ static void test_claims(void)
         strstr(
             out,
             "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-            "# li: 5 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+            "# li: 6 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
         NULL);
     check_verdict(
         "angle", "detail",
@@ -1034,6 +1035,8 @@ static void test_claims(void)
     check_verdict("elsewhere", "verdict", "no data");
     check_verdict("sketch", "detail", "can't be tested: note");
     check_verdict("form", "detail", "reproduced, by tests");
+    check_verdict("steady", "detail", "reproduced"); /* one number and itself, by either reading */
+    check_verdict("steady", "ours", "p = 1 or 1");
     write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");

@@ -630,6 +630,7 @@ static void test_calibrate_rows(void)
     fclose(file);
     CU_ASSERT(run("calibrate --runs piles.tsv --theta-r-deg 25 --error-deg 0.3 --bootstrap 2") == 1);
     CU_ASSERT(strstr(err, "mu: several: ") != NULL);
+    CU_ASSERT(strstr(out, ", degree 2, 3 coefficients, 9 points, ") != NULL);
     rp_table t = read_table("out");
     CU_ASSERT_FATAL(t.n_rows == 2);
     for (size_t k = 0; k < 2; k++) {
@@ -660,6 +661,7 @@ static void test_calibrate_rows(void)
         CU_ASSERT_STRING_EQUAL(word(&t, k, "parameter"), k ? "mu_roll" : "mu");
         CHECK_NEAR(cell(&t, k, "value"), k ? y : x, 1e-6);
     }
+    CU_ASSERT(strstr(out, ", degree 1 and 1, 4 coefficients, 12 points, ") != NULL);
     CU_ASSERT(strstr(out, "# range: 0.1 to 0.7\n# range: 0 to 0.3\n") != NULL);
     CU_ASSERT(strstr(out, "# reach: theta_r from 5.5 to 26.5 degrees and theta_t from -0.2 to 22 degrees, "
                           "for 0.1 <= mu <= 0.7, 0 <= mu_roll <= 0.3\n") != NULL);

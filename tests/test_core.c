@@ -61,6 +61,10 @@ static void defaults_and_text(void)
     CU_ASSERT(back.a == v.a && isinf(back.b) && back.n == 37 && back.flag && back.word == 1 &&
               back.set == 6u);
     CU_ASSERT_STRING_EQUAL(rp_params_text(&schema[0], &v, text, sizeof text), "0.1");
+    v.set = 0; /* nothing of what the buffer held before */
+    CU_ASSERT_STRING_EQUAL(rp_params_text(rp_params_find(schema, "set"), &v, text, sizeof text), "");
+    strcpy(text, "before");
+    CU_ASSERT_STRING_EQUAL(rp_params_text(rp_params_find(schema, "many"), &v, text, sizeof text), "");
     CU_ASSERT_PTR_NULL(rp_params_find(schema, "absent"));
 }
 

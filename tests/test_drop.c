@@ -217,6 +217,22 @@ static void dip_of_an_ensemble(void)
         CHECK_NEAR(d.N[k], 1.0, 1e-14);
         CHECK_NEAR(d.N_se[k], 0.0, 1e-14);
     }
+    /* dips of -0.3, 0 and 0.3: resampled means are multiples of 0.1, and the shares count them */
+    double low = 0.0, far = 0.0;
+    for (int i = 0; i < 3 * STRESS_DIP_BINS; i++) {
+        const int k = i % STRESS_DIP_BINS, from_middle = abs(2 * k + 1 - STRESS_DIP_BINS) / 2;
+        profiles[i] = 1.0 + (i / STRESS_DIP_BINS - 1) * (from_middle < 2   ? 0.2
+                                                         : from_middle < 6 ? -0.1
+                                                                           : 0.0);
+    }
+    CHECK_OK(stress_dip_ensemble(3, profiles, NULL, 0.1, 50, rng, means, &d));
+    for (int b = 0; b < 50; b++) {
+        CHECK_NEAR(means[b], 0.1 * rint(10.0 * means[b]), 1e-14);
+        CU_ASSERT(b == 0 || means[b] >= means[b - 1]);
+        low += means[b] <= d.dip.mean, far += fabs(means[b]) >= fabs(d.dip.mean);
+    }
+    CHECK_NEAR(d.p_dip, (low + 1.0) / 51.0, 1e-15);
+    CHECK_NEAR(d.p_value, (far + 1.0) / 51.0, 1e-15);
     CHECK_FAILS(stress_dip_ensemble(2, profiles, NULL, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
     CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
     CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.1, 1, rng, means, &d), RP_BAD_INPUT,
@@ -333,6 +349,18 @@ static void rest_takes_its_steps(void)
         CU_ASSERT(output(&r, "steps") > 1.1 * before);
         CHECK_NEAR(output(&r, "capped"), 0.0, 0.0);
         before = output(&r, "steps");
+    }
+}
+
+/* Each disk counts, the first one too: 300 steps bring one to a speed below 1, and none into balance within
+ * 1e-9 m g. */
+static void every_disk_must_rest(void)
+{
+    static const char *const forces[] = {"10", "1e-9"};
+    for (int k = 0; k < 2; k++) {
+        sweep_result r = run((const char *const[]){"N", "2", "rest_speed", "1", "max_steps", "300",
+                                                   "rest_force", forces[k], NULL});
+        CHECK_NEAR(output(&r, "capped"), k == 0 ? 0.0 : 2.0, 0.0);
     }
 }
 
@@ -549,6 +577,7 @@ void suite_drop(void)
                                        {"unfinished drops are no result", cut_drops_are_no_result},
                                        {"layers are not piles", layers_are_no_piles},
                                        {"stricter rest takes more steps", rest_takes_its_steps},
+                                       {"rest of every disk", every_disk_must_rest},
                                        {"disks that rolled away", away_is_no_part},
                                        {"kernels find the same collisions", kernels_collide_alike},
                                        {"subnormal numbers are zero", tiny_numbers_are_zero},

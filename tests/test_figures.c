@@ -583,11 +583,26 @@ static void test_style_in_one_place(void)
     globfree(&found);
 }
 
+/* `make` draws a figure again after a change of a file that it loads. */
+static void test_loaded_files(void)
+{
+    CU_ASSERT(
+        system(
+            "n=0\n"
+            "for line in $(sed -n \"s/^load '\\(.*\\)'/\\1/p; T; F\" figures/l?/*.gp | paste -d: - -); do\n"
+            "  name=${line#*:}; loaded=${line%%:*}; name=${name##*/}; n=$((n + 1))\n"
+            "  make --no-print-directory -np build/figures/${name%.gp}.svg 2>/dev/null |\n"
+            "    grep -q \"^build/figures/${name%.gp}.svg: .*$loaded\" || { echo \"$line\"; exit 1; }\n"
+            "done\n"
+            "[ $n -gt 20 ]") == 0);
+}
+
 void suite_figures(void)
 {
     static const check_case cases[] = {{"drawn data", test_drawn},
                                        {"all are described", test_all_described},
                                        {"style in one place", test_style_in_one_place},
+                                       {"files that are loaded", test_loaded_files},
                                        {0}};
     check_register("figures", cases);
 }

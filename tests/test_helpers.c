@@ -189,11 +189,19 @@ static void test_same_bits(void)
     dem_free(same);
 }
 
+/* So soft that neighbours slide apart, although every well holds: no result, and a state that is no pile. */
+static void collapsing_pile(void)
+{
+    solved_pile pile = solved_pile_make(7, 60.0, 0.1, 1);
+    solved_pile_free(&pile);
+}
+
 /* The lattice pile in equilibrium: its scene holds the same disks without weight, and loading raises gravity
  * to 1. */
 static void test_solved_pile(void)
 {
     const double eps = 1e-4;
+    CU_ASSERT_EQUAL(failures_of(collapsing_pile), 2);
     solved_pile pile = solved_pile_make(7, 30.0, eps, 1);
     double N = 0.0, H = 0.0;
     for (size_t i = 0; i < pile.k; i++) N += pile.N[i], H += pile.H[i];

@@ -74,6 +74,9 @@ static void test_data(void)
     CU_ASSERT(strstr(out, "60 runs") != NULL);
     PASSES("$PREFIX/bin/repose claims --id li15-count"); /* by a table of results */
     CU_ASSERT(strstr(out, "\treproduced\n") != NULL);
+    PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
+    PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --width 641 --y-axis down");
+    PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/tent_map_20.tsv");
     PASSES("$PREFIX/bin/repose report figures/paper-repro.md.in -o report.md && grep -q '^## ' report.md");
@@ -129,6 +132,10 @@ static void test_order(void)
                     0);
     CU_ASSERT(strstr(out, "/tree/share/repose/sweeps/studies/calibrate.cfg, protocol repose, seed 7") &&
               strstr(out, "8 piles used"));
+    CU_ASSERT(
+        strstr(err, "repose calibrate: makes 8 piles, once, and keeps them in the folder calibrate\n") !=
+        NULL);
+    PASSES("test -f calibrate/runs.tsv && ! test -e build/sweeps");
     write_sweep(".", 5);
     CU_ASSERT_EQUAL(planned("REPOSE_DATA=$PWD/mine tree/bin/repose"), 20);
     leave();

@@ -497,6 +497,25 @@ static void same_bits(void)
     }
 }
 
+/* A disk goes in the step in which it leaves, whichever of the two it is. */
+static void disks_leave(void)
+{
+    for (int first = 0; first < 2; first++) {
+        const dem_grain two[] = {{.x = 1.0, .y = 1.0, .r = R, .m = 1.0, .vx = first ? 0.0 : 30.0},
+                                 {.x = 1.0, .y = 4.0, .r = R, .m = 1.0, .vx = first ? 30.0 : 0.0}};
+        dem_definition def = disks(two, 2, 0.5);
+        def.x_max = 2.0;
+        def.skin = 1.0;
+        dem_sim *sim = grains_start(&def);
+        for (int k = 1; k < 20; k++) {
+            CHECK_OK(dem_run(sim, 1));
+            CU_ASSERT_EQUAL(dem_count(sim), 1.0 + 30.0 * def.dt * k < 2.0 ? 2 : 1);
+        }
+        CU_ASSERT_EQUAL(dem_count(sim), 1);
+        dem_free(sim);
+    }
+}
+
 static void refusals(void)
 {
     const dem_grain grain = {.x = 0.0, .y = 2.0, .r = R, .m = 1.0};
@@ -547,6 +566,7 @@ void suite_midpoint(void)
         {"meaning of the tolerance", what_the_tolerance_asks},
         {"unsolvable steps", what_is_not_solved},
         {"same bits", same_bits},
+        {"disks that leave", disks_leave},
         {"refused input", refusals},
         {NULL, NULL}};
     check_register("implicit integrator", cases);

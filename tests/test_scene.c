@@ -193,7 +193,7 @@ static void refused(void)
                                           {"particle.mu=0.1", "no such group (did you mean \"particles\"?)"},
                                           {"mu=0.1", "mu: unknown key"},
                                           {"dt=-1", "dt = -1: out of range"},
-                                          {"dt=[1.0,2.0]", "one number, word or boolean"}};
+                                          {"dt=[1.0,2.0]", "dt: one value expected, not a list"}};
     for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
         rp_texts changes = {1, {sets[k][0]}};
         CHECK_FAILS(grains_read(EXAMPLE, &changes, &s), RP_BAD_INPUT, sets[k][1]);

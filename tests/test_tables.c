@@ -470,6 +470,49 @@ static void test_pile(void)
     leave();
 }
 
+/* Means over piles with unequal disks: each pile alone is a run of a sweep with the same stream. */
+static void test_ensemble(void)
+{
+    enum { PILES = 3 };
+    static const char *const columns[][2] = {{"N/mg", "N_se/mg"}, {"H/mg", "H_se/mg"}};
+    checked each[PILES];
+    enter();
+    write_text("s.cfg",
+               "protocol = \"pile\"; replicas = %d; seed = 5; piles = \"shared\";\n"
+               "fixed = { base = 4; eps = 1e-3; disorder = 2e-3; };\n",
+               PILES);
+    for (int r = 0; r < PILES; r++) {
+        char name[32];
+        GOOD("run s.cfg --row %d -o d%d", r, r);
+        snprintf(name, sizeof name, "d%d/base.tsv", r);
+        each[r] = checked_read(name);
+    }
+    GOOD("pile --base 4 --eps 1e-3 --disorder 2e-3 --seed 5 --piles %d", PILES);
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == BASE);
+    for (size_t i = 0; i < BASE; i++) {
+        for (int q = 0; q < 2; q++) {
+            double v[PILES];
+            stats_summary s;
+            for (int r = 0; r < PILES; r++) v[r] = at(&each[r], i, columns[q][0]);
+            CHECK_OK(stats_mean(PILES, v, &s));
+            CHECK_NEAR(at(&c, i, columns[q][0]), s.mean, 1e-13);
+            CHECK_NEAR(at(&c, i, columns[q][1]), s.se, 1e-13);
+        }
+        const double width = at(&c, i, "N/mg") / at(&c, i, "N/(chi*g*B)");
+        CHECK_NEAR(at(&c, i, "x/B"), 0.5 + ((double)i - 0.5 * (BASE - 1.0)) / width, 1e-13);
+        NEAR_RELATIVE(at(&c, i, "N_se/(chi*g*B)") * width, at(&c, i, "N_se/mg"), 1e-13);
+        NEAR_RELATIVE(at(&c, i, "H/(chi*g*B)") * width, at(&c, i, "H/mg"), 1e-13);
+        NEAR_RELATIVE(at(&c, i, "H_se/(chi*g*B)") * width, at(&c, i, "H_se/mg"), 1e-13);
+        CHECK_NEAR(at(&c, i, "N_diagonals/mg"), at(each, i, "N_diagonals/mg"), 0.0);
+        CHECK_NEAR(at(&c, i, "H_diagonals/mg"), at(each, i, "H_diagonals/mg"), 0.0);
+        CHECK_NEAR(at(&c, i, "i"), (double)i + 1.0, 0.0);
+    }
+    checked_end(&c);
+    for (int r = 0; r < PILES; r++) rp_table_free(&each[r].t);
+    leave();
+}
+
 /* ---- runs of a sweep ---- */
 
 /* Every row of the exported runs is the run made again; every column of the reduced table comes from them. */
@@ -479,7 +522,7 @@ static void test_sweep(void)
     write_text(
         "s.cfg",
         "protocol = \"pile\"; replicas = 3; seed = 7;\n"
-        "fixed = { alpha_deg = 30.0; disorder = 0.02; }; grid = { base = [9, 12]; eps = [1e-4, 2e-4]; };\n");
+        "fixed = { alpha_deg = 30.0; disorder = 2e-3; }; grid = { base = [9, 12]; eps = [1e-4, 2e-4]; };\n");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
@@ -1018,6 +1061,29 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(run("run s.cfg") == 0 && strstr(err, warning));
     GOOD("run s.cfg --set units=si");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "run s.cfg --set units=metric");
+    /* disks: the default density is that of spheres, but in cgs */
+    CU_ASSERT(run("run s.cfg --set shape=disk") == 0);
+    FAILS(65, "density: the default is that of spheres", "run s.cfg --set shape=disk --set units=si");
+    CU_ASSERT(strstr(err, "a mass per area in kg/m^2 (1 g/cm^2 is 10)") != NULL);
+    FAILS(65, "give that of the disks, a mass per area\n", "run s.cfg --set shape=disk --set units=sigma");
+    GOOD("run s.cfg --set shape=disk --set units=si --set density=1000");
+    write_text("s.cfg", "steps = 2; particles = ( { x = 0.0; y = 0.0; r = 0.1; m = 1.0; } );\n");
+    GOOD("run s.cfg --set shape=disk --set units=si"); /* not asked for */
+    write_text("s.cfg", "units = \"si\"; shape = \"disk\"; particles_file = \"p.tsv\";\n");
+    write_text("p.tsv", "x y r\n0 0 0.1\n");
+    FAILS(65, "density: the default is that of spheres", "run s.cfg");
+    write_text("s.cfg",
+               "units = \"si\"; shape = \"disk\"; steps = 2; fill = { N = 3; W = 0.02; H = 0.02; };\n");
+    FAILS(65, "s.cfg:1: density: the default is that of spheres", "run s.cfg");
+    GOOD("run s.cfg --set density=10");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", short_run);
+    write_text("w.cfg", text);
+    FAILS(65, "grid point shape = disk: density: the default is that of spheres", "sweep plan w.cfg -o v");
+    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
+             "0.02", "0.02", "fill_steps = 200; density = 1000.0; ");
+    write_text("w.cfg", text);
+    GOOD("sweep plan w.cfg -o v");
     write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
     leave();
@@ -1032,6 +1098,7 @@ void suite_tables(void)
                                        {"systems of units of sweeps", test_systems_of_sweeps},
                                        {"energy ledger", test_ledger},
                                        {"disks, contacts, wells, base of a pile", test_pile},
+                                       {"ensemble of piles", test_ensemble},
                                        {"runs and points of a sweep", test_sweep},
                                        {"forensics", test_forensics},
                                        {"angle compare", test_compare},

@@ -12,8 +12,7 @@
     X(TEXT, fit, "", "mu", "",                                                                               \
       "parameter sought, or two (mu,mu_roll); the piles must vary these and no others")                      \
     X(TEXT, sweep, "", "sweeps/studies/calibrate.cfg", "", "sweep file of the piles that give the response") \
-    X(TEXT, o, "", "build/sweeps/calibrate", "",                                                             \
-      "folder of that sweep; runs that it holds are not made again")                                         \
+    X(TEXT, o, "", "calibrate", "", "folder of that sweep; runs that it holds are not made again")           \
     X(TEXT, runs, "", "", "", "table of piles in place of a sweep, as repose sweep export writes")           \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
@@ -50,6 +49,9 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     FILE *out;
     rp_status status = cli_claim_sweep(folder, file, o->force);
     if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
+    if (!status && !o->quiet && counts.stored < counts.planned)
+        fprintf(stderr, "repose calibrate: makes %zu piles, once, and keeps them in the folder %s\n",
+                counts.planned - counts.stored, folder);
     if (!status)
         status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
                                o->quiet, &counts);
@@ -570,7 +572,9 @@ const cli_command cmd_calibrate = {
     "friction that gives a measured angle of repose, with its interval",
     "--theta-r-deg ANGLE --error-deg SE [options]",
     "Finds the friction that gives a measured angle. Piles are simulated over a range of friction; this\n"
-    "takes some minutes the first time and is stored in -o. The mean angles, weighted by their errors,\n"
+    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next "
+    "call\n"
+    "from there takes no time. The mean angles, weighted by their errors,\n"
     "are fitted by powers or a saturating form, whichever has the least AIC. The fit is inverted.\n"
     "\n"
     "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"

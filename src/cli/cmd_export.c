@@ -309,7 +309,7 @@ static rp_status export_frames(const char *source, const export_options *o)
 static rp_status act_export(void *values)
 {
     const export_options *o = values;
-    const char *source = cli_argument(0);
+    const char *source = cli_data(cli_argument(0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT)
         return rp_fail(RP_USAGE, "--set goes with --to lammps-input");
     switch ((target)o->to) {

@@ -538,6 +538,9 @@ const cli_command cmd_run = {
     "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] [--plot] "
     "[--quiet] | [SCENE.cfg] --resume DIR [--plot] [--quiet] | SWEEP.cfg [--row N] [--every N] [--ledger] "
     "-o DIR [--force] [--quiet]",
+    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
+    "PREFIX/share/repose where it is installed.\n"
+    "\n"
     "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
     "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
     "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"

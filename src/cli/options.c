@@ -327,7 +327,7 @@ static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    rp_status status = cli_table_read(cli_argument(0), &table);
+    rp_status status = cli_table_read(cli_data(cli_argument(0)), &table);
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
     for (size_t i = 0; where && i < conditions->n && !status; i++)
         status = rp_table_where(table, conditions->items[i]);

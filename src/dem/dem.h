@@ -168,6 +168,10 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m);
 rp_status dem_physics_check(const dem_definition *def);
 rp_status dem_radius_check(double mean, double least, double most);
 
+/* Is there a density: one that is given, or a default? That of disks is known in cgs alone, since defaults of
+ * other units are converted for spheres. Errors: RP_BAD_INPUT. */
+rp_status dem_density_check(dem_shape shape, bool given);
+
 /* Floor, left and right wall of a box 0 < x < W, whole lines that never open: the definition's only walls. */
 enum { DEM_BOX_FLOOR, DEM_BOX_LEFT, DEM_BOX_RIGHT, DEM_BOX_N };
 void dem_box_walls(dem_definition *def, double W, const dem_material *wall);

@@ -166,6 +166,15 @@ rp_status dem_physics_check(const dem_definition *def)
     return status ? status : dem_material_check(def, &def->material);
 }
 
+rp_status dem_density_check(dem_shape shape, bool given)
+{
+    return given || shape != DEM_DISK || rp_units_now() == RP_CGS
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT,
+                         "density: the default is that of spheres; give that of the disks, a mass per area%s",
+                         rp_units_now() == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
+}
+
 rp_status dem_radius_check(double mean, double least, double most)
 {
     return least <= mean && mean <= most

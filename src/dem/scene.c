@@ -18,6 +18,7 @@
 typedef struct {
     dem_scene scene;
     dem_physics physics;
+    bool has_density; /* given, no default */
     double y_min, turn_deg, box_turn_deg;
     int units;
     const char *particles_file;
@@ -341,9 +342,10 @@ static rp_status alloc_grains(scene_file *file, size_t n)
     return file->scene.grains ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
 }
 
-static double mass_of(const scene_file *file, double r)
+static rp_status mass_of(const scene_file *file, double r, double *m)
 {
-    return dem_mass(file->physics.shape, file->physics.density, r);
+    *m = dem_mass(file->physics.shape, file->physics.density, r);
+    return dem_density_check(file->physics.shape, file->has_density);
 }
 
 static rp_status read_particles(const config_setting_t *list, scene_file *file)
@@ -356,7 +358,7 @@ static rp_status read_particles(const config_setting_t *list, scene_file *file)
         dem_grain *p = &file->scene.grains[i];
         rp_params_defaults(particle_schema, p);
         status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
-        if (p->m < 0.0) p->m = mass_of(file, p->r);
+        if (!status && p->m < 0.0) status = mass_of(file, p->r, &p->m);
     }
     return status;
 }
@@ -381,7 +383,7 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
         if (!status && !(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
-        if (columns[3] < 0) v[3] = mass_of(file, v[2]);
+        if (!status && columns[3] < 0) status = mass_of(file, v[2], &v[3]);
         file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
     return status;
@@ -394,6 +396,7 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
     rp_status status = rp_config_group(group, fill_schema, f, NULL);
     if (status) return status;
     status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    if (!status) status = dem_density_check(file->physics.shape, file->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     f->shape = file->physics.shape;
     f->density = file->physics.density;
@@ -506,6 +509,8 @@ static rp_status change(config_t *config, const char *text)
     if (!equals || equals == text || equals - text >= (long)sizeof path)
         return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
     snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
+    for (char *dot; (dot = strstr(path, ".["));)
+        memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
     config_t one;
     rp_status status = read_value(equals + 1, &one);
     config_setting_t *group = config_root_setting(config);
@@ -539,6 +544,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     rp_params_defaults(top_schema, file);
     status = rp_config_group(root, top_schema, file, others);
     if (status) return status;
+    file->has_density = config_setting_get_member(root, "density") != NULL;
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");

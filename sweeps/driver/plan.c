@@ -8,6 +8,7 @@
 #include "core/table.h"
 #include "core/units.h"
 #include "core/version.h"
+#include "dem/dem.h"
 
 enum { MAX_RUNS = 10000000 };
 enum { PILES_OWN, PILES_SHARED };
@@ -191,10 +192,31 @@ static void move_to(const sweep_plan *plan, size_t i)
     }
 }
 
+bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
+{
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].param == param) return true;
+    return false;
+}
+
+/* A default density is not of every shape. */
+static rp_status check_density(const sweep_plan *plan, const void *values)
+{
+    const rp_param *schema = plan->protocol->schema, *density = rp_params_find(schema, "density"),
+                   *shape = rp_params_find(schema, "shape");
+    int of = DEM_SPHERE;
+    if (!density || !shape) return RP_OK;
+    memcpy(&of, (const char *)values + shape->offset, sizeof of);
+    return dem_density_check((dem_shape)of, sweep_plan_is_axis(plan, density) ||
+                                                config_lookup(&plan->config, "fixed.density") != NULL);
+}
+
 rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point)
 {
     char where[256];
-    rp_status status = plan->protocol->check(sweep_plan_point(plan, point));
+    const void *values = sweep_plan_point(plan, point);
+    rp_status status = plan->protocol->check(values);
+    if (!status) status = check_density(plan, values);
     return status ? rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
                               sweep_plan_describe(plan, point, where, sizeof where))
                   : RP_OK;
@@ -256,13 +278,6 @@ static rp_status find_model(sweep_plan *plan)
     return status;
 }
 
-static bool is_axis(const sweep_plan *plan, const rp_param *param)
-{
-    for (size_t a = 0; a < plan->n_axes; a++)
-        if (plan->axes[a].param == param) return true;
-    return false;
-}
-
 /* Append "name":value to a JSON text. */
 static void append_json(const rp_param *param, const void *values, char *buffer, size_t size)
 {
@@ -281,7 +296,7 @@ static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
 {
     strcpy(plan->fixed_json, "{");
     for (const rp_param *p = plan->protocol->schema; p->name; p++) {
-        if (is_axis(plan, p)) continue;
+        if (sweep_plan_is_axis(plan, p)) continue;
         plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
         if (fixed && config_setting_get_member(fixed, p->name))
             append_json(p, plan->at->values, plan->fixed_json, sizeof plan->fixed_json);

@@ -81,6 +81,9 @@ rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_
  * Errors: RP_BAD_INPUT. */
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas);
 
+/* Does the grid vary this parameter? */
+bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param);
+
 /* Parameters of a grid point, until the next call with another. */
 const void *sweep_plan_point(const sweep_plan *plan, size_t point);
 

@@ -31,13 +31,6 @@ static size_t count_outputs(const sweep_protocol *protocol)
     return n;
 }
 
-static bool is_axis(const sweep_plan *plan, const rp_param *param)
-{
-    for (size_t a = 0; a < plan->n_axes; a++)
-        if (plan->axes[a].param == param) return true;
-    return false;
-}
-
 static void note_maker(const char *program, size_t runs, void *context)
 {
     rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
@@ -100,7 +93,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);
     for (const rp_param *p = plan->protocol->schema; p->name; p++)
-        if (!is_axis(plan, p))
+        if (!sweep_plan_is_axis(plan, p))
             rp_table_note(out, p->name, "%s%s%s",
                           rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
@@ -125,7 +118,7 @@ static rp_status write_columns(const table *t)
     for (size_t a = 0; a < t->plan->n_axes; a++)
         add_column(list, t->plan->axes[a].param->name, "", t->plan->axes[a].param->unit);
     for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
-        if (!is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
+        if (!sweep_plan_is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
     if (!reduce) fputs("replica, pile, ", list);
     for (size_t i = 0; i < t->n_outputs; i++)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
@@ -152,7 +145,7 @@ static void write_parameters(const table *t, size_t point)
     const void *values = sweep_plan_point(t->plan, point);
     for (size_t a = 0; a < t->plan->n_axes; a++) write_parameter(t->out, t->plan->axes[a].param, values);
     for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
-        if (!is_axis(t->plan, p)) write_parameter(t->out, p, values);
+        if (!sweep_plan_is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
 static rp_status write_run(const sweep_row *row, void *context)

@@ -48,6 +48,7 @@ suites_of() {
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/*) echo evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables piles cli ;;
+    src/stress/dip.c) echo stress drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger ;;
@@ -101,20 +102,25 @@ fi
 
 build=$1 number=$2 jobs=$3 seed=$4
 work=$build/mutate
-# a run of the same code that was stopped goes on
-sum="$seed $(cat Makefile tests/mutate/* $(find analytic figures src sweeps tests validation -type f | sort) | cksum)"
+mkdir -p "$build/tables"
+${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
+"$build/mutants" validation/mutants.txt "$seed" $files >"$build/mutants.list"
+
+# a run of the same code that was stopped goes on, and another seed needs no second look at the code as it is
+sum=$(cat Makefile $(find analytic figures src sweeps tests validation -type f ! -name mutants.txt | sort) | cksum)
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
-    mkdir -p "$work/tree" "$build/tables"
+    mkdir -p "$work/tree"
     find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
+    make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
+    outcome=$(limit_wall=6000
+        try "$work/tree" -j "$jobs" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
+    [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
+    echo "$sum" >"$work/sum"
 fi
-${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
-"$build/mutants" validation/mutants.txt "$seed" $files >"$work/list"
-
-make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
-outcome=$(limit_wall=6000; try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
-[ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
-echo "$sum" >"$work/sum"
+mv "$build/mutants.list" "$work/list"
+echo "$seed" | cmp -s - "$work/seed" || rm -f "$work"/result_*
+echo "$seed" >"$work/seed"
 
 # what does not compile is no mutant: another takes its place
 most=$(wc -l <"$work/list") from=1 to=$number
@@ -126,7 +132,8 @@ done
 if [ -t 2 ]; then printf '\r\033[K' >&2; fi
 
 # Of one that survives, the outcome is what the list has: survived or equivalent.
-header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)"
+header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)
+# command: make mutate MUTANTS=$number SEED=$seed"
 rows=$build/tables/mutate.tsv
 {
     echo "$header"
