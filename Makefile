@@ -158,7 +158,7 @@ $(T)/published.tsv: figures/claims.tsv $(CODE)
 	@mkdir -p $(T) && $(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
-$(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) figures/style.gp $$(call loads,$$(wildcard figures/*/$$*.gp)) $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
+$(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) $(wildcard figures/*.gp) $$(call loads,$$(wildcard figures/*/$$*.gp)) $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)
 	@mkdir -p $(@D)
 	@for t in pdf png svg; do gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='$$t'; file='$(B)/figures/$*'" \
 	  figures/style.gp $< || exit 1; done

@@ -62,14 +62,13 @@ set style line 13 lc rgb '#009e73' lw 1.5 dt (3, 2) pt 10 ps 0.7
 set style line 14 lc rgb '#cc79a7' lw 1.5 dt (8, 2, 2, 2) pt 14 ps 0.7
 set style line 20 lc rgb '#d55e00' pt 13 ps 1.1 lw 1.5
 # Force chains are dark on pale grains, as `repose view` draws them: class k of `classes` is as wide as its force.
-grain = '#eeeeee'
-outline = '#a8a8a8'
-classes = 12
+# src/cli/view_draw.c reads the same file as C.
+load 'figures/chains.gp'
 thickest = 3
-darkest = '#08183a'
+darkest = sprintf('#%02x%02x%02x', dark_r, dark_g, dark_b)
 chain(f, most) = f > 0 ? ceil(classes*f/most) : 0
 shade(k, pale, dark) = int(pale + (dark - pale)*(k - 1.0)/(classes - 1))
-do for [k=1:classes] { set style arrow k nohead lw thickest*(k - 0.5)/classes lc rgb sprintf('#%02x%02x%02x', shade(k, 150, 8), shade(k, 170, 24), shade(k, 195, 58)) }
+do for [k=1:classes] { set style arrow k nohead lw thickest*(k - 0.5)/classes lc rgb sprintf('#%02x%02x%02x', shade(k, pale_r, dark_r), shade(k, pale_g, dark_g), shade(k, pale_b, dark_b)) }
 
 set datafile missing 'nan'
 set border lw 0.7

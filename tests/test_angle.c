@@ -619,6 +619,20 @@ static void test_line_fit(void)
     CHECK_FAILS(stats_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
 }
 
+/* Cells of points: the widest step along x where it exceeds the median distance of neighbours, else that. */
+static void test_cell_of_points(void)
+{
+    double cell;
+    const double x[] = {0.9, 0.2, 0.1, 0.0, 1.0, 1.9}, level[6] = {0.0},
+                 steep[] = {2.0, 9.0, 5.0, 0.0, 3.0, 9.0};
+    CHECK_OK(ang_cell_of_points(6, x, level, 1.5, &cell)); /* without the last, which is outside */
+    CHECK_NEAR(cell, 0.7, 1e-15);
+    CHECK_OK(ang_cell_of_points(5, x, steep, 1.5, &cell)); /* distances of 1 or more */
+    CHECK_NEAR(cell, hypot(0.9, 2.0), 1e-15);
+    CHECK_OK(ang_cell_of_points(1, x, level, 1.5, &cell));
+    CHECK_NEAR(cell, 1.5, 0.0);
+}
+
 /* ---- one series in time ---- */
 
 /* x(k + 1) = phi x(k) + noise, of variance 1, started in its stationary state. */
@@ -1036,6 +1050,7 @@ void suite_angle(void)
         {"errors of slopes", test_slope_errors},
         {"mean and its interval", test_mean},
         {"paired values", test_paired},
+        {"cell of points", test_cell_of_points},
         {"line fit", test_line_fit},
         {"blocking of correlated series", test_blocking},
         {"blocking: short and constant series", test_blocking_small},

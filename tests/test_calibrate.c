@@ -526,6 +526,20 @@ static void test_holdout(void)
     gsl_rng_free(rng);
 }
 
+/* Angles that scatter in step, or against one another: their covariance keeps an inverse. */
+static void test_full_correlation(void)
+{
+    for (int sign = -1; sign < 2; sign += 2) {
+        stats_calibration c;
+        start(1, 2);
+        for (int g = 0; g < 6; g++)
+            for (int k = 0; k < 4; k++) add(0.1 * g, 0.0, 10.0 * g + 0.1 * k, 5.0 * g + 0.2 * sign * k);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CHECK_NEAR(c.correlation, 0.999 * sign, 1e-12);
+        stats_calibration_free(&c);
+    }
+}
+
 /* Means exactly on a parabola: four points are too few for its three terms, five are enough. */
 static void test_terms_of_points(void)
 {
@@ -590,6 +604,7 @@ void suite_calibrate(void)
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
                                        {"held-out piles that lack an angle", test_holdout},
+                                       {"fully correlated angles", test_full_correlation},
                                        {"terms that a number of points allows", test_terms_of_points},
                                        {"errors", test_errors},
                                        {0}};

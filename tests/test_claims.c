@@ -105,6 +105,25 @@ static void test_changes(void)
     IS(stats_trends(&p_alone, 1, 1.0), "undecided");
 }
 
+/* Chances that a correction may raise: two standard errors are 4.55 %. */
+static void test_corrected(void)
+{
+    const stats_number a = number(30.0, 3.0), b = number(20.0, 4.0);
+    CHECK_NEAR(stats_exceed_p(a, b), 0.04550026389635839, 1e-14);
+    CHECK_NEAR(stats_exceed_p(b, a), 0.04550026389635839, 1e-14);
+    CU_ASSERT(isnan(stats_exceed_p(number(1.0, 0.0), number(2.0, 0.0))));
+    IS(stats_exceed_by_p(a, b, 1, 0.0454), "reproduced");
+    IS(stats_exceed_by_p(a, b, -1, 0.0454), "not reproduced");
+    IS(stats_exceed_by_p(b, a, 1, 0.0454), "not reproduced");
+    IS(stats_exceed_by_p(a, b, 1, 0.0456), "undecided");
+    IS(stats_exceed_by_p(a, b, 1, NAN), "undecided");
+    IS(stats_equivalent_by_p(0.0499, 0.2), "reproduced");
+    IS(stats_equivalent_by_p(0.0499, 0.001), "reproduced");
+    IS(stats_equivalent_by_p(0.05, 0.0499), "not reproduced");
+    IS(stats_equivalent_by_p(0.05, 0.05), "undecided");
+    IS(stats_equivalent_by_p(NAN, NAN), "undecided");
+}
+
 /* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */
 static void test_constant(void)
 {
@@ -340,6 +359,7 @@ void suite_claims(void)
                                        {"both readings of the published +-", test_readings},
                                        {"inequalities and bounds", test_inequalities},
                                        {"equivalence and trends", test_changes},
+                                       {"corrected for other tests", test_corrected},
                                        {"one number behind several", test_constant},
                                        {"few values, quotients", test_few},
                                        {"counts", test_counts},

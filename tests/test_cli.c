@@ -1105,6 +1105,89 @@ static void test_power_of_claims(void)
     leave();
 }
 
+/* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
+ * 0.06, 0.06 and 0.008; of no change, 0.0228 and 0.0013 to 0.0455 and 0.0027. */
+static void test_families(void)
+{
+#define MEMBER(id, family, test, margin, answer, against)                                                    \
+    id "\t-\tli\t-\tplain\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t-\t" id       \
+       "\tnote\n"
+#define ROWS(family)                                                                                         \
+    MEMBER("first", family, "rises", "9", "t k=1 change", "-")                                               \
+    MEMBER("second", family, "falls", "9", "t k=2 change", "-")                                              \
+    MEMBER("third", family, "above", "-", "t k=3 v", "0")                                                    \
+    MEMBER("other", "-", "rises", "9", "t k=1 change", "-")
+    static const char header[] = "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\t"
+                                 "samples\tmargin\tfamily\tanswer\tagainst\tforensics\tstatement\tnote\n";
+    enter();
+    write_text("t.tsv", "# k\tv\tv_se\tchange\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
+                        "1\t3\t1\t4\t1\tinf\t-9\t17\t0.03\t0.04\n2\t3\t1\t-4\t1\tinf\t-17\t9\t0.03\t0.04\n"
+                        "3\t3\t1\t4\t1\tinf\t-9\t17\t0.5\t0.5\n4\t3\t1\t0\t0.5\tinf\t-0.8\t0.8\t0.9\t0.9\n"
+                        "5\t3\t1\t0\t1\tinf\t-0.8\t0.8\t0.9\t0.9\n");
+    write_text("alone.tsv", "%s" ROWS("-"), header);
+    GOOD("claims --claims alone.tsv --tables .");
+    check_verdict("first", "verdict", "reproduced");
+    check_verdict("second", "verdict", "reproduced");
+    check_verdict("third", "verdict", "reproduced");
+    write_text("claims.tsv", "%s" ROWS("question"), header);
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("first", "detail",
+                  "undecided: reproduced without the correction for 3 tests of one question");
+    check_verdict("second", "verdict", "undecided");
+    check_verdict("third", "detail", "reproduced");
+    check_verdict("other", "verdict", "reproduced");
+    /* a table that is not there is no test */
+    write_text("claims.tsv",
+               "%s" MEMBER("first", "q", "rises", "9", "t k=1 change", "-")
+                   MEMBER("gone", "q", "rises", "9", "nowhere k=1 change", "-"),
+               header);
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("first", "verdict", "reproduced");
+    check_verdict("gone", "verdict", "no data");
+    /* no change: margins of one error for the two claims, whose chances are 0.0228 (2 errors) */
+    write_text("claims.tsv",
+               "%s" MEMBER("near", "q", "independent", "1", "t k=4 change", "-")
+                   MEMBER("far", "q", "independent", "3", "t k=5 change", "-"),
+               header);
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("near", "verdict", "reproduced");
+    check_verdict("far", "verdict", "reproduced");
+    write_text("claims.tsv",
+               "%s" MEMBER("near", "q", "independent", "1", "t k=4 change", "-")
+                   MEMBER("far", "q", "independent", "2", "t k=5 change", "-")
+                       MEMBER("same", "q", "independent", "2", "t k=5 change", "-"),
+               header);
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("near", "detail",
+                  "undecided: reproduced without the correction for 3 tests of one question");
+    leave();
+}
+
+/* Means of piles that stand in several tables are one mean. By hand: 12 values of mean 21; squares within the
+ * two parts, 3 2^2 + 7 3^2, and between them, 4 3^2 + 8 1.5^2. */
+static void test_pooled(void)
+{
+    enter();
+    write_text("claims.tsv", CLAIMS PLAIN("pooled", "above", "-", "a k=2 v + b v", "0")
+                                 PLAIN("short", "above", "-", "a k=2 v + none v", "0"));
+    write_text("a.tsv", "# k\tv_mean\tv_sd\tv_se\tv_n\tn\n1\t7\t7\t7\t9\t9\n2\t18\t2\t1\t4\t5\n");
+    write_text("b.tsv", "# v_mean\tv_sd\tv_se\tv_n\tn\n22.5\t3\t1.06066\t8\t8\n");
+    GOOD("claims --claims claims.tsv --tables .");
+    check_verdict("pooled", "ours", "21.00 ± 0.99 against 0");
+    check_verdict("pooled", "n", "12");
+    check_verdict("short", "verdict", "no data");
+    write_text("b.tsv", "# v_mean\tv_se\tn\n22.5\t1.06066\t8\n");
+    FAILS(65, "no column v_sd", "claims --claims claims.tsv --tables .");
+    const stats_summary parts[] = {{.n = 4, .mean = 18.0, .sd = 2.0}, {.n = 8, .mean = 22.5, .sd = 3.0}};
+    const stats_summary all = stats_pooled(2, parts), one = stats_pooled(1, parts);
+    CU_ASSERT(all.n == 12 && one.n == 4);
+    CHECK_NEAR(all.mean, 21.0, 1e-14);
+    CHECK_NEAR(all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0), 1e-14);
+    CHECK_NEAR(one.sd, 2.0, 1e-14);
+    CHECK_NEAR(one.hi - one.mean, 3.182446305284263, 1e-9); /* Student's t of 3 degrees of freedom, se 1 */
+    leave();
+}
+
 static void test_bad_claims(void)
 {
     enter();
@@ -1139,15 +1222,16 @@ static void test_report(void)
                "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
     write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");
     write_text("part-2.txt", "second\n");
-    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
-                        "{{cell many k=8 v %%.2g}}; "
-                        "{{note many note}}; {{published angle}}; {{verdict high}}; {{counts li}}\n"
-                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
-                        "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
-                        "{{include part-*.txt}}");
+    write_text("in.md",
+               "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
+               "{{cell many k=8 v %%.2g}}; "
+               "{{note many note}}; {{published angle}}; {{ours high}}; {{verdict high}}; {{counts li}}\n"
+               "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
+               "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
+               "{{include part-*.txt}}");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
-        out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; reproduced; "
+        out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 against 0; reproduced; "
              "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
              "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
              "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
@@ -1951,6 +2035,8 @@ void suite_cli(void)
                                        {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},
                                        {"power of claims", test_power_of_claims},
+                                       {"families of claims", test_families},
+                                       {"pooled means", test_pooled},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},
                                        {"page of the report: frames", test_page_frames},

@@ -570,7 +570,7 @@ static void check_end(FILE *entries)
 static void test_claims_again(void)
 {
     static const char *const columns[] = {"id",      "paper",  "test",   "published", "published_se",
-                                          "samples", "margin", "answer", "against"};
+                                          "samples", "margin", "family", "answer",    "against"};
     rp_table t;
     FILE *in = fopen("tests/claims.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);

@@ -223,6 +223,19 @@ static void test_lammps_input(void)
     leave();
 }
 
+/* Fixed grains, the first and the last among them, are held by their numbers. */
+static void test_held(void)
+{
+    enter();
+    write_text("g.tsv", "x\ty\tr\tfixed\n0\t0\t0.1\t1\n1\t0\t0.1\t0\n2\t0\t0.1\t1\n");
+    write_text("held.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
+                           "normal = { law = \"linear\"; tension = false; };\n");
+    GOOD("export held.cfg --to lammps-input -o held.in");
+    CU_ASSERT(shell("grep '^group fixed' held.in >out") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "group fixed id 1\ngroup fixed id 3\n");
+    leave();
+}
+
 /* Every setting without an equal is refused by its key. */
 static void test_refused(void)
 {
@@ -323,6 +336,7 @@ void suite_export(void)
                                        {"a sweep with its fixed parameters", test_sweep},
                                        {"errors", test_errors},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
+                                       {"LAMMPS input: fixed grains", test_held},
                                        {"LAMMPS input: refused keys", test_refused},
                                        {"dumps by lmp", test_lammps},
                                        {"VTP by VTK", test_vtk},

@@ -100,6 +100,12 @@ static void test_chance(void)
     CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 2000, 2000, rng, a, &by_chance));
     CHECK_NEAR(by_chance.mean, 3.0 * 0.8, 0.15); /* five errors of 2000 draws, the three in step */
     CHECK_NEAR(by_chance.as_many, 0.8, 0.06); /* all three pass the claims, and pass together or not at all */
+    /* two of three have numbers, far apart, and the claims are of the first: in half of the draws both claims
+     * are of one combination, which then passes with 0.8 */
+    const double far[6] = {1.0, 1.0, NAN, 1.0, 90.0, 90.0};
+    CHECK_OK(stats_claims_judge(3, 2, claims, far, se, 0.2, 2000, 2000, rng, a, &by_chance));
+    CHECK_NEAR(by_chance.mean, 0.4, 0.06);
+    CHECK_NEAR(by_chance.as_many, 0.4, 0.06);
     CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 20, 0, rng, a, &by_chance));
     CU_ASSERT(isnan(by_chance.mean) && isnan(by_chance.as_many));
     CU_ASSERT(stats_claims_judge(3, 0, claims, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_NO_RESULT);

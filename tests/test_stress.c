@@ -16,6 +16,26 @@ static const double tight = 1e-12;
 
 /* ---- hand-made arrangements ---- */
 
+/* The grids hold the highest and the farthest grain of all piles, wherever it is. */
+static void test_grids(void)
+{
+    double low[] = {0.1, 0.2, 0.3}, high[] = {0.1, 2.6}, mass[] = {1.0, 1.0, 1.0}, size;
+    for (int order = 0; order < 2; order++)
+        for (int last = 0; last < 2; last++) {
+            double far[] = {high[!last], high[last]};
+            stress_pile piles[2];
+            piles[order] = (stress_pile){0, 3, NULL, NULL, low, low, mass};
+            piles[!order] = (stress_pile){0, 2, NULL, NULL, far, far, mass};
+            const stress_grid g = stress_grid_over(2, piles, 2.0, 0.6);
+            CU_ASSERT(g.nx == 3 && g.ny == 5); /* cells of 2/3: 2.6 is in the fourth, and one is above */
+            CHECK_NEAR(g.dx, 2.0 / 3.0, tight);
+            CHECK_NEAR(g.dy, 2.0 / 3.0, tight);
+            CU_ASSERT(g.x0 == 0.0 && g.y0 == 0.0);
+            CU_ASSERT_EQUAL(stress_floor_cells(2, piles, 2.0, 0.6, &size), 5);
+            CHECK_NEAR(size, 2.0 / 3.0, tight);
+        }
+}
+
 /* A column of equal grains of diameter 0.7 and weight 1.3: each contact carries the weight above. */
 static void test_column(void)
 {
@@ -371,6 +391,7 @@ static void wedge(void)
 void suite_stress(void)
 {
     static const check_case cases[] = {{"stress of a column", test_column},
+                                       {"grids over piles", test_grids},
                                        {"hydrostatic stress", test_hydrostatic},
                                        {"base of a close-packed triangle", test_triangle},
                                        {"momentum balance in a simulated box", test_momentum},

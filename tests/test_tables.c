@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
+#include "angle/angle.h"
 #include "core/random.h"
 #include "dem/scene.h"
 #include "stats/stats.h"
@@ -706,6 +707,22 @@ static void test_forensics(void)
         CU_ASSERT_STRING_EQUAL(word(&effects, i, "reference"), row == 0 ? "old" : row == 1 ? "1e6" : ways[0]);
     }
     rp_table_free(&effects);
+    /* one combination of four is a degree off the sum of two effects: the residual has one degree of freedom,
+     * and is half of that; Student's t at 97.5 % is then tan(0.475 pi) */
+    shell("awk -F'\\t' -v OFS='\\t' '/^ok\\t4\\tnew\\t2e6/ { for (i = 5; i <= NF; i++) $i++ } 1' ways.tsv "
+          ">cross.tsv");
+    GOOD("forensics cross.tsv --claims claims.tsv --factors law,k --report effects");
+    effects = read_table("out");
+    for (size_t i = 0; i < 2; i++) {
+        const double effect = i ? 1.0 : -1.5;
+        CHECK_NEAR(cell(&effects, i, "effect_deg"), effect, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "effect_se_deg"), 0.5, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "lower_deg"), effect - 0.5 * tan(0.475 * M_PI), 1e-6);
+        CHECK_NEAR(cell(&effects, i, "upper_deg"), effect + 0.5 * tan(0.475 * M_PI), 1e-6);
+        CHECK_NEAR(cell(&effects, i, "residual_sd_deg"), 0.5, 1e-9);
+        CHECK_NEAR(cell(&effects, i, "p_value"), 1.0 - 2.0 / M_PI * atan(fabs(effect) / 0.5), 1e-9);
+    }
+    rp_table_free(&effects);
     /* less than half of the runs with a result say nothing of a combination; half of them do */
     for (int failed = 2; failed < 4; failed++) {
         char line[256] = "";
@@ -846,6 +863,81 @@ static void test_continuum(void)
         CHECK_NEAR(at(&c, 5 - i, "N/(chi*g*B)"), f.N, 1e-14);
         CHECK_NEAR(at(&c, 5 - i, "H/(chi*g*B)"), -f.H, 1e-14);
         CU_ASSERT(i == 0 || i > 2 || f.N > at(&c, i - 1, "N/(chi*g*B)"));
+    }
+    checked_end(&c);
+    leave();
+}
+
+static void check_phi(checked *c, size_t row, const ang_phi *fit)
+{
+    const struct {
+        const char *column;
+        double value;
+    } list[] = {{"phi_deg", fit->phi * 180.0 / M_PI},
+                {"phi_lo_deg", fit->lo * 180.0 / M_PI},
+                {"phi_hi_deg", fit->hi * 180.0 / M_PI},
+                {"boot_lo_deg", fit->boot_lo * 180.0 / M_PI},
+                {"boot_hi_deg", fit->boot_hi * 180.0 / M_PI},
+                {"chi2", fit->chi2},
+                {"dof", (double)fit->dof},
+                {"p_value", fit->p_value},
+                {"one_phi", fit->dof > 0 ? fit->p_value >= 0.05 : NAN},
+                {"open", fit->lo_open ? (fit->hi_open ? 2.0 : -1.0) : fit->hi_open}};
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        const double value = at(c, row, list[k].column);
+        CU_ASSERT(isnan(value) == isnan(list[k].value));
+
+        if (!isnan(value)) CHECK_NEAR(value, list[k].value, 1e-12 * (1.0 + fabs(value)));
+    }
+}
+
+/* The fits of phi by the library: to all groups, then to each. */
+static void test_phi(void)
+{
+    enum { PILES = 6, GROUPS = 2 };
+    double r[GROUPS][PILES], t[GROUPS][PILES];
+    ang_piles groups[GROUPS];
+    char text[2048] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n";
+    enter();
+    for (int g = 0; g < GROUPS; g++) {
+        groups[g] = (ang_piles){g ? 0.3 : 0.2, PILES, r[g], t[g]};
+        for (int k = 0; k < PILES; k++) {
+            const double r_deg = 10.0 + 4.0 * g + 0.5 * (k % 3), t_deg = 6.0 + 2.0 * g + 0.375 * (k % 4);
+            r[g][k] = r_deg * (M_PI / 180.0), t[g][k] = t_deg * (M_PI / 180.0); /* the same bits */
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\tok\n", groups[g].mu, r_deg,
+                     t_deg);
+        }
+    }
+    write_text("runs.tsv", "%s", text);
+    GOOD("angle phi runs.tsv --bootstrap 50 --seed 31");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == (GROUPS + 1) * ANG_N_AGAINST);
+    gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_BOOTSTRAP);
+    ang_phi fits[GROUPS + 1][ANG_N_AGAINST];
+    CHECK_OK(ang_phi_fit(GROUPS, groups, 50, rng, fits[0]));
+    for (size_t g = 0; g < GROUPS; g++) CHECK_OK(ang_phi_fit(1, &groups[g], 50, rng, fits[g + 1]));
+    gsl_rng_free(rng);
+    for (size_t row = 0; row < c.t.n_rows; row++) {
+        const size_t g = row / ANG_N_AGAINST, a = row % ANG_N_AGAINST;
+        check_phi(&c, row, &fits[g][a]);
+        at(&c, row, "against");
+        CU_ASSERT_STRING_EQUAL(word(&c.t, row, "against"), ang_against_words[a]);
+        CHECK_NEAR(at(&c, row, "n_mu"), g ? 1.0 : GROUPS, 0.0);
+        CHECK_NEAR(at(&c, row, "n"), g ? PILES : GROUPS * PILES, 0.0);
+        const double mu = at(&c, row, "mu"),
+                     found[] = {at(&c, row, "measured_deg"), at(&c, row, "measured_se_deg"),
+                                at(&c, row, "fitted_deg"), at(&c, row, "sixty_deg")};
+        CU_ASSERT(g ? mu == groups[g - 1].mu : isnan(mu));
+        if (g == 0 || a >= ANG_BALANCED_LESS_MARGINAL) {
+            for (int k = 0; k < 4; k++) CU_ASSERT(isnan(found[k]));
+            continue;
+        }
+        stats_summary measured;
+        double given[2];
+        CHECK_OK(ang_phi_angles(&groups[g - 1], (ang_against)a, 2, (double[]){fits[0][a].phi, M_PI / 3.0},
+                                &measured, given));
+        const double expected[] = {measured.mean, measured.se, given[0], given[1]};
+        for (int k = 0; k < 4; k++) CHECK_NEAR(found[k], expected[k] * 180.0 / M_PI, 1e-12);
     }
     checked_end(&c);
     leave();
@@ -1102,6 +1194,7 @@ void suite_tables(void)
                                        {"runs and points of a sweep", test_sweep},
                                        {"forensics", test_forensics},
                                        {"angle compare", test_compare},
+                                       {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},

@@ -185,6 +185,26 @@ static void test_slopes(void)
     leave();
 }
 
+/* A segment is drawn as far as half the size of the grains' region, whichever side of that is longer. */
+static void test_segment(void)
+{
+    enter();
+    for (int tall = 0; tall < 2; tall++) {
+        write_text("pile_grains.tsv", "x\ty\tr\n0\t0\t1\n%d\t%d\t1\n", tall ? 0 : 10, tall ? 10 : 0);
+        write_text("pile_walls.tsv",
+                   "wall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t0\t0\t%d\t%d\t-30\t30\n",
+                   tall ? 0 : -1, tall);
+        GOOD("view pile_grains.tsv -o a.svg");
+        read_svg("a.svg");
+        const mark *wall = find_stroke(WALL);
+        CU_ASSERT_FATAL(n_circles == 4 && wall != NULL);
+        const double scale = hypot(circles[1].x - circles[0].x, circles[1].y - circles[0].y) / 10.0;
+        /* the grains' region is 12 by 2; half of 12 and a radius to both sides of 2 */
+        CHECK_NEAR(hypot(wall->x2 - wall->x, wall->y2 - wall->y) / scale, 16.0, 0.1);
+    }
+    leave();
+}
+
 /* Colours run from the least to the largest value of the column; of both signs, white is 0. */
 static void test_colors(void)
 {
@@ -467,6 +487,7 @@ void suite_view(void)
     static const check_case cases[] = {{"grains", test_circles},
                                        {"forces and walls", test_forces},
                                        {"walls that slope", test_slopes},
+                                       {"segments of walls", test_segment},
                                        {"colours", test_colors},
                                        {"stress and base", test_stress},
                                        {"frames", test_frames},

@@ -416,7 +416,7 @@ static void refused(void)
         {"walls = ( { polygon = [0.0, 0.0, 1.0, 0.0]; } ); " ONE, "a list ( [x, y], ... )"},
         {"walls = ( { polygon = ( [0.0, 0.0], [0.0, 0.0], [1.0, 0.0] ); } ); " ONE, "points 1 and 2 are"},
         {"walls = ( { polygon = ( [0.0, 0.0], [2.0, 0.0], [1.0, 0.0] ); } ); " ONE, "folds back at"},
-        {"walls = ( { circle = [0.0, 0.0, 0.0]; } ); " ONE, "radius = 0: must be above 0"},
+        {"walls = ( { circle = [0.5, 2.0, -3.0]; } ); " ONE, "radius = -3: must be above 0"},
         {"walls = ( { circle = [0.0, 0.0]; } ); " ONE, "circle: three numbers [a, b, c]"},
         {"walls = ( { circle = [0.0, 0.0, 2.0]; sides = 2; } ); " ONE, "sides = 2: out of range"},
         {"walls = ( { circle = [0.0, 0.0, 2.0]; point = [0.0, 0.0]; } ); " ONE,

@@ -82,6 +82,7 @@ static rp_status read_claim(cli_claims *all, size_t row)
 #define X(column, member) c->member = text_of(t, row, rp_table_column(t, #column));
     CLI_CLAIM_TEXTS(X)
 #undef X
+    c->family = rp_table_column(t, "family") < 0 ? "" : text_of(t, row, rp_table_column(t, "family"));
     for (c->test = 0; c->test < CLI_N_CLAIM_TESTS; c->test++)
         if (strcmp(c->test_word, test_words[c->test]) == 0) break;
     rp_status status = c->test < CLI_N_CLAIM_TESTS
@@ -150,17 +151,57 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
     return status;
 }
 
-/* A number, or a cell of a table; a table that is not there leaves *missing true. */
-static rp_status read_against(const char *text, const char *folders, measured *m, bool *missing)
+static rp_status read_summary(const cli_cell *cell, stats_summary *part)
+{
+    static const char *const suffixes[] = {"mean", "sd", "n"};
+    double numbers[N_OF(suffixes)];
+    for (size_t k = 0; k < N_OF(suffixes); k++) {
+        char name[160];
+        snprintf(name, sizeof name, "%s_%s", cell->column, suffixes[k]);
+        rp_status status = cli_cell_column(cell, name, &numbers[k]);
+        if (!status && isnan(numbers[k]))
+            status = rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
+        if (status) return status;
+    }
+    *part = (stats_summary){.n = (size_t)numbers[2], .mean = numbers[0], .sd = numbers[1]};
+    return RP_OK;
+}
+
+/* The mean of all values of several cells, "CELL + CELL ...". */
+static rp_status read_pooled(const char *text, const char *folders, measured *m, bool *missing)
+{
+    enum { MOST = 8 };
+    stats_summary parts[MOST];
+    size_t n = 0;
+    for (const char *part = text, *end; part; part = end ? end + 3 : NULL) {
+        char reference[CLI_MAX_REFERENCE];
+        cli_cell cell;
+        end = strstr(part, " + ");
+        if (n == MOST) return rp_fail(RP_BAD_INPUT, "more than %d cells to pool", MOST);
+        snprintf(reference, sizeof reference, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
+        rp_status status = cli_cell_find(folders, reference, &cell);
+        *missing |= cell.missing;
+        if (!status && !cell.missing) status = read_summary(&cell, &parts[n++]);
+        if (status) return status;
+    }
+    const stats_summary all = stats_pooled(n, parts);
+    m->shown = (stats_number){all.mean, all.se};
+    m->n = (double)all.n;
+    m->tested = stats_of_few(m->shown, m->n);
+    m->dof = m->n - 1.0;
+    return RP_OK;
+}
+
+/* A number, a cell of a table, or several cells pooled; a table that is not there leaves *missing true. */
+static rp_status read_side(const char *text, const char *folders, cli_cell *cell, measured *m, bool *missing)
 {
     char *end;
-    cli_cell cell;
     m->shown = m->tested = (stats_number){strtod(text, &end), 0.0};
     if (!*end) return RP_OK;
-    rp_status status = cli_cell_find(folders, text, &cell);
-    *missing |= cell.missing;
-    if (!status && !cell.missing) status = read_measured(&cell, m);
-    return status;
+    if (strstr(text, " + ")) return read_pooled(text, folders, m, missing);
+    rp_status status = cli_cell_find(folders, text, cell);
+    *missing |= cell->missing;
+    return status || cell->missing ? status : read_measured(cell, m);
 }
 
 static bool tests_change(const cli_claim *c)
@@ -168,18 +209,20 @@ static bool tests_change(const cli_claim *c)
     return c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
 }
 
-static rp_status read_change(const cli_cell *cell, stats_change *change)
+/* Within a family the correction follows later; else the table's own holds. */
+static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
 {
     rp_status status = cli_cell_column(cell, "change_lo90", &change->lo90);
     if (!status) status = cli_cell_column(cell, "change_hi90", &change->hi90);
     return status ? status
-                  : cli_cell_column(cell, cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
+                  : cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
                                     &change->p_value);
 }
 
-static void apply_test(const cli_claim *c, stats_number ours, stats_number against,
-                       const stats_change *change, cli_judged *j)
+static void apply_test(const cli_claim *c, cli_judged *j)
 {
+    const stats_number ours = j->tested, against = j->tested_against;
+    const stats_change *change = &j->change;
     switch (c->test) {
     case CLAIM_RATIO:
     case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
@@ -205,11 +248,11 @@ static void apply_test(const cli_claim *c, stats_number ours, stats_number again
     j->two_readings = j->match.error != j->match.deviation;
 }
 
-static void print_ours(const cli_claim *c, const stats_change *change, cli_judged *j)
+static void print_ours(const cli_claim *c, cli_judged *j)
 {
     FILE *out = fmemopen(j->text, sizeof j->text, "w");
     cli_print_number(out, j->ours);
-    if (tests_change(c)) fprintf(out, " (90 %%: %.2g to %.2g)", change->lo90, change->hi90);
+    if (tests_change(c)) fprintf(out, " (90 %%: %.2g to %.2g)", j->change.lo90, j->change.hi90);
     if (*c->against && c->test != CLAIM_RATIO) {
         fputs(" against ", out);
         cli_print_number(out, j->against);
@@ -219,14 +262,12 @@ static void print_ours(const cli_claim *c, const stats_change *change, cli_judge
 
 static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged *j)
 {
-    cli_cell cell;
-    stats_change change = {NAN, NAN, NAN};
+    cli_cell cell = {0}, other = {0};
     measured ours = {0}, against = {0};
-    rp_status status = cli_cell_find(folders, c->answer, &cell);
-    bool missing = cell.missing;
-    if (!status && *c->against) status = read_against(c->against, folders, &against, &missing);
-    if (!status && !missing) status = read_measured(&cell, &ours);
-    if (!status && !missing) status = read_change(&cell, &change);
+    bool missing = false;
+    rp_status status = read_side(c->answer, folders, &cell, &ours, &missing);
+    if (!status && *c->against) status = read_side(c->against, folders, &other, &against, &missing);
+    if (!status && !missing && tests_change(c)) status = read_change(&cell, *c->family, &j->change);
     if (!status && !missing && tests_change(c)) status = cli_cell_column(&cell, "dof", &ours.dof);
     if (missing) j->verdict = STATS_NO_DATA;
     if (status || missing) return status;
@@ -238,8 +279,10 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->against = against.shown;
     j->n = ours.n;
     j->dof = ours.dof;
-    apply_test(c, ours.tested, against.tested, &change, j);
-    print_ours(c, &change, j);
+    j->tested = ours.tested;
+    j->tested_against = against.tested;
+    apply_test(c, j);
+    print_ours(c, j);
     return RP_OK;
 }
 
@@ -263,7 +306,10 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
 static void explain(const cli_claim *c, cli_judged *j)
 {
     const char *verdict = stats_verdict_texts[j->verdict];
-    if (j->two_readings)
+    if (j->uncorrected != j->verdict)
+        snprintf(j->reason, sizeof j->reason, "%s: %s without the correction for %zu tests of one question",
+                 verdict, stats_verdict_texts[j->uncorrected], j->tests);
+    else if (j->two_readings)
         snprintf(j->reason, sizeof j->reason,
                  "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
                  stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
@@ -294,9 +340,65 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
         j->verdict = claim->test == CLAIM_FORMULA   ? STATS_REPRODUCED
                      : claim->test == CLAIM_PICTURE ? STATS_BY_EYE
                                                     : STATS_UNTESTABLE;
-    if (status) return rp_prefix(status, "claim %s: ", claim->id);
-    explain(claim, j);
-    return RP_OK;
+    j->uncorrected = j->verdict;
+    return status ? rp_prefix(status, "claim %s: ", claim->id) : RP_OK;
+}
+
+/* ---- families ---- */
+
+/* Chances that decide a claim: of such a difference or change if there is none, and of one as small if the
+ * truth is the margin. NaN: no such test. */
+static void find_chances(const cli_claim *c, const cli_judged *j, double *effect, double *none)
+{
+    *effect = *none = NAN;
+    if (c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW)
+        *effect = stats_exceed_p(j->tested, j->tested_against);
+    if (tests_change(c)) *effect = j->change.p_value;
+    if (c->test == CLAIM_INDEPENDENT)
+        *none = stats_contrast_p_margin(
+            &(stats_contrast){j->ours.value, j->ours.se, isnan(j->dof) ? INFINITY : j->dof}, c->margin);
+}
+
+/* The verdict with chances that Holm's correction has raised. */
+static void decide_again(const cli_claim *c, double effect, double none, cli_judged *j)
+{
+    j->change.p_value = effect;
+    if (c->test == CLAIM_INDEPENDENT)
+        j->verdict = stats_equivalent_by_p(none, effect);
+    else if (tests_change(c))
+        j->verdict = stats_trends(&j->change, c->test == CLAIM_RISES ? 1 : -1, c->margin);
+    else
+        j->verdict = stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect);
+}
+
+/* The claims of one family answer one question: Holm's correction for the number of their tests. */
+static void correct_family(const cli_claims *claims, const char *family, cli_judged judged[])
+{
+    const size_t n = claims->n;
+    double *effect = cli_memory(4 * n, sizeof *effect), *none = effect + n, *raised = none + n,
+           *raised_none = raised + n;
+    size_t tests = 0;
+    for (size_t i = 0; i < n; i++) {
+        effect[i] = none[i] = NAN;
+        if (strcmp(claims->claims[i].family, family) == 0 && judged[i].verdict != STATS_NO_DATA)
+            find_chances(&claims->claims[i], &judged[i], &effect[i], &none[i]);
+        tests += !isnan(effect[i]);
+    }
+    stats_holm(n, effect, raised);
+    stats_holm(n, none, raised_none);
+    for (size_t i = 0; i < n; i++) {
+        if (isnan(effect[i])) continue;
+        decide_again(&claims->claims[i], raised[i], raised_none[i], &judged[i]);
+        judged[i].tests = tests;
+    }
+}
+
+static bool is_first_of_family(const cli_claims *claims, size_t i)
+{
+    const char *family = claims->claims[i].family;
+    for (size_t k = 0; k < i; k++)
+        if (strcmp(claims->claims[k].family, family) == 0) return false;
+    return *family != '\0';
 }
 
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
@@ -308,6 +410,9 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
         status = judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]);
         cli_release(mark);
     }
+    for (size_t i = 0; i < claims->n && !status; i++)
+        if (is_first_of_family(claims, i)) correct_family(claims, claims->claims[i].family, *judged);
+    for (size_t i = 0; i < claims->n && !status; i++) explain(&claims->claims[i], &(*judged)[i]);
     return status;
 }
 

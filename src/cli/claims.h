@@ -50,6 +50,7 @@ typedef struct {
     CLI_CLAIM_TEXTS(X)
 #undef X
     cli_claim_test test;
+    const char *family;     /* of claims that answer one question; "" without a column of that name */
     stats_number published; /* NaN: none */
     double samples, margin; /* 0: not said; INFINITY: none */
 } cli_claim;
@@ -70,10 +71,13 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
 
 /* A claim judged by the tables in `folders`. */
 typedef struct {
-    stats_verdict verdict;
-    bool two_readings; /* of the published +-, with different verdicts */
+    stats_verdict verdict, uncorrected; /* for the other tests of its family, */
+    size_t tests;                       /* so many */
+    bool two_readings;                  /* of the published +-, with different verdicts */
     stats_match match;
     stats_number ours, against;
+    stats_number tested, tested_against; /* with the errors that decide */
+    stats_change change;
     double n;         /* values behind ours; NaN where the table does not say */
     double dof;       /* of the error of ours; infinite where the test takes it as known */
     char text[256];   /* ours, as the report shows it */
@@ -86,7 +90,8 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
 
 /* The power of a claim's test, from the errors in the tables. */
 typedef struct {
-    cli_sweep sweep;   /* whose runs answer */
+    cli_sweep sweep;   /* whose runs answer, the first of several */
+    double runs;       /* present ones a grid point; of several sweeps, all */
     double effect, se; /* smallest effect that matters; present error */
     double power;      /* with the present runs */
     double needed;     /* runs a grid point for CLI_POWER; infinite: the paper's own error is too large */

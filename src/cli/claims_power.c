@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
+#include <string.h>
 
 #include "stats/samplesize.h"
 
@@ -61,7 +62,8 @@ bool cli_claim_power(const cli_claim *c, const char *folders, const cli_judged *
     const bool published = c->test == CLAIM_AGREES || c->test == CLAIM_RATIO;
     stats_pilot pilot = {.se = own_error(c, j), .dof = j->dof, .fixed = published ? c->published.se : 0.0};
     if (!(pilot.se > 0.0) || !cli_find_sweep(folders, c->answer, &p->sweep)) return false;
-    pilot.n = p->sweep.replicas;
+    const bool pooled = strstr(c->answer, " + ") != NULL;
+    pilot.n = p->runs = pooled ? j->n : p->sweep.replicas;
     p->effect = c->margin;
     p->se = pilot.se;
     p->power = stats_power(&rule, &pilot, truth, pilot.n);
@@ -70,6 +72,6 @@ bool cli_claim_power(const cli_claim *c, const char *folders, const cli_judged *
         pilot.fixed /= sqrt(c->samples);
         p->needed_sd = stats_sample_size(&rule, &pilot, truth, CLI_POWER);
     }
-    p->seconds = p->needed_sd * p->sweep.seconds / p->sweep.replicas;
+    p->seconds = p->needed_sd * p->sweep.seconds / p->sweep.replicas / (pooled ? p->sweep.points : 1.0);
     return true;
 }

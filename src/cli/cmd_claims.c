@@ -78,7 +78,7 @@ static void print_powers(const cli_claims *all, const cli_judged judged[], const
         cli_power p;
         if (chosen(c, o) && cli_claim_power(c, o->tables, &judged[i], &p)) {
             printf("%s\t%s\t", c->id, c->test_word);
-            printf("%g\t%.3g\t%s\t%g\t", p.effect, p.se, p.sweep.name, p.sweep.replicas);
+            printf("%g\t%.3g\t%s\t%g\t", p.effect, p.se, p.sweep.name, p.runs);
             printf("%.3f\t%g\t%g\t%.0f\t%s\n", p.power, p.needed, p.needed_sd, p.seconds,
                    stats_verdict_texts[judged[i].verdict]);
         }

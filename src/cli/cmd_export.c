@@ -154,37 +154,26 @@ static bool is_number(const char *text)
     return *text && !*end;
 }
 
-/* Every cell of a frame's table is a number, and equal steps follow one another. */
+/* Every cell of a frame's table is a number, and steps rise. */
 static rp_status find_frames(rp_table *table, cli_frames *f)
 {
-    double step = NAN, next;
+    double *step = cli_memory(table->n_rows, sizeof *step), unused;
     rp_status status = RP_OK;
-    *f = (cli_frames){.table = table,
-                      .first = cli_memory(table->n_rows + 1, sizeof *f->first),
-                      .steps = cli_memory(table->n_rows, sizeof *f->steps),
-                      .step = rp_table_column(table, "step"),
-                      .t = rp_table_column(table, "t")};
+    *f = (cli_frames){
+        .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
     for (size_t i = 0; i < table->n_rows && !status; i++) {
         for (size_t c = 0; c < table->n_columns && !status; c++)
             if (!is_number(cli_export_cell(table, i, (int)c)))
-                status = rp_table_number(table, i, (int)c, true, &next);
-        if (!status && f->step >= 0) status = rp_table_number(table, i, f->step, false, &next);
-        if (f->step < 0) next = 0.0;
-        if (!status && next < step)
-            status = rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->path, table->lines[i],
-                             next, step);
-        if (next != step) f->steps[f->n] = next, f->first[f->n++] = i;
-        step = next;
+                status = rp_table_number(table, i, (int)c, true, &unused);
+        if (!status && f->step >= 0) status = rp_table_number(table, i, f->step, false, &step[i]);
     }
-    f->first[f->n] = table->n_rows;
-    return status;
-}
-
-size_t cli_frame_at(const cli_frames *f, double step)
-{
-    size_t k = 0;
-    while (k < f->n && f->step >= 0 && f->steps[k] != step) k++;
-    return k;
+    if (status) return status;
+    cli_frames_split(table->n_rows, step, f);
+    for (size_t k = 1; k < f->n; k++)
+        if (f->steps[k] < f->steps[k - 1])
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->path,
+                           table->lines[f->first[k]], f->steps[k], f->steps[k - 1]);
+    return RP_OK;
 }
 
 double cli_frame_step(const cli_run_frames *run, size_t frame)

@@ -120,19 +120,22 @@ static rp_status judge(report *r)
     return r->judged ? RP_OK : cli_claims_judge(&r->claims, r->options->tables, &r->judged);
 }
 
-static rp_status fill_verdict(report *r, const char *id, bool published)
+/* What `word` asks of a claim: published, ours, verdict. */
+static rp_status fill_claim(report *r, const char *id, char word)
 {
     const cli_claim *claim = NULL;
     char text[128];
     rp_status status = cli_claims_find(&r->claims, id, &claim);
-    if (!status && published) {
+    if (!status && word == 'p') {
         cli_claim_published(claim, text);
         fputs(text, r->out);
         return RP_OK;
     }
     if (!status) status = judge(r);
-    if (!status) fputs(r->judged[claim - r->claims.claims].reason, r->out);
-    return status;
+    if (status) return status;
+    const cli_judged *j = &r->judged[claim - r->claims.claims];
+    fputs(word == 'v' ? j->reason : *j->text ? j->text : no_data, r->out);
+    return RP_OK;
 }
 
 /* What is claimed, and of what the numbers are. */
@@ -234,8 +237,8 @@ static rp_status fill_place(report *r, char *text)
     }
     if (strcmp(word, "note") == 0) return fill_note(r, &w);
     if (strcmp(word, "rows") == 0) return fill_rows(r, &w);
-    if (strcmp(word, "published") == 0) return fill_verdict(r, first, true);
-    if (strcmp(word, "verdict") == 0) return fill_verdict(r, first, false);
+    if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "verdict") == 0)
+        return fill_claim(r, first, *word);
     if (strcmp(word, "claims") == 0) return fill_section(r, first, true);
     if (strcmp(word, "scores") == 0) return fill_section(r, first, false);
     if (strcmp(word, "counts") == 0) return fill_counts(r, first);
@@ -321,6 +324,7 @@ const cli_command cmd_report = {
     "error;\n"
     "                               key=FROM:TO for a range\n"
     "  {{published ID}}             the number that the paper gives\n"
+    "  {{ours ID}}                  our number, as a claim compares it\n"
     "  {{verdict ID}}               verdict on a claim\n"
     "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
     "  {{claims SECTION}}           the same in full, with variants, counts and reasons\n"

@@ -6,14 +6,27 @@
 #include "cli/cli.h"
 #include "cli/view.h"
 
-/* Force chains are dark on pale grains: line style k of CLASSES has a width in proportion to the force.
+/* Force chains are dark on pale grains: line style k of `classes` has a width in proportion to the force.
  * Colours are distinct for the colour-blind, and by their lightness alone. */
-enum { CLASSES = 12, PULLS = 20 };
+enum { PULLS = 20 }; /* above all classes */
 static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 2.6, TOP = 1.4, BOTTOM = 1.5; /* cm */
 static const double PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0;
 static const double PER_CM = 37.8; /* of lines' widths */
-static const char GRAIN[] = "#eeeeee", OUTLINE[] = "#a8a8a8", WALL[] = "#404040", PRESS[] = "#0072b2",
-                  PULL[] = "#d55e00";
+static const char WALL[] = "#404040", PRESS[] = "#0072b2", PULL[] = "#d55e00";
+
+/* Colours of the figures too: gnuplot reads the file that is included here. */
+typedef struct {
+    const char *grain, *outline;
+    int classes, pale[3], dark[3];
+} colours;
+
+static colours find_colours(void)
+{
+    const char *grain, *outline;
+    int classes, pale_r, pale_g, pale_b, dark_r, dark_g, dark_b;
+#include "figures/chains.gp"
+    return (colours){grain, outline, classes, {pale_r, pale_g, pale_b}, {dark_r, dark_g, dark_b}};
+}
 
 /* ---- scale ---- */
 
@@ -197,13 +210,15 @@ static double thickest(const view_scale *s)
 
 static void put_chains(const view_style *style, const view_scale *s, FILE *out)
 {
-    static const int pale[] = {150, 170, 195}, dark[] = {8, 24, 58};
-    for (int k = 1; k <= CLASSES; k++) {
-        const double f = (double)(k - 1) / (CLASSES - 1), lw = thickest(s) * (k - 0.5) / CLASSES;
+    const colours look = find_colours();
+    for (int k = 1; k <= look.classes; k++) {
+        const double f = (double)(k - 1) / (look.classes - 1), lw = thickest(s) * (k - 0.5) / look.classes;
         char rgb[8];
         int c[3];
         for (int i = 0; i < 3; i++)
-            c[i] = *style->color ? 0 : style->stress ? 185 : (int)lround(pale[i] + f * (dark[i] - pale[i]));
+            c[i] = *style->color   ? 0
+                   : style->stress ? 185
+                                   : (int)lround(look.pale[i] + f * (look.dark[i] - look.pale[i]));
         snprintf(rgb, sizeof rgb, "#%02x%02x%02x", c[0], c[1], c[2]);
         fprintf(out, "set style arrow %d nohead lw %.3g lc rgb '%s'\n", k, lw, rgb);
         fprintf(out, "set style arrow %d nohead lw %.3g lc rgb '%s'\n", PULLS + k, lw, PULL);
@@ -233,7 +248,7 @@ void view_draw_start(const view_scene *scene, const view_style *style, const vie
             "set border lw 0.7\nset tics scale 0.6 nomirror out\nset grid lw 0.3 lc rgb '#d8d8d8'\n"
             "set xrange [%.17g:%.17g]\nset style fill solid border lc rgb '%s'\n"
             "set lmargin at screen %.5f\nset rmargin at screen %.5f\n",
-            s->window[0], s->window[1], OUTLINE, LEFT / s->width,
+            s->window[0], s->window[1], find_colours().outline, LEFT / s->width,
             1.0 - (*style->color ? COLOUR_BAR : RIGHT) / s->width);
     put_label(out, "xlabel", "x", scene->length);
     put_chains(style, s, out);
@@ -250,9 +265,10 @@ static void put_grains(const view_frame *f, FILE *out)
 
 static void put_contacts(const view_frame *f, const view_scale *s, FILE *out)
 {
+    const int classes = find_colours().classes;
     fputs("$contacts << end\n", out);
     for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++) {
-        const int k = (int)fmin(ceil(CLASSES * fabs(v->normal) / s->force), CLASSES);
+        const int k = (int)fmin(ceil(classes * fabs(v->normal) / s->force), classes);
         if (k > 0)
             fprintf(out, "%.9g %.9g %.9g %.9g %d\n", v->c.x, v->c.y, v->c.x_b - v->c.x, v->c.y_b - v->c.y,
                     v->normal < 0.0 ? PULLS + k : k);
@@ -364,13 +380,13 @@ static const double POINT = 0.375 * VIEW_LETTERS; /* pixels */
 static void put_circles(const view_style *style, const view_scale *s, FILE *out)
 {
     char fill[32];
-    snprintf(fill, sizeof fill, *style->color ? "palette" : "rgb '%s'", GRAIN);
+    snprintf(fill, sizeof fill, *style->color ? "palette" : "rgb '%s'", find_colours().grain);
     const double size = s->per_length * PER_CM / POINT, line = 0.25 / POINT;
     if (style->points)
         fprintf(out,
                 "plot $grains using 1:2:($3*%.9g + %g) with points pt 7 ps variable lc rgb '%s' notitle, \\\n"
                 " $grains using 1:2:($3*%.9g - %g)%s with points pt 7 ps variable lc %s notitle",
-                size, line, OUTLINE, size, line, *style->color ? ":4" : "", fill);
+                size, line, find_colours().outline, size, line, *style->color ? ":4" : "", fill);
     else
         fprintf(out, "plot $grains using 1:2:3%s with circles lw 0.4 fc %s notitle",
                 *style->color ? ":4" : "", fill);
@@ -399,8 +415,8 @@ rp_status view_draw(const view_scene *scene, const view_frame *f, const view_sty
     if (n_walls > 0) fprintf(out, ", \\\n $walls with vectors nohead lw 2.5 lc rgb '%s' notitle", WALL);
     if (style->stress) fputs(", \\\n $stress using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
     if (chains && !style->stress)
-        fprintf(out, ", \\\n NaN with vectors arrowstyle %d title \"normal force %s%.4g%s%s\"", CLASSES,
-                largest_force(f) > s->force ? "at least " : "", s->force,
+        fprintf(out, ", \\\n NaN with vectors arrowstyle %d title \"normal force %s%.4g%s%s\"",
+                find_colours().classes, largest_force(f) > s->force ? "at least " : "", s->force,
                 strcmp(scene->force, "1") ? " " : "", strcmp(scene->force, "1") ? scene->force : "");
     if (style->stress)
         fprintf(out, ", \\\n NaN with vectors arrowstyle 50 title \"principal stress, largest %.4g %s/%s\"",

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/cli.h"
+#include "cli/export.h"
 #include "cli/view.h"
 
 /* Columns of a table. A name with a question mark may be missing; its values are then NaN. */
@@ -127,34 +127,43 @@ static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
     return RP_OK;
 }
 
-/* The frames of these tables; contacts and walls without steps are those of the only one. */
-static size_t split(const numbers *g, numbers *c, numbers *w, const view_contact *contacts,
-                    const view_wall *walls, view_frame *frames)
+static cli_frames split(const numbers *t)
 {
-    size_t n = 0;
-    const bool one = g->column[0][0] == g->column[0][g->n - 1] || isnan(g->column[0][0]);
-    if (c->n > 0 && isnan(c->column[0][0]) && !one) c->n = 0;
-    if (w->n > 0 && isnan(w->column[0][0]) && !one) w->n = 0;
-    for (size_t i = 0, end, ci = 0, cj, wi = 0, wj; i < g->n; i = end, ci = cj, wi = wj) {
-        const double step = one ? INFINITY : g->column[0][i];
-        for (end = i + 1; end < g->n && (one || g->column[0][end] == step);) end++;
-        while (!one && ci < c->n && c->column[0][ci] < step) ci++;
-        while (!one && wi < w->n && w->column[0][wi] < step) wi++;
-        for (cj = ci; cj < c->n && !(c->column[0][cj] > step);) cj++;
-        for (wj = wi; wj < w->n && !(w->column[0][wj] > step);) wj++;
-        frames[n++] = (view_frame){.step = g->column[0][i],
-                                   .t = g->column[1][i],
-                                   .n = end - i,
-                                   .x = g->column[2] + i,
-                                   .y = g->column[3] + i,
-                                   .r = g->column[4] + i,
-                                   .value = g->column[5] ? g->column[5] + i : NULL,
-                                   .n_contacts = cj - ci,
-                                   .contacts = contacts + ci,
-                                   .n_walls = wj - wi,
-                                   .walls = walls + wi};
+    cli_frames f = {.step = -1};
+    cli_frames_split(t->n, t->column[0], &f);
+    if (t->n > 0 && !isnan(t->column[0][0])) f.step = 0;
+    return f;
+}
+
+/* The rows of contacts or walls that belong to a frame of grains: those with its step, or all where the
+ * grains have one frame only. Returns the number, and the first one. */
+static size_t rows_of(const cli_frames *f, double step, bool one, size_t *first)
+{
+    const size_t k = f->step < 0 ? f->n : cli_frame_at(f, step);
+    *first = one || k == f->n ? 0 : f->first[k];
+    return one ? f->first[f->n] : k == f->n ? 0 : f->first[k + 1] - *first;
+}
+
+static void put_frames(const numbers *g, const cli_frames *grains, const cli_frames *c, const cli_frames *w,
+                       const view_contact *contacts, const view_wall *walls, view_frame *frames)
+{
+    for (size_t k = 0; k < grains->n; k++) {
+        const size_t i = grains->first[k];
+        size_t ci, wi;
+        const size_t n_c = rows_of(c, grains->steps[k], grains->n == 1, &ci),
+                     n_w = rows_of(w, grains->steps[k], grains->n == 1, &wi);
+        frames[k] = (view_frame){.step = g->column[0][i],
+                                 .t = g->column[1][i],
+                                 .n = grains->first[k + 1] - i,
+                                 .x = g->column[2] + i,
+                                 .y = g->column[3] + i,
+                                 .r = g->column[4] + i,
+                                 .value = g->column[5] ? g->column[5] + i : NULL,
+                                 .n_contacts = n_c,
+                                 .contacts = contacts + ci,
+                                 .n_walls = n_w,
+                                 .walls = walls + wi};
     }
-    return n;
 }
 
 static rp_status add_source(const source *s, const char *color, view_scene *scene)
@@ -175,18 +184,17 @@ static rp_status add_source(const source *s, const char *color, view_scene *scen
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    size_t steps = 1;
-    for (size_t k = 1; k < g.n; k++) steps += g.column[0][k] != g.column[0][k - 1];
-    view_frame *frames = cli_memory(scene->n + steps, sizeof *frames);
+    const cli_frames grains = split(&g), of_contacts = split(&c), of_walls = split(&w);
+    view_frame *frames = cli_memory(scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
-    const size_t added = split(&g, &c, &w, contacts, walls, frames + scene->n);
-    for (view_frame *f = frames + scene->n; f < frames + scene->n + added; f++) {
+    put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);
+    for (view_frame *f = frames + scene->n; f < frames + scene->n + grains.n; f++) {
         if (f->n_contacts > 0)
             qsort(contacts + (f->contacts - contacts), f->n_contacts, sizeof *contacts, by_force);
         f->n_base = b.n, f->base_x = b.column[0], f->base_force = b.column[1];
     }
     scene->frames = frames;
-    scene->n += added;
+    scene->n += grains.n;
     return RP_OK;
 }
 

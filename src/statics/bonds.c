@@ -138,7 +138,7 @@ static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_
 {
     const double LEANS = 0.25; /* of a bond's length: less is level, or upright */
     double left[2] = {0, 0};
-    up[0] = 0;
+    up[0] = up[1] = 0;
     for (size_t k = 0; k < n_bonds && !(up[0] > 0 && left[0] < 0); k++) {
         const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
         const double sign = q->y > p->y ? 1 : -1, dx = sign * (q->x - p->x), dy = sign * (q->y - p->y);

@@ -50,6 +50,18 @@ stats_verdict stats_exceed(stats_number a, stats_number b, int sign)
     return difference < -errors_that_decide * se || se == 0.0 ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
 }
 
+double stats_exceed_p(stats_number a, stats_number b)
+{
+    const double difference = fabs(a.value - b.value), se = hypot(a.se, b.se);
+    return se > 0.0 ? 2.0 * gsl_cdf_ugaussian_Q(difference / se) : NAN;
+}
+
+stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p)
+{
+    if (!(p < 2.0 * gsl_cdf_ugaussian_Q(errors_that_decide))) return STATS_UNDECIDED;
+    return sign * (a.value - b.value) > 0.0 ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+}
+
 stats_verdict stats_bound(double value, double limit, int sign)
 {
     if (isnan(value) || isnan(limit)) return STATS_UNDECIDED;
@@ -65,6 +77,12 @@ stats_verdict stats_equivalent(const stats_change *change, double margin)
 {
     if (within(change, margin)) return STATS_REPRODUCED;
     return change->p_value < level ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+}
+
+stats_verdict stats_equivalent_by_p(double p_margin, double p_value)
+{
+    if (p_margin < level) return STATS_REPRODUCED;
+    return p_value < level ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
 }
 
 stats_verdict stats_trends(const stats_change *change, int sign, double margin)

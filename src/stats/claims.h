@@ -51,6 +51,11 @@ stats_match stats_agree(stats_number ours, stats_number published, double sample
 /* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. */
 stats_verdict stats_exceed(stats_number a, stats_number b, int sign);
 
+/* Chance of so large a difference if there is none, NaN for exact numbers; and the same verdict with that
+ * chance corrected for other tests: significant where it is below that of two standard errors. */
+double stats_exceed_p(stats_number a, stats_number b);
+stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p);
+
 /* A number without an error at least (sign = 1) or at most (-1) the limit. NaN: undecided. */
 stats_verdict stats_bound(double value, double limit, int sign);
 
@@ -62,6 +67,10 @@ typedef struct {
 /* Equivalence: reproduced if the 90 % interval lies within +-margin (two one-sided tests at 5 %); not
  * reproduced if it does not and there is a change; else undecided. */
 stats_verdict stats_equivalent(const stats_change *change, double margin);
+
+/* The same by p-values that are corrected for other tests: of a change as small if the true one is the
+ * margin, and of no change. */
+stats_verdict stats_equivalent_by_p(double p_margin, double p_value);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no
  * change is and the 90 % interval lies within +-margin. */

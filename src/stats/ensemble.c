@@ -16,6 +16,17 @@ rp_status stats_check_finite(size_t n, const double v[])
     return RP_OK;
 }
 
+/* Errors of a mean from the squares about it. */
+static void set_errors(double squares, stats_summary *stats)
+{
+    const double n = (double)stats->n;
+    stats->sd = sqrt(squares / (n - 1.0));
+    stats->se = stats->sd / sqrt(n);
+    const double half = gsl_cdf_tdist_Qinv(0.5 * (1.0 - confidence), n - 1.0) * stats->se;
+    stats->lo = stats->mean - half;
+    stats->hi = stats->mean + half;
+}
+
 /* Sums are taken about the first value, so that equal values have no spread at all. */
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats)
 {
@@ -31,12 +42,25 @@ rp_status stats_paired(size_t n, const double a[], double factor, const double b
         double d = a[i] + (b ? factor * b[i] : 0.0) - stats->mean;
         squares += d * d;
     }
-    stats->sd = sqrt(squares / (double)(n - 1));
-    stats->se = stats->sd / sqrt((double)n);
-    double half = gsl_cdf_tdist_Qinv(0.5 * (1.0 - confidence), (double)(n - 1)) * stats->se;
-    stats->lo = stats->mean - half;
-    stats->hi = stats->mean + half;
+    set_errors(squares, stats);
     return RP_OK;
+}
+
+stats_summary stats_pooled(size_t n, const stats_summary parts[])
+{
+    stats_summary all = {0, NAN, NAN, NAN, NAN, NAN};
+    double sum = 0.0, squares = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        all.n += parts[i].n;
+        sum += (double)parts[i].n * parts[i].mean;
+    }
+    all.mean = sum / (double)all.n;
+    for (size_t i = 0; i < n; i++) {
+        const double d = parts[i].mean - all.mean, own = parts[i].n > 1 ? parts[i].sd : 0.0;
+        squares += ((double)parts[i].n - 1.0) * own * own + (double)parts[i].n * d * d;
+    }
+    if (all.n > 1) set_errors(squares, &all);
+    return all;
 }
 
 rp_status stats_mean(size_t n, const double v[], stats_summary *stats)

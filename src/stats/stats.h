@@ -28,6 +28,9 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats);
 /* The same for a[i] + factor b[i]: paired differences (-1) and sums (+1). */
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats);
 
+/* The summary of all values of n ensembles, from theirs. */
+stats_summary stats_pooled(size_t n, const stats_summary parts[]);
+
 /* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
  * values, so that ensembles of different size can be compared. work[n] is work space.
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
