@@ -168,10 +168,13 @@ $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
+# Dots an inch and colours of a picture for pages: the first that take at most 80 kB.
 $(B)/figures/shown/%.png: $(B)/figures/%.svg
 	@mkdir -p $(@D)
-	@gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; file='$(@:.png=)'" figures/style.gp $(wildcard figures/*/$*.gp)
-	@for colours in 64 16; do pngquant --force --nofs --output $@ $$colours $@; [ $$(stat -c %s $@) -gt 100000 ] || break; done
+	@set -e; for try in '220 64' '220 16' '180 16'; do \
+	  gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; shown=$${try% *}.; file='$(@:.png=)'" \
+	    figures/style.gp $(wildcard figures/*/$*.gp); \
+	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
