@@ -29,7 +29,7 @@ double planted_damping(double g, double gamma_n)
     return gamma_n * sqrt(0.2 / g);
 }
 
-static void write_runs(const char *name, size_t n, int stop)
+static void write_runs(const char *name, size_t n, bool stops)
 {
 #define ENDS(height, empty) "_" #height "_" #empty "_deg", "_" #height "_" #empty "_origin_deg",
     static const char *const ends[] = {ANG_SURFACES(ENDS)};
@@ -48,17 +48,18 @@ static void write_runs(const char *name, size_t n, int stop)
     for (size_t v = 0; v < SURFACES; v++)
         fprintf(file, "\ttheta_r3%s\ttheta_r1%s", v ? ends[v] : "_deg", v ? ends[v] : "_deg");
     fputc('\n', file);
-    int row = 0;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < PLANTED_POINTS; k++)
             for (size_t pile = 0; pile < PLANTED_PILES; pile++) {
                 const double damping = 3.0 * pow(50.0 / 3.0, u[2 * i]), g = 0.2 * pow(500.0 / damping, 2.0),
                              density = planted_stiffness(1.0, g, 1e6) / (2e3 * pow(200.0, u[2 * i + 1]));
-                const double angle = planted_angle(planted_stiffness(density, g, planted_k_n[k]),
-                                                   planted_damping(g, planted_gamma_n[k]), (int)slip[i]) +
-                                     scatter[pile];
-                fprintf(file, "%s\t%.17g\t%.17g\t%s\t%g\t%g", stop && ++row % stop == 0 ? "overlap" : "ok",
-                        density, g, slip[i] ? "total" : "truncated", planted_k_n[k], planted_gamma_n[k]);
+                const double stiffness = planted_stiffness(density, g, planted_k_n[k]);
+                const double angle =
+                    planted_angle(stiffness, planted_damping(g, planted_gamma_n[k]), (int)slip[i]) +
+                    scatter[pile];
+                fprintf(file, "%s\t%.17g\t%.17g\t%s\t%g\t%g",
+                        stops && k == 1 && stiffness < 4e3 ? "overlap" : "ok", density, g,
+                        slip[i] ? "total" : "truncated", planted_k_n[k], planted_gamma_n[k]);
                 for (size_t v = 0; v < SURFACES; v++)
                     fprintf(file, "\t%.10g\t%.10g", angle + (v % 2 ? 9.0 : 0.0), angle + 1.0);
                 fputc('\n', file);
@@ -66,7 +67,7 @@ static void write_runs(const char *name, size_t n, int stop)
     fclose(file);
 }
 
-void planted_write(const char *prefix, size_t n, int stop)
+void planted_write(const char *prefix, size_t n, bool stops)
 {
     double angle[PLANTED_POINTS];
     for (size_t k = 0; k < PLANTED_POINTS; k++)
@@ -74,7 +75,7 @@ void planted_write(const char *prefix, size_t n, int stop)
                                  planted_damping(500.0, planted_gamma_n[k]), 1);
     char name[64];
     snprintf(name, sizeof name, "%sruns.tsv", prefix);
-    write_runs(name, n, stop);
+    write_runs(name, n, stops);
     snprintf(name, sizeof name, "%sclaims.tsv", prefix);
     write_text(name,
                "# at: k_n=1e6 gamma_n=500\n"

@@ -3,6 +3,7 @@
 #ifndef PLANTED_H
 #define PLANTED_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Angle in degrees, of the groups of sweeps/driver/groups.h at the point and of slip = "total". */
@@ -16,8 +17,10 @@ double planted_stiffness(double density, double g, double k_n);
 double planted_damping(double g, double gamma_n);
 
 /* PREFIXruns.tsv of n settings, and PREFIXclaims.tsv of the choice density = 2, g = 500, slip = "total":
- * numbers with +- 0.3 at three points, and one that is held out. Every `stop`-th run has no result, 0: all
- * have one. The surfaces of a parabola through the origin have 9 degrees more. */
-void planted_write(const char *prefix, size_t n, int stop);
+ * numbers with
+ * +- 0.3 at three points, and one that is held out. With `stops` the runs of the second point, where k_n =
+ * 1e5, have no result below a stiffness of 4e3, that of the choice among them. The surfaces of a parabola
+ * through the origin have 9 degrees more. */
+void planted_write(const char *prefix, size_t n, bool stops);
 
 #endif

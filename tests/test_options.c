@@ -200,7 +200,7 @@ static void write_fixtures(void)
     write_file("p_grains.tsv", print_stress_grains);
     write_file("p_contacts.tsv", print_stress_contacts);
     write_file("piles.tsv", print_piles);
-    planted_write("planted_", 12, 0);
+    planted_write("planted_", 12, false);
     shell("sed 's/\t20\t2/\t3\t2/; s/0.3\t3/0.5\t3/' planted_claims.tsv >planted_other.tsv; :>out; :>err");
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");

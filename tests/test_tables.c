@@ -676,7 +676,7 @@ static void check_emulator(void)
 static void test_forensics(void)
 {
     enter();
-    planted_write("", 24, 0);
+    planted_write("", 24, false);
     check_choices();
     check_density();
     check_numbers();
