@@ -34,6 +34,7 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
+    src/stats/oscillation.c) echo trend ;;
     src/stats/forensics.c) echo forensics ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
