@@ -1,5 +1,6 @@
 /* Verdicts: every word, at its edge and just beyond it; figures/claims.tsv against the tests and figures it
  * names. */
+#include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
@@ -333,6 +334,113 @@ static void test_report_texts(void)
     rp_table_free(&t);
 }
 
+/* ---- numbers and ranks in the report's sentences ---- */
+
+enum { MOST_KNOWN = 20000 };
+static double known[MOST_KNOWN];
+static size_t n_known;
+
+/* The next number from *text on that is no part of a name; its first character, NULL if there is none. */
+static const char *next_number(const char **text, double *number)
+{
+    for (const char *c = *text; *c; c++) {
+        char *end;
+        if (!isdigit((unsigned char)*c)) continue;
+        *number = strtod(c, &end);
+        const bool part = c > *text && (isalnum((unsigned char)c[-1]) || strchr("_./-", c[-1]));
+        *text = end;
+        if (!part && !isalpha((unsigned char)*end) && *end != '_') return c;
+        c = end - 1;
+    }
+    return NULL;
+}
+
+/* Every number of the files is a setting, a published number or a case of the validation. */
+static void learn_numbers(const char *pattern)
+{
+    char line[4096];
+    glob_t found;
+    CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        FILE *in = fopen(found.gl_pathv[i], "r");
+        while (in && fgets(line, sizeof line, in)) {
+            const char *rest = line;
+            for (double number; next_number(&rest, &number);) {
+                CU_ASSERT_FATAL(n_known < MOST_KNOWN);
+                known[n_known++] = number;
+            }
+        }
+        if (in) fclose(in);
+    }
+    globfree(&found);
+}
+
+static bool is_known(double number)
+{
+    for (size_t i = 0; i < n_known; i++)
+        if (known[i] == number) return true;
+    return false;
+}
+
+/* Blank what stands between `open` and `close`. */
+static void blank(char *line, const char *open, const char *close)
+{
+    for (char *from = line, *to; (from = strstr(from, open)); from = to) {
+        to = strstr(from + strlen(open), close);
+        to = to ? to + strlen(close) : from + strlen(from);
+        memset(from, ' ', (size_t)(to - from));
+    }
+}
+
+/* A sentence types no result: a number with a point or three digits is a setting, and a rank of results
+ * stands beside a place that shows it. */
+static bool sentence_is_clean(char *line)
+{
+    static const char *const ranks[] = {" best ",    " worst ", " highest ", " lowest ", " closest ",
+                                        " nearest ", "± 0",     "± 1",       "± 2"};
+    const bool shown = strstr(line, "{{") != NULL;
+    bool clean = true;
+    double number;
+    blank(line, "{{", "}}");
+    blank(line, "`", "`");
+    blank(line, "](", ")");
+    for (size_t k = 0; k < sizeof ranks / sizeof *ranks; k++) clean &= shown || !strstr(line, ranks[k]);
+    const char *rest = line;
+    for (const char *at; (at = next_number(&rest, &number));)
+        clean &= is_known(number) ||
+                 (number == floor(number) && number < 100.0 && !memchr(at, '.', (size_t)(rest - at)));
+    return clean;
+}
+
+static void test_sentences(void)
+{
+    static const char *const sources[] = {"sweeps/*/*.cfg", "figures/claims.tsv", "validation/*.c"},
+                             *const texts[] = {"figures/report/*.md", "figures/*.md.in"};
+    char typed[][64] = {"The pile has 18.04 degrees.", "It differs by 2.49 ± 0.3.", "The best pile extends.",
+                        "In all 3217 piles were made."},
+         clean[][64] = {"W = 4, mu = 0.2: {{value t v}}.", "The best is {{value t v}}, of 400 grains."};
+    n_known = 0;
+    for (size_t k = 0; k < 3; k++) learn_numbers(sources[k]);
+    for (size_t k = 0; k < 4; k++) CU_ASSERT(!sentence_is_clean(typed[k]));
+    for (size_t k = 0; k < 2; k++) CU_ASSERT(sentence_is_clean(clean[k]));
+    for (size_t k = 0; k < 2; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char line[8192], copy[8192];
+            FILE *in = fopen(found.gl_pathv[i], "r");
+            while (in && fgets(line, sizeof line, in)) {
+                if (strchr("|#", *line)) continue;
+                const bool right = sentence_is_clean(strcpy(copy, line));
+                if (!right) fprintf(stderr, "%s: typed: %s", found.gl_pathv[i], line);
+                CU_ASSERT(right);
+            }
+            if (in) fclose(in);
+        }
+        globfree(&found);
+    }
+}
+
 /* ---- the page that is read: paper-repro.md ---- */
 
 enum { MOST_WORDS = 6000, LONGEST_ROW = 250, LARGEST_PICTURE = 120000, MOST_TEXT = 200000 };
@@ -424,6 +532,7 @@ void suite_claims(void)
                                        {"the claims and what answers them", test_claims_file},
                                        {"swing of a column of rows", test_swing},
                                        {"texts of the report", test_report_texts},
+                                       {"sentences without typed results", test_sentences},
                                        {"the page that is read", test_page},
                                        {0}};
     check_register("claims", cases);
