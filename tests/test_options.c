@@ -24,8 +24,8 @@ static const struct {
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
     {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
     {"stress dip", "piles.tsv --resamples 99",
-     "--resamples 98|--margin 0.5|--seed 4|--against zero|--profile|--where 'n_01<0.9'"},
-    {"stress dip", "piles.tsv --resamples 999 --against zero", "--level 0.001"},
+     "--resamples 98|--margin 0.5|--seed 4|--profile|--power|--where 'n_01<0.9'"},
+    {"stress dip", "piles.tsv --resamples 50 --power", "--level 0.3|--ensembles 50|--seed 4|--resamples 70"},
     {"stress critical", "runs.tsv --bootstrap 50", "--bootstrap 51|--seed 4|--where 'pile<4'"},
     {"stats fit", "runs.tsv -x W -y theta",
      "-x mu|-y seconds|--se se|--from 3|--to 5|--scale log|--where mu=0.2"},
@@ -177,10 +177,10 @@ static void print_stress_contacts(FILE *file)
 
 static void print_piles(FILE *file)
 {
-    fprintf(file, "# status\tleft_deg\tright_deg");
+    fprintf(file, "# status\texcess");
     for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
     for (int i = 0; i < 12; i++) {
-        fprintf(file, "\nok\t%g\t%g", 28.0 + scatter(i), 30.0 + scatter(i + 3));
+        fprintf(file, "\nok\t%g", 0.1 * scatter(i));
         for (int k = 0; k < 20; k++)
             fprintf(file, "\t%.5f", 0.6 + 0.06 * (k < 10 ? k : 19 - k) + 0.5 * scatter(20 * i + k));
     }
