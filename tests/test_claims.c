@@ -396,8 +396,8 @@ static void blank(char *line, const char *open, const char *close)
  * stands beside a place that shows it. */
 static bool sentence_is_clean(char *line)
 {
-    static const char *const ranks[] = {" best ",    " worst ", " highest ", " lowest ", " closest ",
-                                        " nearest ", "± 0",     "± 1",       "± 2"};
+    static const char *const ranks[] = {" best ",    " worst ", " highest ", " lowest ",
+                                        " closest ", "± 0",     "± 1",       "± 2"};
     const bool shown = strstr(line, "{{") != NULL;
     bool clean = true;
     double number;
