@@ -444,55 +444,147 @@ static void test_critical(void)
     leave();
 }
 
-/* ---- stress dip --profile ---- */
+/* ---- stress dip --profile, --power ---- */
 
-/* Profiles with a slope to the right and a step in the middle: of each distance the mean of both sides. */
-static void test_profile(void)
+enum { DIP_PILES = 5 };
+
+/* Profiles with a slope to the right and a step in the middle, beside their rays. */
+static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_PILES])
 {
-    enum { PILES = 5 };
-    double n[PILES][STRESS_DIP_BINS];
     char path[256];
-    enter();
     path_of("piles.tsv", path);
     FILE *file = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    fputs("# status\tright_deg\tleft_deg", file);
-    for (int k = 1; k <= STRESS_DIP_BINS; k++) fprintf(file, "\tn_%02d", k);
-    for (int i = 0; i < PILES; i++) {
-        fputs("\nok\t31\t29", file);
+    fputs("# status\texcess", file);
+    for (int k = 1; k <= STRESS_DIP_BINS; k++) fprintf(file, "\tn_%02d\trays_%02d", k, k);
+    for (int i = 0; i < DIP_PILES; i++) {
+        excess[i] = 0.02 * (i * 3 % 5) - 0.03;
+        fprintf(file, "\nok\t%.17g", excess[i]);
         for (int k = 0; k < STRESS_DIP_BINS; k++) {
             n[i][k] = 1.0 + 0.02 * k + 0.03 * ((i * 7 + k * 3) % 5) - (k > 6 && k < 13 ? 0.2 : 0.0);
-            fprintf(file, "\t%.17g", n[i][k]);
+            fprintf(file, "\t%.17g\t%.17g", n[i][k], 1.0 + 0.1 * i + 0.01 * k * k);
         }
     }
     fputc('\n', file);
     fclose(file);
-    GOOD("stress dip piles.tsv --profile --against zero");
+}
+
+/* Of each distance the mean of both sides, its error, the band and the rays. */
+static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
+{
+    stress_dips d;
+    gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
+    CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
+    gsl_rng_free(rng);
+    GOOD("stress dip piles.tsv --profile --resamples 50 --seed 6");
     checked c = checked_read("out");
     CU_ASSERT_FATAL(c.t.n_rows == STRESS_DIP_BINS / 2);
     for (size_t row = 0; row < c.t.n_rows; row++) {
-        double both[PILES], mean = 0.0, squares = 0.0;
-        for (int i = 0; i < PILES; i++) {
+        double both[DIP_PILES], mean = 0.0, squares = 0.0;
+        for (int i = 0; i < DIP_PILES; i++) {
             both[i] = 0.5 * (n[i][9 - row] + n[i][10 + row]);
-            mean += both[i] / PILES;
+            mean += both[i] / DIP_PILES;
         }
-        for (int i = 0; i < PILES; i++) squares += square(both[i] - mean);
+        for (int i = 0; i < DIP_PILES; i++) squares += square(both[i] - mean);
+        const double se = sqrt(squares / (DIP_PILES * (DIP_PILES - 1.0))), left = 9.0 - (double)row,
+                     right = 10.0 + (double)row;
         CHECK_NEAR(at(&c, row, "distance"), 0.025 + 0.05 * (double)row, 1e-14);
         CHECK_NEAR(at(&c, row, "N"), mean, 1e-14);
-        CHECK_NEAR(at(&c, row, "N_se"), sqrt(squares / (PILES * (PILES - 1.0))), 1e-14);
+        CHECK_NEAR(at(&c, row, "N_se"), se, 1e-14);
+        CHECK_NEAR(at(&c, row, "N_lo"), mean - d.N_t * se, 1e-13);
+        CHECK_NEAR(at(&c, row, "N_hi"), mean + d.N_t * se, 1e-13);
+        CHECK_NEAR(at(&c, row, "rays"), 1.2 + 0.005 * (left * left + right * right), 1e-13);
     }
+    CU_ASSERT(d.N_t > 1.0);
     checked_end(&c);
-    /* what the null distribution bounds comes from the stream of the seed */
-    double means[50];
+}
+
+/* Shares of planted ensembles that each test finds; the resamples have the stream 0 of the seed, the
+ * ensembles the stream 1. */
+static void check_power(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
+{
+    static const double depths[] = {0.0, 0.02, 0.05, 0.1};
+    enum { ENSEMBLES = 30 };
+    double planted[DIP_PILES * STRESS_DIP_BINS], shift[DIP_PILES];
+    gsl_rng *resamples = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP),
+            *draws = rp_random_alloc(6, 1, RP_PURPOSE_BOOTSTRAP);
+    GOOD("stress dip piles.tsv --power --resamples 40 --ensembles 30 --seed 6 --level 0.2");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 4);
+    for (size_t row = 0; row < 4; row++) {
+        double found[3] = {0.0};
+        for (int e = 0; e < ENSEMBLES; e++) {
+            stress_dips d;
+            stress_dip_plant(DIP_PILES, n[0], excess, depths[row], draws, planted, shift);
+            CHECK_OK(stress_dip_ensemble(DIP_PILES, planted, shift, 0.05, 40, resamples, &d));
+            found[0] += d.p_profile < 0.2, found[1] += d.p_dip < 0.2, found[2] += d.p_share < 0.2;
+        }
+        CHECK_NEAR(at(&c, row, "depth"), depths[row], 0.0);
+        CHECK_NEAR(at(&c, row, "profile"), found[0] / ENSEMBLES, 1e-14);
+        CHECK_NEAR(at(&c, row, "excess"), found[1] / ENSEMBLES, 1e-14);
+        CHECK_NEAR(at(&c, row, "share"), found[2] / ENSEMBLES, 1e-14);
+        CU_ASSERT(row == 0 || found[1] > 0.0);
+    }
+    gsl_rng_free(resamples);
+    gsl_rng_free(draws);
+    checked_end(&c);
+}
+
+/* Every column of the row, from the same stream. */
+static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
+{
     stress_dips d;
     gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
-    CHECK_OK(stress_dip_ensemble(PILES, n[0], NULL, 0.1, 50, rng, means, &d));
+    CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
     gsl_rng_free(rng);
-    GOOD("stress dip piles.tsv --against zero --resamples 50 --seed 6");
+    GOOD("stress dip piles.tsv --resamples 50 --seed 6");
+    checked c = checked_read("out");
+    const struct {
+        const char *name;
+        double value;
+    } columns[] = {{"n", DIP_PILES},
+                   {"excess", d.excess.mean},
+                   {"excess_se", d.excess.se},
+                   {"excess_sd", d.excess.sd},
+                   {"excess_lo", d.excess.lo},
+                   {"excess_hi", d.excess.hi},
+                   {"null_lo", d.null_lo},
+                   {"null_hi", d.null_hi},
+                   {"p_value", d.p_value},
+                   {"p_dip", d.p_dip},
+                   {"p_margin", d.p_margin},
+                   {"middle", d.middle.mean},
+                   {"middle_se", d.middle.se},
+                   {"middle_lo", d.middle.lo},
+                   {"middle_hi", d.middle.hi},
+                   {"p_profile", d.p_profile},
+                   {"below", d.below},
+                   {"below_se", d.below_se},
+                   {"share", d.share},
+                   {"share_se", d.share_se},
+                   {"share_null", d.share_null},
+                   {"share_null_se", d.share_null_se},
+                   {"p_share", d.p_share}};
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        CHECK_NEAR(at(&c, 0, columns[i].name), columns[i].value, 1e-14);
+    at(&c, 0, "verdict");
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), stress_dip_word(&d, 0.05));
+    checked_end(&c);
+}
+
+static void test_dip(void)
+{
+    double n[DIP_PILES][STRESS_DIP_BINS], excess[DIP_PILES];
+    enter();
+    write_dips(n, excess);
+    check_dip(n, excess);
+    check_profile(n, excess);
+    check_power(n, excess);
+    /* without rays */
+    shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
+    GOOD("stress dip plain.tsv --profile");
     rp_table t = read_table("out");
-    CHECK_NEAR(cell(&t, 0, "null_lo"), d.null_lo, 1e-14);
-    CHECK_NEAR(cell(&t, 0, "null_hi"), d.null_hi, 1e-14);
-    CHECK_NEAR(cell(&t, 0, "p_value"), d.p_value, 1e-14);
+    CU_ASSERT(isnan(cell(&t, 0, "rays")) && isfinite(cell(&t, 0, "N_lo")));
     rp_table_free(&t);
     leave();
 }
@@ -1209,7 +1301,7 @@ void suite_columns(void)
     static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
                                        {"tilt and steps of protocol stress", test_stress_steps},
                                        {"stress critical", test_critical},
-                                       {"stress dip, profile", test_profile},
+                                       {"stress dip", test_dip},
                                        {"calibrate: value and interval", test_calibrate},
                                        {"calibrate: several rows", test_calibrate_rows},
                                        {"calibrate: cases of --verify", test_verify},

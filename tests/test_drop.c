@@ -164,79 +164,173 @@ static void base_of_known_loads(void)
     CHECK_FAILS(stress_base_profile(N, x, r, load, &base), RP_NO_RESULT, "one position");
 }
 
-/* Flat profiles with a step D in the middle and noise in each bin. */
-static void draw_profiles(gsl_rng *rng, size_t n, double D, double *profiles)
+/* Profiles that are even up to 0.3 B, with noise in each bin; the excess is that of the middle. */
+enum { PILES = 60 };
+static const double TOP = 1.25, BIN_NOISE = 0.3;
+
+static double even(int k)
 {
-    for (size_t i = 0; i < n * STRESS_DIP_BINS; i++) {
-        const size_t k = i % STRESS_DIP_BINS;
-        profiles[i] =
-            1.0 + (k >= 8 && k < 12 ? D : 0.0) + 0.3 * rp_random_cut_normal(rng, 0.0, 1.0, -4.0, 4.0);
+    return k >= 4 && k < 16 ? TOP : 0.625;
+}
+
+static void draw_profiles(gsl_rng *rng, double profiles[PILES * STRESS_DIP_BINS], double excess[PILES])
+{
+    for (int i = 0; i < PILES; i++) excess[i] = -TOP;
+    for (int i = 0; i < PILES * STRESS_DIP_BINS; i++) {
+        const int k = i % STRESS_DIP_BINS;
+        profiles[i] = even(k) + BIN_NOISE * rp_random_cut_normal(rng, 0.0, 1.0, -4.0, 4.0);
+        if (k >= 8 && k < 12) excess[i / STRESS_DIP_BINS] += profiles[i] / 4.0;
     }
 }
 
-/* The null distribution has its size, the interval its coverage, a planted dip of 10 % is found. Of 200
- * ensembles 5 % are 10 +- 3.1; bounds at 3.3 of these. */
+/* Does the band hold the whole profile? */
+static bool is_in_band(const stress_dips *d)
+{
+    bool inside = true;
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
+        inside &= fabs(d->N[k] - even(STRESS_DIP_BINS / 2 + k)) <= d->N_t * d->N_se[k];
+    return inside;
+}
+
+/* Without a dip each test alarms in 5 % of the ensembles, and intervals and bands miss the truth in as many.
+ * Of 200 these are 10 +- 3.1; bounds at 3.3 of these. The power of the excess has a closed form: its error is
+ * 0.3 sqrt(1/4)/sqrt(60) = 0.0194 of N, and 0.05 of 1.25 is 3.2 of it: power 0.94, 0.1 6.5 of it: 1. The
+ * middle has the root of two times that error. */
 static void planted_dips(void)
 {
-    enum { ENSEMBLES = 200, PILES = 60, RESAMPLES = 300 };
-    double *profiles = malloc((PILES * STRESS_DIP_BINS + RESAMPLES) * sizeof *profiles);
-    double *means = profiles + PILES * STRESS_DIP_BINS;
+    enum { ENSEMBLES = 200, RESAMPLES = 300, DEPTHS = 4 };
+    static const double depths[DEPTHS] = {0.0, 0.02, 0.05, 0.1};
+    double profiles[PILES * STRESS_DIP_BINS], excess[PILES], planted[PILES * STRESS_DIP_BINS], shift[PILES];
+    double null_share = 0.0;
     gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_TEST);
-    int false_dips = 0, missed = 0, found = 0, none = 0;
+    int found[DEPTHS][3] = {{0}}, missed = 0, outside = 0, none = 0;
     for (int e = 0; e < ENSEMBLES; e++) {
         stress_dips d;
-        draw_profiles(rng, PILES, 0.0, profiles);
-        CHECK_OK(stress_dip_ensemble(PILES, profiles, NULL, 0.1, RESAMPLES, rng, means, &d));
-        false_dips += d.p_value < 0.05;
+        draw_profiles(rng, profiles, excess);
+        CHECK_OK(stress_dip_ensemble(PILES, profiles, excess, 0.08, RESAMPLES, rng, &d));
+        outside += !is_in_band(&d);
         none += d.p_margin < 0.05;
-        draw_profiles(rng, PILES, -0.1, profiles);
-        CHECK_OK(stress_dip_ensemble(PILES, profiles, NULL, 0.1, RESAMPLES, rng, means, &d));
-        /* the mean falls with the dip: D = -0.1/0.98 */
-        missed += !(d.dip.lo <= -0.1 / 0.98 && -0.1 / 0.98 <= d.dip.hi);
-        found += d.p_value < 0.05 && d.dip.mean < 0.0 && d.p_dip < 0.05;
+        null_share += d.share_null / ENSEMBLES;
+        for (int k = 0; k < DEPTHS; k++) {
+            stress_dip_plant(PILES, profiles, excess, depths[k], rng, planted, shift);
+            CHECK_OK(stress_dip_ensemble(PILES, planted, shift, 0.1, RESAMPLES, rng, &d));
+            found[k][0] += d.p_profile < 0.05;
+            found[k][1] += d.p_dip < 0.05;
+            found[k][2] += d.p_share < 0.05;
+            if (k == 3) missed += !(d.excess.lo <= -0.1 * TOP && -0.1 * TOP <= d.excess.hi);
+        }
     }
-    CU_ASSERT(false_dips >= 1 && false_dips <= 20);
+    for (int test = 0; test < 3; test++) {
+        CU_ASSERT(found[0][test] >= 1 && found[0][test] <= 20);
+        CU_ASSERT(found[3][test] > found[2][test] && found[2][test] > found[0][test]);
+    }
+    CU_ASSERT(found[1][1] > 50 && found[1][1] < 120); /* 0.36 +- 0.034 at 2 % */
+    CU_ASSERT(found[2][1] > 175 && found[3][1] == ENSEMBLES);
+    CU_ASSERT(found[3][0] > 185 && found[3][2] > 60);
     CU_ASSERT(missed >= 1 && missed <= 20);
-    CU_ASSERT(found > 190); /* SE(D) = 0.3 sqrt(1/4 + 1/8)/sqrt(60) = 0.024: power 0.99 */
-    CU_ASSERT(none > 180);  /* the margin is at 4.2 SE: power 0.99 */
+    CU_ASSERT(outside >= 1 && outside <= 20);
+    CU_ASSERT(none > 180);                      /* the margin is at 4.1 errors: power 0.99 */
+    CHECK_NEAR(null_share, 0.05, 3.3 * 0.0022); /* of Student's t; 60 differences of 200 ensembles */
     gsl_rng_free(rng);
-    free(profiles);
 }
 
-static void dip_of_an_ensemble(void)
+/* Resampled means of three values -0.3, 0 and 0.3 are multiples of 0.1, widened by sqrt(3/2): 0 in 7 of 27
+ * cases, the ends in one each. */
+static void null_of_three(void)
 {
-    double profiles[4 * STRESS_DIP_BINS], means[50];
+    enum { RESAMPLES = 20000 };
+    double profiles[3 * STRESS_DIP_BINS];
+    const double excess[] = {-0.3, 0.3, 0.0}, error = 3.3 * 0.5 / sqrt(RESAMPLES);
     gsl_rng *rng = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
     stress_dips d;
-    for (int i = 0; i < 4 * STRESS_DIP_BINS; i++) /* two rise to the right, two to the left: 0.5 to 1.5 */
-        profiles[i] =
-            1.0 + (i / STRESS_DIP_BINS % 2 ? 1.0 : -1.0) * ((i % STRESS_DIP_BINS + 0.5) / 20.0 - 0.5);
-    CHECK_OK(stress_dip_ensemble(4, profiles, NULL, 0.1, 50, rng, means, &d));
-    CHECK_NEAR(d.dip.mean, 0.0, 1e-14);
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
-        CHECK_NEAR(d.N[k], 1.0, 1e-14);
-        CHECK_NEAR(d.N_se[k], 0.0, 1e-14);
+    for (int i = 0; i < 3 * STRESS_DIP_BINS; i++) profiles[i] = 1.0;
+    CHECK_OK(stress_dip_ensemble(3, profiles, excess, 0.1, RESAMPLES, rng, &d));
+    CHECK_NEAR(d.excess.mean, 0.0, 1e-14);
+    CHECK_NEAR(d.p_dip, 17.0 / 27.0, error);
+    CHECK_NEAR(d.p_value, 1.0, 1e-14);
+    CHECK_NEAR(d.null_lo, -0.3 * sqrt(1.5), 1e-12);
+    CHECK_NEAR(d.null_hi, 0.3 * sqrt(1.5), 1e-12);
+    /* even profiles: nothing rises, nothing is below */
+    CU_ASSERT(d.p_profile == 1.0 && d.p_share == 1.0 && d.share == 0.0 && d.below == 0.0);
+    CU_ASSERT(d.share_null == 0.0 && d.share_null_se == 0.0 && d.N_t == 0.0);
+    gsl_rng_free(rng);
+}
+
+/* Blocks of two bins: the middle by -0.2 below its neighbours, sides that differ by `sides` in the four
+ * blocks up to 0.4 B, of the first two in opposite senses. The noise is sqrt(2) of half of that; 5 % of
+ * Student's t is 2.1318 of it. */
+static void set_sides(double N[STRESS_DIP_BINS], double sides)
+{
+    for (int k = 0; k < STRESS_DIP_BINS; k++) {
+        const int out = abs(2 * k + 1 - STRESS_DIP_BINS) / 2, block = out / 2;
+        N[k] = 1.0 + (block == 0 ? -0.1 : block == 1 ? 0.1 : 0.0);
+        if (block < 4) N[k] += 0.5 * (k < 10 ? 1 : -1) * (block == 1 ? -sides : sides);
     }
-    /* dips of -0.3, 0 and 0.3: resampled means are multiples of 0.1, and the shares count them */
-    double low = 0.0, far = 0.0;
-    for (int i = 0; i < 3 * STRESS_DIP_BINS; i++) {
-        const int k = i % STRESS_DIP_BINS, from_middle = abs(2 * k + 1 - STRESS_DIP_BINS) / 2;
-        profiles[i] = 1.0 + (i / STRESS_DIP_BINS - 1) * (from_middle < 2   ? 0.2
-                                                         : from_middle < 6 ? -0.1
-                                                                           : 0.0);
+}
+
+static void noise_of_piles(void)
+{
+    static const double sides[] = {0.0, 0.1326, 0.1328, 0.9};
+    enum { N = 4, RESAMPLES = 4000 };
+    double profiles[N * STRESS_DIP_BINS], excess[N] = {0.0};
+    gsl_rng *rng = rp_random_alloc(9, 2, RP_PURPOSE_TEST);
+    stress_dips d;
+    for (int i = 0; i < N; i++) set_sides(profiles + i * STRESS_DIP_BINS, sides[i]);
+    CHECK_OK(stress_dip_ensemble(N, profiles, excess, 0.1, RESAMPLES, rng, &d));
+    CHECK_NEAR(d.middle.mean, -0.2, 1e-14);
+    CU_ASSERT(d.below == 1.0 && d.below_se == 0.0);
+    CU_ASSERT(d.share == 0.5);
+    CHECK_NEAR(d.share_se, 0.25, 1e-14);
+    for (int k = 0; k < 4; k++) CHECK_NEAR(d.N[k], k < 2 ? 0.9 : 1.1, 1e-14);
+    CU_ASSERT(d.p_profile < 0.001); /* every pile has the rise */
+    /* of the 16 pairs of a difference and a noise, three differences pass the noise 0, and 0.9 two others;
+     * half of these have the sign. In a pool of four, one pair in four is an index with itself */
+    CHECK_NEAR(d.share_null, 0.75 * 5.0 / 32.0, 0.01);
+    for (int i = 0; i < N * STRESS_DIP_BINS; i++) profiles[i] *= 3.0; /* N is over its mean */
+    CHECK_OK(stress_dip_ensemble(N, profiles, excess, 0.1, RESAMPLES, rng, &d));
+    CHECK_NEAR(d.middle.mean, -0.2, 1e-14);
+    CU_ASSERT(d.share == 0.5);
+    gsl_rng_free(rng);
+}
+
+/* What is planted: an even mean up to 0.3 B, lower by the depth within 0.1 B, with the deviations of piles.
+ */
+static void plants(void)
+{
+    double profiles[PILES * STRESS_DIP_BINS], excess[PILES], planted[PILES * STRESS_DIP_BINS], shift[PILES];
+    gsl_rng *rng = rp_random_alloc(9, 3, RP_PURPOSE_TEST);
+    for (int i = 0; i < PILES * STRESS_DIP_BINS; i++) { /* one pile, with a peak, and a slope to the right */
+        const int k = i % STRESS_DIP_BINS;
+        profiles[i] = even(k) + (k == 9 || k == 10 ? 0.3 : 0.0) + 0.01 * (k - 9.5);
+        excess[i / STRESS_DIP_BINS] = 0.7;
     }
-    CHECK_OK(stress_dip_ensemble(3, profiles, NULL, 0.1, 50, rng, means, &d));
-    for (int b = 0; b < 50; b++) {
-        CHECK_NEAR(means[b], 0.1 * rint(10.0 * means[b]), 1e-14);
-        CU_ASSERT(b == 0 || means[b] >= means[b - 1]);
-        low += means[b] <= d.dip.mean, far += fabs(means[b]) >= fabs(d.dip.mean);
+    stress_dip_plant(PILES, profiles, excess, 0.2, rng, planted, shift);
+    const double top = TOP + 0.3 / 6.0;
+    size_t mirrored = 0;
+    for (int i = 0; i < PILES; i++) {
+        const double *N = planted + i * STRESS_DIP_BINS, tilt = N[4] < N[15] ? 0.01 : -0.01;
+        mirrored += tilt < 0.0;
+        for (int k = 0; k < STRESS_DIP_BINS; k++)
+            CHECK_NEAR(N[k],
+                       ((k >= 4 && k < 16 ? top : 0.625) + tilt * (k - 9.5)) * (k >= 8 && k < 12 ? 0.8 : 1.0),
+                       1e-12);
+        CHECK_NEAR(shift[i], -0.2 * top / ((12.0 * top + 8.0 * 0.625) / 20.0), 1e-12);
     }
-    CHECK_NEAR(d.p_dip, (low + 1.0) / 51.0, 1e-15);
-    CHECK_NEAR(d.p_value, (far + 1.0) / 51.0, 1e-15);
-    CHECK_FAILS(stress_dip_ensemble(2, profiles, NULL, 0.1, 50, rng, means, &d), RP_NO_RESULT, "at least 3");
-    CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.0, 50, rng, means, &d), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(stress_dip_ensemble(4, profiles, NULL, 0.1, 1, rng, means, &d), RP_BAD_INPUT,
-                "resamples = 1");
+    CU_ASSERT(mirrored > 15 && mirrored < 45);
+    gsl_rng_free(rng);
+}
+
+static void bad_ensembles(void)
+{
+    double profiles[4 * STRESS_DIP_BINS], excess[4] = {0.0};
+    gsl_rng *rng = rp_random_alloc(9, 4, RP_PURPOSE_TEST);
+    stress_dips d;
+    for (int i = 0; i < 4 * STRESS_DIP_BINS; i++) profiles[i] = 1.0;
+    CHECK_FAILS(stress_dip_ensemble(2, profiles, excess, 0.1, 50, rng, &d), RP_NO_RESULT, "at least 3");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, excess, 0.0, 50, rng, &d), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, excess, 0.1, 1, rng, &d), RP_BAD_INPUT, "resamples = 1");
+    excess[1] = NAN;
+    CHECK_FAILS(stress_dip_ensemble(4, profiles, excess, 0.1, 50, rng, &d), RP_BAD_INPUT, "finite");
     gsl_rng_free(rng);
 }
 
@@ -571,7 +665,10 @@ void suite_drop(void)
     static const check_case cases[] = {{"initial contacts continue", contacts_go_on},
                                        {"base of known loads", base_of_known_loads},
                                        {"planted dips", planted_dips},
-                                       {"dip of an ensemble", dip_of_an_ensemble},
+                                       {"null distribution of three piles", null_of_three},
+                                       {"noise of single piles", noise_of_piles},
+                                       {"what is planted", plants},
+                                       {"bad ensembles", bad_ensembles},
                                        {"piles stand", piles_stand},
                                        {"drops stay within their steps", drops_do_not_pass_their_steps},
                                        {"unfinished drops are no result", cut_drops_are_no_result},

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tests/check.h"
+#include "tests/planted.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
@@ -24,8 +25,8 @@ static const struct {
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
     {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
     {"stress dip", "piles.tsv --resamples 99",
-     "--resamples 98|--margin 0.5|--seed 4|--against zero|--profile|--where 'n_01<0.9'"},
-    {"stress dip", "piles.tsv --resamples 999 --against zero", "--level 0.001"},
+     "--resamples 98|--margin 0.5|--seed 4|--profile|--power|--where 'n_01<0.9'"},
+    {"stress dip", "piles.tsv --resamples 50 --power", "--level 0.3|--ensembles 50|--seed 4|--resamples 70"},
     {"stress critical", "runs.tsv --bootstrap 50", "--bootstrap 51|--seed 4|--where 'pile<4'"},
     {"stats fit", "runs.tsv -x W -y theta",
      "-x mu|-y seconds|--se se|--from 3|--to 5|--scale log|--where mu=0.2"},
@@ -59,8 +60,8 @@ static const struct {
     {"pile", "--base 12 --eps 5e-3 --branch minimum", "--leave 1"},
     {"pile", "--outline outline.tsv --base 6", "--base 7"},
     {"pile", "--disks disks.tsv", "--eps 1e-3"},
-    {"forensics", "ways.tsv --claims claims.tsv --factors law,k --draws 40",
-     "--claims other.tsv|--factors law|--report effects|--report levels|--level 0.9|--draws 41|--seed 4"},
+    {"forensics", "planted_runs.tsv --claims planted_claims.tsv --draws 200",
+     "--claims planted_other.tsv|--report numbers|--shift-deg 9|--draws 201|--seed 4|--design 3"},
     {"calibrate", "--runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20",
      "--runs fewer.tsv|--theta-r-deg 16|--error-deg 2|--bootstrap 21|--seed 4"},
     {"calibrate",
@@ -176,34 +177,14 @@ static void print_stress_contacts(FILE *file)
 
 static void print_piles(FILE *file)
 {
-    fprintf(file, "# status\tleft_deg\tright_deg");
+    fprintf(file, "# status\texcess");
     for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
     for (int i = 0; i < 12; i++) {
-        fprintf(file, "\nok\t%g\t%g", 28.0 + scatter(i), 30.0 + scatter(i + 3));
+        fprintf(file, "\nok\t%g", 0.1 * scatter(i));
         for (int k = 0; k < 20; k++)
             fprintf(file, "\t%.5f", 0.6 + 0.06 * (k < 10 ? k : 19 - k) + 0.5 * scatter(20 * i + k));
     }
     fputc('\n', file);
-}
-
-static void print_ways(FILE *file)
-{
-    static const char *const heights[] = {"centre", "raw_centre", "top"}, *const empties[] = {"zero", "skip"};
-    fputs("# status\tW\tlaw\tk", file);
-    for (int v = 0; v < 12; v++)
-        if (v == 0)
-            fputs("\ttheta_r3_deg", file);
-        else
-            fprintf(file, "\ttheta_r3_%s_%s%s_deg", heights[v / 4], empties[v / 2 % 2],
-                    v % 2 ? "_origin" : "");
-    fputc('\n', file);
-    for (int i = 0; i < 32; i++) {
-        fprintf(file, "ok\t4\t%s\t%g", i / 16 ? "new" : "old", i / 8 % 2 ? 2e6 : 1e6);
-        for (int v = 0; v < 12; v++)
-            fprintf(file, "\t%.6f",
-                    20.0 - 2.0 * (i / 16) + 0.5 * (i / 8 % 2) + scatter(i + v) + (v % 2 ? 3.0 : 0.0));
-        fputc('\n', file);
-    }
 }
 
 #define CLAIMS                                                                                               \
@@ -219,7 +200,8 @@ static void write_fixtures(void)
     write_file("p_grains.tsv", print_stress_grains);
     write_file("p_contacts.tsv", print_stress_contacts);
     write_file("piles.tsv", print_piles);
-    write_file("ways.tsv", print_ways);
+    planted_write("planted_", 12, 0);
+    shell("sed 's/\t20\t2/\t3\t2/; s/0.3\t3/0.5\t3/' planted_claims.tsv >planted_other.tsv; :>out; :>err");
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
     write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
@@ -413,7 +395,7 @@ static void add_failed(const char *name, const char *status)
 }
 
 /* No command that reads runs takes one without a result for one. stats maximum takes any column, and
- * forensics wants a share of runs with results. */
+ * forensics counts the runs without one. */
 static void test_failed_runs(void)
 {
     static const char *const commands[] = {

@@ -1,79 +1,129 @@
-/* repose stress dip: does the pressure on the base of dropped piles dip in the middle? */
-#include "sweeps/driver/pile.h"
+/* repose stress dip: does the pressure on the base of piles dip in the middle? */
 #include "cli/cli.h"
-
-enum { TRIANGLE, ZERO };
+#include "stress/stress.h"
 
 #define DIP_OPTIONS(X)                                                                                       \
-    X(REAL, margin, "", "0.1", "(0, inf)", "largest |D| that counts as none")                                \
+    X(REAL, margin, "", "0.05", "(0, inf)", "largest |excess| that counts as none")                          \
     X(REAL, level, "", "0.05", "(0, 0.5)", "of the tests")                                                   \
     X(INT, resamples, "", "10000", "[2, 10000000]", "of the piles")                                          \
     CLI_SEED(X, "1992", "seed of the resamples")                                                             \
-    X(CHOICE, against, "", "triangle", "triangle | zero", "what a pile without a dip has")                   \
-    X(BOOL, profile, "", "false", "", "print the mean profile")                                              \
+    X(BOOL, profile, "", "false", "", "print the mean profile with its band")                                \
+    X(BOOL, power, "", "false", "", "print how often each test finds a planted dip")                         \
+    X(INT, ensembles, "", "200", "[1, 1000000]", "planted ensembles per depth, with --power")                \
     CLI_WHERE(X)
 
 CLI_OPTIONS(dip, DIP_OPTIONS)
 
-/* Profiles of the rows that count, one after the other, and what each has without a dip. */
-static rp_status read_profiles(const rp_table *t, int against, double **profiles, double **without, size_t *n)
+typedef struct {
+    size_t n;
+    double *profiles, *excess;
+    double rays[STRESS_DIP_BINS / 2]; /* mean of both sides and all piles; NaN where the table has none */
+} dip_piles;
+
+#define BIN_NAME(k)  "n_" #k ","
+#define RAYS_NAME(k) "rays_" #k ","
+
+/* Mean profile of rays, if the table has it. */
+static rp_status read_rays(const rp_table *t, dip_piles *p)
 {
-#define NAME(k) "n_" #k ","
     cli_rows rows;
-    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(NAME) "left_deg,right_deg",
-                                     &(cli_choice){.any_number = true}, &rows);
-#undef NAME
-    *n = 0;
-    *profiles = cli_memory(rows.n * STRESS_DIP_BINS, sizeof **profiles);
-    *without = cli_memory(rows.n * STRESS_DIP_BINS, sizeof **without);
-    for (size_t i = 0; i < rows.n && !status; i++) {
-        double *N = *profiles + *n * STRESS_DIP_BINS, *flat = *without + *n * STRESS_DIP_BINS;
-        const double slope = 0.5 * (rows.column[STRESS_DIP_BINS][i] + rows.column[STRESS_DIP_BINS + 1][i]);
-        if (against == TRIANGLE && !(slope > 0.0 && slope < 60.0)) continue; /* no triangle is like it */
-        for (size_t k = 0; k < STRESS_DIP_BINS; k++) N[k] = rows.column[k][i], flat[k] = 1.0;
-        if (against == TRIANGLE) status = sweep_outline_triangle(slope * deg, flat);
-        if (status) rp_prefix(status, "%s: pile %zu: ", t->path, i + 1);
-        ++*n;
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) p->rays[k] = NAN;
+    if (rp_table_column(t, "rays_01") < 0) return RP_OK;
+    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows);
+    for (int k = 0; k < STRESS_DIP_BINS / 2 && !status; k++) {
+        p->rays[k] = 0.0;
+        for (size_t i = 0; i < rows.n; i++)
+            p->rays[k] +=
+                0.5 *
+                (rows.column[STRESS_DIP_BINS / 2 - 1 - k][i] + rows.column[STRESS_DIP_BINS / 2 + k][i]) /
+                (double)rows.n;
     }
     return status;
 }
 
-static void print_dip(const stress_dips *d, const dip_options *o)
+static rp_status read_piles(const rp_table *t, dip_piles *p)
 {
-    rp_table_note(stdout, "D", "%s",
-                  o->against == TRIANGLE
-                      ? "the excess D_raw - D_reference, over the triangle of the pile's slope"
-                      : "D_raw, with nothing taken off");
-    rp_table_header(stdout,
-                    "n, D_raw, D_reference, D, D_se, D_sd, D_lo, D_hi, null_lo, null_hi, p_value, p_dip, "
-                    "p_margin, verdict");
-    CLI_ROW_WORD(stress_dip_word(d, o->level), (double)d->dip.n, d->raw, d->raw - d->dip.mean, d->dip.mean,
-                 d->dip.se, d->dip.sd, d->dip.lo, d->dip.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
-                 d->p_margin);
+    cli_rows rows;
+    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows);
+    if (status) return status;
+    p->n = rows.n;
+    p->profiles = cli_memory(rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
+    p->excess = rows.column[STRESS_DIP_BINS];
+    for (size_t i = 0; i < rows.n * STRESS_DIP_BINS; i++)
+        p->profiles[i] = rows.column[i % STRESS_DIP_BINS][i / STRESS_DIP_BINS];
+    return read_rays(t, p);
 }
 
-static void print_profile(const stress_dips *d)
+static void print_dip(const stress_dips *d, const dip_options *o)
 {
-    rp_table_header(stdout, "distance [B], N [mean], N_se [mean]");
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k]);
+    rp_table_header(stdout,
+                    "n, excess, excess_se, excess_sd, excess_lo, excess_hi, null_lo, null_hi, p_value, "
+                    "p_dip, p_margin, middle, middle_se, middle_lo, middle_hi, p_profile, below, "
+                    "below_se, share, share_se, share_null, share_null_se, p_share, verdict");
+    CLI_ROW_WORD(stress_dip_word(d, o->level), (double)d->excess.n, d->excess.mean, d->excess.se,
+                 d->excess.sd, d->excess.lo, d->excess.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
+                 d->p_margin, d->middle.mean, d->middle.se, d->middle.lo, d->middle.hi, d->p_profile,
+                 d->below, d->below_se, d->share, d->share_se, d->share_null, d->share_null_se, d->p_share);
+}
+
+static void print_profile(const stress_dips *d, const dip_piles *p)
+{
+    rp_table_note_number(stdout, "band", d->N_t, "standard errors");
+    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], N_lo [mean], N_hi [mean], rays [mean]");
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
+        CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k], d->N[k] - d->N_t * d->N_se[k],
+                d->N[k] + d->N_t * d->N_se[k], p->rays[k]);
+}
+
+/* How many of the planted ensembles of one depth each test finds. */
+static rp_status find_planted(const dip_piles *p, const dip_options *o, double depth, gsl_rng *draws,
+                              gsl_rng *resamples, double found[3])
+{
+    double *profiles = cli_memory(p->n * STRESS_DIP_BINS, sizeof *profiles),
+           *excess = cli_memory(p->n, sizeof *excess);
+    rp_status status = RP_OK;
+    for (long e = 0; e < o->ensembles && !status; e++) {
+        stress_dips d;
+        stress_dip_plant(p->n, p->profiles, p->excess, depth, draws, profiles, excess);
+        status = stress_dip_ensemble(p->n, profiles, excess, o->margin, (size_t)o->resamples, resamples, &d);
+        found[0] += d.p_profile < o->level;
+        found[1] += d.p_dip < o->level;
+        found[2] += d.p_share < o->level;
+    }
+    return status;
+}
+
+static rp_status print_power(const dip_piles *p, const dip_options *o)
+{
+    static const double depths[] = {0.0, 0.02, 0.05, 0.1};
+    gsl_rng *draws = cli_random(1), *resamples = cli_random(0);
+    rp_table_note(stdout, "piles", "%zu to an ensemble", p->n);
+    rp_table_header(stdout, "depth, profile, excess, share");
+    for (size_t k = 0; k < sizeof depths / sizeof *depths; k++) {
+        double found[3] = {0.0};
+        rp_status status = find_planted(p, o, depths[k], draws, resamples, found);
+        if (status) return status;
+        for (int i = 0; i < 3; i++) found[i] /= (double)o->ensembles;
+        CLI_ROW(depths[k], found[0], found[1], found[2]);
+    }
+    return RP_OK;
 }
 
 static rp_status dip_of_table(rp_table *table, void *values)
 {
     const dip_options *o = values;
-    double *profiles = NULL, *without = NULL;
-    size_t n;
+    dip_piles piles;
     stress_dips dips;
-    rp_status status = read_profiles(table, o->against, &profiles, &without, &n);
+    rp_status status = read_piles(table, &piles);
     if (status) return status;
-    double *means = cli_memory((size_t)o->resamples, sizeof *means);
-    status = stress_dip_ensemble(n, profiles, without, o->margin, (size_t)o->resamples, cli_random(0), means,
-                                 &dips);
+    status = stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin, (size_t)o->resamples,
+                                 cli_random(0), &dips);
     if (status) return rp_prefix(status, "%s: ", table->path);
     cli_table(stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", n, table->n_rows - n);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
+    if (o->power) return print_power(&piles, o);
     if (o->profile)
-        print_profile(&dips);
+        print_profile(&dips, &piles);
     else
         print_dip(&dips, o);
     return RP_OK;
@@ -83,25 +133,34 @@ const cli_command cmd_stress_dip = {
     "stress dip",
     "does the pressure on the base dip in the middle?",
     "TABLE [options]",
-    "Tests the pressure N on the base of many piles for a dip in the middle.\n"
+    "Tests the pressure N on the base of many piles for a dip in the middle. B is the base that holds\n"
+    "98 % of the load, and distances are from the centroid of the load; both are fixed before N is\n"
+    "looked at. Three tests:\n"
     "\n"
-    "D_raw is the mean of N within 0.1 B of the centroid of the load, less the mean of N from there to\n"
-    "0.3 B, over the mean of N; B is the base. The outer region reaches down the flanks, so that D_raw\n"
-    "of a pile without a dip is not 0. D_reference is D of the continuum triangle with the pile's own\n"
-    "mean slope. D is the excess D_raw - D_reference (the report's D_excess); a dip makes it negative.\n"
-    "With --against zero, D is D_raw itself.\n"
+    "profile  the mean N of all piles and both sides, in bins of 0.05 B. p_profile is the chance that a\n"
+    "         mean without a rise outwards has one as large, from within 0.1 B to any bin up to 0.3 B.\n"
+    "         --profile prints this mean, with a band that holds all of it with 95 %, and the mean\n"
+    "         pressure of 60-degree rays under the piles' own outlines.\n"
+    "excess   N less that of the rays, mean within 0.1 B, over the mean N. Errors and 95 % intervals are\n"
+    "         over piles; null_lo and null_hi bound 95 % of the mean excess of as many piles whose mean\n"
+    "         is 0. p_value is the chance that such piles have one as far from 0, p_dip one as low.\n"
+    "         p_margin belongs to the test of equivalence (TOST) with the margin.\n"
+    "share    of the piles whose middle lies below its neighbours by more than the pile's own noise, at\n"
+    "         5 %; middle is N within 0.1 B less that from 0.1 to 0.2 B, over the mean N. The noise is\n"
+    "         that of the difference between the pile's sides. share_null is the share of piles without\n"
+    "         a dip, p_share the chance of so large a share of these; below is the share of the piles\n"
+    "         with a middle below 0 at all.\n"
     "\n"
-    "Errors and 95 % intervals are over piles. null_lo and null_hi bound 95 % of the mean D of as many\n"
-    "piles without a dip. p_value is the chance that such piles have a D as far from 0, p_dip that they\n"
-    "have one as low. p_margin belongs to the test of equivalence (TOST) with the margin.\n"
+    "The verdict is that of the excess: dip or peak if p_value < level; none_within_margin if p_margin <\n"
+    "level; dip_within_margin or peak_within_margin if both; else undecided.\n"
     "\n"
-    "The verdict is dip or peak if p_value < level; none_within_margin if p_margin < level;\n"
-    "dip_within_margin or peak_within_margin if both; else undecided. --profile prints the mean N of\n"
-    "both halves, outwards: distance over B, N over its mean, standard error.\n"
+    "--power prints the share of planted ensembles in which p_profile, p_dip and p_share are below the\n"
+    "level. The piles are drawn again, mirrored or not, about a mean that is even up to 0.3 B; N within\n"
+    "0.1 B is then lowered by the part `depth`. Depth 0 has the false alarms.\n"
     "\n"
-    "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, left_deg, right_deg\n"
-    "and status, as repose sweep export writes it for the protocols drop and pile. Rows whose status is\n"
-    "not ok are left out. The test against the triangle also leaves out mean slopes outside (0, 60).",
+    "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, excess and status, as\n"
+    "repose sweep export writes it for the protocols drop and pile. Rows whose status is not ok are left\n"
+    "out.",
     "repose stress dip build/tables/li20_point_runs.tsv",
     dip_params,
     .on_table = dip_of_table};

@@ -1,6 +1,8 @@
 /* Pressure on the base of piles; see stress.h. */
 #include "stress/stress.h"
 
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -97,84 +99,216 @@ double stress_excess(const double N[STRESS_DIP_BINS], const double rays[STRESS_D
     return (mean_between(N, 0, BINS_01) - mean_between(rays, 0, BINS_01)) / mean_load(N);
 }
 
-/* Mean D of n piles drawn with replacement, each mirrored or not. */
-static double resampled_dip(size_t n, const double profiles[], gsl_rng *rng)
+/* ---- ensembles ---- */
+
+/* What an ensemble knows of its piles, a column each: mean pressure of both sides, from the middle outwards;
+ * its rise from within 0.1 B to each bin up to 0.3 B; the excess; the middle against its neighbours, the same
+ * of the difference between the sides, and the noise that follows from that difference. */
+enum {
+    RISE = HALF,
+    RISES = BINS_03 - BINS_01,
+    EXCESS = RISE + RISES,
+    MIDDLE,
+    N_SUMMARIES,
+    SIDES = N_SUMMARIES,
+    NOISE,
+    N_COLUMNS
+};
+
+typedef struct {
+    size_t n;
+    double *v; /* [N_COLUMNS][n] */
+    stats_summary stats[N_SUMMARIES];
+} ensemble;
+
+/* The half difference of the sides has the noise of their mean: the sides of a pile are alike but for noise.
+ * Blocks of 0.1 B up to 0.4 B; the middle against its neighbours is the difference of two of them. */
+static void add_pile(ensemble *e, size_t i, const double N[STRESS_DIP_BINS], double excess)
 {
-    double sum[STRESS_DIP_BINS] = {0.0};
-    for (size_t i = 0; i < n; i++) {
-        const double *N = profiles + STRESS_DIP_BINS * gsl_rng_uniform_int(rng, n);
-        const int mirror = gsl_rng_uniform(rng) < 0.5;
-        for (int k = 0; k < STRESS_DIP_BINS; k++) sum[k] += N[mirror ? STRESS_DIP_BINS - 1 - k : k];
-    }
-    return stress_dip(sum);
+    enum { BLOCKS = 4, BLOCK = BINS_01 };
+    double *v = e->v + i, block[BLOCKS] = {0.0}, squares = 0.0;
+    const size_t n = e->n;
+    for (int k = 0; k < HALF; k++) v[(size_t)k * n] = 0.5 * (N[HALF - 1 - k] + N[HALF + k]);
+    for (int k = 0; k < RISES; k++)
+        v[(size_t)(RISE + k) * n] = v[(size_t)(BINS_01 + k) * n] - mean_between(N, 0, BINS_01);
+    for (int k = 0; k < BLOCKS * BLOCK; k++)
+        block[k / BLOCK] += 0.5 * (N[HALF - 1 - k] - N[HALF + k]) / BLOCK;
+    for (int k = 0; k < BLOCKS; k++) squares += block[k] * block[k];
+    v[EXCESS * n] = excess;
+    v[MIDDLE * n] = stress_middle(N);
+    v[SIDES * n] = (block[0] - block[1]) / mean_load(N);
+    v[NOISE * n] = sqrt(2.0 * squares / BLOCKS) / mean_load(N);
 }
 
-/* Mean pressure from the centroid outwards; work[n]. */
-static rp_status mean_profile(size_t n, const double profiles[], double work[], stress_dips *dips)
+/* In standard errors; infinite without any. */
+static double over_error(double difference, double se)
 {
-    rp_status status = RP_OK;
-    for (int k = 0; k < STRESS_DIP_BINS / 2 && !status; k++) {
-        stats_summary stats;
-        for (size_t i = 0; i < n; i++) {
-            const double *N = profiles + STRESS_DIP_BINS * i;
-            work[i] = 0.5 * (N[STRESS_DIP_BINS / 2 - 1 - k] + N[STRESS_DIP_BINS / 2 + k]);
-        }
-        status = stats_mean(n, work, &stats);
-        dips->N[k] = stats.mean;
-        dips->N_se[k] = stats.se;
-    }
-    return status;
+    return se > 0.0 ? difference / se : difference == 0.0 ? 0.0 : copysign(INFINITY, difference);
 }
 
-/* Mean D under the null distribution, in order. */
-static void resample(size_t n, const double profiles[], size_t resamples, gsl_rng *rng, double means[],
-                     stress_dips *dips)
+/* Is this middle below its neighbours by more than noise, at 5 % for a single pile? Noise has four blocks. */
+static bool is_below(double middle, double noise)
 {
-    const double mean = dips->dip.mean;
-    double low = 0.0, far = 0.0;
+    const double STUDENT = 2.1318467863266495; /* 95 % of t with four degrees of freedom */
+    return middle < -STUDENT * noise;
+}
+
+/* Largest rise from the middle to a bin beside it. */
+static double largest_rise(const ensemble *e, const double means[])
+{
+    double most = -INFINITY;
+    for (int k = RISE; k < EXCESS; k++) most = fmax(most, over_error(means[k], e->stats[k].se));
+    return most;
+}
+
+/* Share of n piles without a dip that are below by more than noise: differences between the sides of piles of
+ * the pool, mirrored or not, beside the noise of others. */
+static double share_of_null(const ensemble *e, const size_t pool[], gsl_rng *rng)
+{
+    const double *sides = e->v + SIDES * e->n, *noise = e->v + NOISE * e->n;
+    size_t below = 0;
+    for (size_t i = 0; i < e->n; i++) {
+        const double middle = sides[pool[gsl_rng_uniform_int(rng, e->n)]];
+        const bool mirror = gsl_rng_uniform(rng) < 0.5;
+        below += is_below(mirror ? -middle : middle, noise[pool[gsl_rng_uniform_int(rng, e->n)]]);
+    }
+    return (double)below / (double)e->n;
+}
+
+/* One ensemble of as many piles, drawn with replacement: the means of the columns less those of the piles,
+ * widened to an unbiased variance. */
+static void draw(const ensemble *e, size_t pool[], double means[], gsl_rng *rng)
+{
+    const double n = (double)e->n, widen = sqrt(n / (n - 1.0));
+    for (size_t i = 0; i < e->n; i++) pool[i] = gsl_rng_uniform_int(rng, e->n);
+    for (int c = 0; c < N_SUMMARIES; c++) {
+        means[c] = 0.0;
+        for (size_t i = 0; i < e->n; i++) means[c] += e->v[(size_t)c * e->n + pool[i]] / n;
+        means[c] = widen * (means[c] - e->stats[c].mean);
+    }
+}
+
+/* Null distributions. work: 3 resamples. */
+static void resample(const ensemble *e, size_t resamples, gsl_rng *rng, size_t pool[], double work[],
+                     stress_dips *d)
+{
+    double own[N_SUMMARIES], means[N_SUMMARIES], low = 0.0, far = 0.0, rises = 0.0, shares = 0.0;
+    double *excess = work, *share = work + resamples, *band = work + 2 * resamples;
+    for (int c = 0; c < N_SUMMARIES; c++) own[c] = e->stats[c].mean;
+    const double rise = largest_rise(e, own);
     for (size_t b = 0; b < resamples; b++) {
-        means[b] = resampled_dip(n, profiles, rng) - mean;
-        low += means[b] <= mean;
-        far += fabs(means[b]) >= fabs(mean);
+        draw(e, pool, means, rng);
+        excess[b] = means[EXCESS];
+        low += excess[b] <= d->excess.mean;
+        far += fabs(excess[b]) >= fabs(d->excess.mean);
+        rises += largest_rise(e, means) >= rise;
+        share[b] = share_of_null(e, pool, rng);
+        shares += share[b] >= d->share;
+        band[b] = 0.0;
+        for (int k = 0; k < HALF; k++) band[b] = fmax(band[b], fabs(over_error(means[k], e->stats[k].se)));
     }
-    const stats_spread spread = stats_resampled(resamples, means);
-    dips->null_lo = spread.lo;
-    dips->null_hi = spread.hi;
-    dips->p_dip = (low + 1.0) / ((double)resamples + 1.0);
-    dips->p_value = (far + 1.0) / ((double)resamples + 1.0);
+    const double all = (double)resamples + 1.0;
+    d->p_dip = (low + 1.0) / all;
+    d->p_value = (far + 1.0) / all;
+    d->p_profile = (rises + 1.0) / all;
+    d->p_share = (shares + 1.0) / all;
+    const stats_spread spread = stats_resampled(resamples, excess);
+    d->null_lo = spread.lo;
+    d->null_hi = spread.hi;
+    d->share_null = gsl_stats_mean(share, 1, resamples);
+    const double binomial = d->share_null * (1.0 - d->share_null) / (double)e->n;
+    d->share_null_se = sqrt(fmax(gsl_stats_variance(share, 1, resamples) - binomial, 0.0));
+    gsl_sort(band, 1, resamples);
+    d->N_t = gsl_stats_quantile_from_sorted_data(band, 1, resamples, 0.95);
 }
 
-rp_status stress_dip_ensemble(size_t n, const double profiles[], const double without[], double margin,
-                              size_t resamples, gsl_rng *rng, double means[], stress_dips *dips)
+static double share_se(double share, size_t n)
 {
-    *dips = (stress_dips){0};
+    return sqrt(share * (1.0 - share) / (double)n);
+}
+
+static rp_status summarise(ensemble *e, double margin, stress_dips *d)
+{
+    const size_t n = e->n;
+    rp_status status = RP_OK;
+    for (size_t c = 0; c < N_SUMMARIES && !status; c++) status = stats_mean(n, e->v + c * n, &e->stats[c]);
+    if (status) return status;
+    for (int k = 0; k < HALF; k++) {
+        d->N[k] = e->stats[k].mean;
+        d->N_se[k] = e->stats[k].se;
+    }
+    d->excess = e->stats[EXCESS];
+    d->middle = e->stats[MIDDLE];
+    d->p_margin =
+        stats_contrast_p_margin(&(stats_contrast){d->excess.mean, d->excess.se, (double)n - 1.0}, margin);
+    for (size_t i = 0; i < n; i++) {
+        const double middle = e->v[MIDDLE * n + i];
+        d->below += (middle < 0.0) / (double)n;
+        d->share += is_below(middle, e->v[NOISE * n + i]) / (double)n;
+    }
+    d->below_se = share_se(d->below, n);
+    d->share_se = share_se(d->share, n);
+    return RP_OK;
+}
+
+rp_status stress_dip_ensemble(size_t n, const double profiles[], const double excess[], double margin,
+                              size_t resamples, gsl_rng *rng, stress_dips *d)
+{
+    *d = (stress_dips){0};
     if (n < 3) return rp_fail(RP_NO_RESULT, "dip: %zu piles, at least 3 expected", n);
     if (!(margin > 0.0)) return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
     rp_status status = stats_check_resamples(resamples);
     if (status) return status;
-    double *excess = malloc(n * (STRESS_DIP_BINS + 1) * sizeof *excess), *work = excess + n * STRESS_DIP_BINS;
-    if (!excess) return rp_fail(RP_NO_MEMORY, "dip: out of memory");
-    for (size_t i = 0; i < n * STRESS_DIP_BINS; i++)
-        excess[i] = profiles[i] + (without ? 1.0 - without[i] : 0.0);
-    for (size_t i = 0; i < n; i++) {
-        dips->raw += stress_dip(profiles + i * STRESS_DIP_BINS) / (double)n;
-        work[i] = stress_dip(excess + i * STRESS_DIP_BINS);
-    }
-    status = stats_mean(n, work, &dips->dip);
-    if (!status) status = mean_profile(n, profiles, work, dips);
-    if (!status) {
-        resample(n, excess, resamples, rng, means, dips);
-        dips->p_margin =
-            stats_contrast_p_margin(&(stats_contrast){dips->dip.mean, dips->dip.se, (double)n - 1.0}, margin);
-    }
-    free(excess);
+    ensemble e = {.n = n, .v = malloc((N_COLUMNS * n + 3 * resamples) * sizeof *e.v)};
+    size_t *pool = malloc(n * sizeof *pool);
+    if (!e.v || !pool) status = rp_fail(RP_NO_MEMORY, "dip: out of memory");
+    for (size_t i = 0; i < n && !status; i++) add_pile(&e, i, profiles + i * STRESS_DIP_BINS, excess[i]);
+    if (!status) status = summarise(&e, margin, d);
+    if (!status) resample(&e, resamples, rng, pool, e.v + N_COLUMNS * n, d);
+    free(e.v);
+    free(pool);
     return status;
+}
+
+/* Mean of both sides over n piles, with the mean up to 0.3 B in place of what is there. */
+static void flatten(size_t n, const double profiles[], double mean[HALF], double flat[HALF])
+{
+    double top = 0.0;
+    for (int k = 0; k < HALF; k++) {
+        mean[k] = 0.0;
+        for (size_t i = 0; i < n; i++) {
+            const double *N = profiles + i * STRESS_DIP_BINS;
+            mean[k] += 0.5 * (N[HALF - 1 - k] + N[HALF + k]) / (double)n;
+        }
+        if (k < BINS_03) top += mean[k] / BINS_03;
+    }
+    for (int k = 0; k < HALF; k++) flat[k] = k < BINS_03 ? top : mean[k];
+}
+
+void stress_dip_plant(size_t n, const double profiles[], const double excess[], double depth, gsl_rng *rng,
+                      double planted[], double planted_excess[])
+{
+    double mean[HALF], flat[HALF], mean_excess = 0.0;
+    flatten(n, profiles, mean, flat);
+    for (size_t i = 0; i < n; i++) mean_excess += excess[i] / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        const size_t j = gsl_rng_uniform_int(rng, n);
+        const bool mirror = gsl_rng_uniform(rng) < 0.5;
+        const double *from = profiles + j * STRESS_DIP_BINS;
+        double *N = planted + i * STRESS_DIP_BINS;
+        for (int k = 0; k < STRESS_DIP_BINS; k++) {
+            const int out = k < HALF ? HALF - 1 - k : k - HALF;
+            N[k] = flat[out] + from[mirror ? STRESS_DIP_BINS - 1 - k : k] - mean[out];
+        }
+        planted_excess[i] = excess[j] - mean_excess - depth * mean_between(N, 0, BINS_01) / mean_load(N);
+        for (int k = HALF - BINS_01; k < HALF + BINS_01; k++) N[k] *= 1.0 - depth;
+    }
 }
 
 const char *stress_dip_word(const stress_dips *d, double level)
 {
     const bool differs = d->p_value < level, within = d->p_margin < level;
     if (!differs) return within ? "none_within_margin" : "undecided";
-    if (d->dip.mean < 0.0) return within ? "dip_within_margin" : "dip";
+    if (d->excess.mean < 0.0) return within ? "dip_within_margin" : "dip";
     return within ? "peak_within_margin" : "peak";
 }

@@ -154,8 +154,8 @@ rp_status stress_base_profile(size_t n, const double x[], const double r[], cons
 void stress_base_bins(const stress_base *base, size_t n, const double x[], const double r[], const double N[],
                       double bins[STRESS_DIP_BINS]);
 
-/* (Mean N where |x - c| < 0.1 B, less that where 0.1 B < |x - c| < 0.3 B) over the mean N; below 0 is a dip.
- */
+/* D: (mean N where |x - c| < 0.1 B, less that where 0.1 B < |x - c| < 0.3 B) over the mean N. It describes a
+ * profile and is no test of a dip, since the outer part reaches down the flanks. */
 double stress_dip(const double N[STRESS_DIP_BINS]);
 
 /* Two statistics of a dip; both are negative for one. The middle against its neighbours: mean N where |x - c|
@@ -164,27 +164,37 @@ double stress_dip(const double N[STRESS_DIP_BINS]);
 double stress_middle(const double N[STRESS_DIP_BINS]);
 double stress_excess(const double N[STRESS_DIP_BINS], const double rays[STRESS_DIP_BINS]);
 
-/* D of an ensemble of piles. */
+/* Three tests of an ensemble for a dip. Bin k of N lies from k to k + 1 times 0.05 B from the centroid, both
+ * sides together. */
 typedef struct {
-    double raw;                    /* mean D of the profiles */
-    stats_summary dip;             /* pile by pile: D, or its excess over that of the profile without dip */
-    double null_lo, null_hi;       /* 95 % of the mean D of as many piles without dip */
-    double p_value, p_dip;         /* chance of a mean D as far from 0, and as low, without dip */
-    double p_margin;               /* TOST: largest chance of so small a |mean D| if it were the margin */
-    double N[STRESS_DIP_BINS / 2]; /* mean pressure from the centroid outwards, both sides, over the mean */
-    double N_se[STRESS_DIP_BINS / 2];
+    stats_summary excess, middle; /* pile by pile */
+    double null_lo, null_hi;      /* 95 % of the mean excess of as many piles whose mean is 0 */
+    double p_value, p_dip;        /* chance of a mean excess as far from 0, and as low, from such piles */
+    double p_margin;              /* TOST: largest chance of so small a |mean excess| if it were the margin */
+    double p_profile;             /* chance that a mean profile without a rise outwards, up to 0.3 B, has one
+                                     as large in its errors, from within 0.1 B to any bin */
+    double below, below_se;       /* share of the piles with middle < 0 */
+    double share, share_se;       /* of those where it is below 0 by more than the pile's own noise, 5 % */
+    double share_null, share_null_se,
+        p_share; /* the same of piles without a dip; chance of so large a share */
+    double N[STRESS_DIP_BINS / 2], N_se[STRESS_DIP_BINS / 2]; /* mean profile */
+    double N_t; /* N +- N_t N_se is a band that holds the whole profile with 95 %: bootstrap of the maximum */
 } stress_dips;
 
-/* From n profiles one after the other, STRESS_DIP_BINS each, and what each pile would have without a dip
- * (NULL: a flat profile). D is linear in the profile: the excess is D of the difference about the same mean.
- * The null distribution is that of the same piles, drawn with replacement, each mirrored or not at random,
- * with their mean D taken off. Mirroring gives the mean profile two equal sides.
- * `resamples` values of `means` are work space. Errors: RP_BAD_INPUT (margin, resamples, a number),
- * RP_NO_RESULT (fewer than three piles), RP_NO_MEMORY. */
-rp_status stress_dip_ensemble(size_t n, const double profiles[], const double without[], double margin,
-                              size_t resamples, gsl_rng *rng, double means[], stress_dips *dips);
+/* From n profiles one after the other, STRESS_DIP_BINS each, and the excess of each pile. Null distributions
+ * come from these piles, drawn with replacement, with their mean taken off. A pile's noise is that of the
+ * difference between its sides, which has no dip; this difference, mirrored or not, is the middle of a pile
+ * without a dip. Errors: RP_BAD_INPUT (margin, resamples, a number), RP_NO_RESULT (fewer than three piles),
+ * RP_NO_MEMORY. */
+rp_status stress_dip_ensemble(size_t n, const double profiles[], const double excess[], double margin,
+                              size_t resamples, gsl_rng *rng, stress_dips *dips);
 
-/* dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
+/* An ensemble with a known dip: n piles drawn with replacement, each mirrored or not, about a mean that is
+ * even up to 0.3 B and has no excess; N within 0.1 B is then lower by the part `depth`. */
+void stress_dip_plant(size_t n, const double profiles[], const double excess[], double depth, gsl_rng *rng,
+                      double planted[], double planted_excess[]);
+
+/* Of the excess: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
  * peak_within_margin if both; undecided. */
 const char *stress_dip_word(const stress_dips *dips, double level);
 

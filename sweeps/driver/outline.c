@@ -104,24 +104,6 @@ rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed,
     return RP_OK;
 }
 
-rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS])
-{
-    enum { POINTS = 2000 };
-    double x[POINTS], r[POINTS], pressure[POINTS];
-    for (int i = 0; i < POINTS; i++) {
-        an_force force;
-        x[i] = (i + 0.5) / POINTS;
-        r[i] = 0.5 / POINTS;
-        rp_status status = an_continuum(alpha, x[i], &force);
-        if (status) return status;
-        pressure[i] = force.N;
-    }
-    stress_base base;
-    rp_status status = stress_base_profile(POINTS, x, r, pressure, &base);
-    if (!status) memcpy(N, base.N, sizeof base.N);
-    return status;
-}
-
 /* Columns one diameter wide, from *left on, that hold all points and the base, and on both sides as many
  * empty ones as a slope of STEEP takes down from the highest point. */
 static const double STEEP = 1.7; /* below tan 60 degrees, which rays need */

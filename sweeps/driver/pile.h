@@ -34,10 +34,6 @@ void sweep_outline_free(sweep_outline *outline);
  * between unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
 rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
 
-/* Profile of the continuum triangle of slope alpha, eqs (50), (54), over the base that holds 98 % of its
- * load. alpha in (0, pi/3). Errors: those of an_continuum and stress_base_profile. */
-rp_status sweep_outline_triangle(double alpha, double N[STRESS_DIP_BINS]);
-
 /* Profile that rays of 60 degrees put on this base under the outline of a pile of disks of mean diameter 1:
  * the highest points of columns of that width, where disks have their highest points (x, top), joined by
  * straight lines. Steps steeper than rays are filled. Errors: RP_NO_MEMORY, RP_BAD_INPUT (not finite). */
