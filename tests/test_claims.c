@@ -167,12 +167,24 @@ static void test_counts(void)
 
 /* ---- the claims themselves ---- */
 
+/* Words anywhere; a number not as a part of another one. */
+static bool line_holds(const char *line, const char *text)
+{
+    const size_t n = strlen(text);
+    for (const char *at = line; (at = strstr(at, text)); at++)
+        if (!isdigit((unsigned char)*text) ||
+            ((at == line || !(isdigit((unsigned char)at[-1]) || at[-1] == '.')) &&
+             !isdigit((unsigned char)at[n])))
+            return true;
+    return false;
+}
+
 static bool file_holds(const char *path, const char *text)
 {
     char line[1024];
     bool found = false;
     FILE *in = fopen(path, "r");
-    while (in && !found && fgets(line, sizeof line, in)) found = strstr(line, text) != NULL;
+    while (in && !found && fgets(line, sizeof line, in)) found = line_holds(line, text);
     if (in) fclose(in);
     return found;
 }
