@@ -52,9 +52,11 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 	@$(CC) $(CPPFLAGS) $(INCLUDES) $(CFLAGS) -MMD -MP -c $< -o $@
 -include $(patsubst %.o,%.d,$(ALL) $(CHECK))
 
-# The commit is part of every table's provenance: rebuild that one file when it changes.
+# The commit is part of every table's provenance: rebuild that one file when it changes. Tables that a study has just
+# written do not make the program another one.
 $(B)/commit: FORCE
-	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always 2>/dev/null || echo unknown); \
+	[ ! -e .git ] || git diff --quiet HEAD -- . ':!results' || c=$$c-dirty; \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
