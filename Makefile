@@ -52,9 +52,11 @@ $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 	@$(CC) $(CPPFLAGS) $(INCLUDES) $(CFLAGS) -MMD -MP -c $< -o $@
 -include $(patsubst %.o,%.d,$(ALL) $(CHECK))
 
-# The commit is part of every table's provenance: rebuild that one file when it changes.
+# The commit is part of every table's provenance: rebuild that one file when it changes. Tables that a study has just
+# written do not make the program another one.
 $(B)/commit: FORCE
-	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always --dirty 2>/dev/null || echo unknown); \
+	@mkdir -p $(@D); c=$$(grep -v Format .commit 2>/dev/null || git describe --always 2>/dev/null || echo unknown); \
+	[ ! -e .git ] || git diff --quiet HEAD -- . ':!results' || c=$$c-dirty; \
 	[ "$$c" = "$$(cat $@ 2>/dev/null)" ] || echo "$$c" > $@
 $(B)/obj/src/core/version.o: $(B)/commit
 $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2>/dev/null)"' \
@@ -166,10 +168,13 @@ $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
+# Dots an inch and colours of a picture for pages: the first that take at most 80 kB.
 $(B)/figures/shown/%.png: $(B)/figures/%.svg
 	@mkdir -p $(@D)
-	@gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; file='$(@:.png=)'" figures/style.gp $(wildcard figures/*/$*.gp)
-	@for colours in 64 16; do pngquant --force --nofs --output $@ $$colours $@; [ $$(stat -c %s $@) -gt 100000 ] || break; done
+	@set -e; for try in '220 64' '220 16' '180 16'; do \
+	  gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; shown=$${try% *}.; file='$(@:.png=)'" \
+	    figures/style.gp $(wildcard figures/*/$*.gp); \
+	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc

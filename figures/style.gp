@@ -35,8 +35,8 @@ top = line_height*(lines(heading) + lines(remark) + shared) + 0.25
 cell_height = line_height*(legend + named) + 0.3 + panel_height + 1.15
 height = top + cell_height*ceil(1.0*panels/columns)
 
-# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown, for pages: 220.
-dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : 220.
+# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown, for pages: as the Makefile sets `shown`.
+dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : exists('shown') ? shown : 220.
 font = sprintf('DejaVu Sans,%g', letters)
 if (terminal eq 'svg') set terminal svg size width*96/2.54, height*96/2.54 font sprintf('DejaVu Sans,%g', letters*96/72) background 'white' enhanced
 if (terminal eq 'pdf') set terminal pdfcairo size width cm, height cm font font fontscale dots/96 linewidth dots/96 pointscale dots/96 enhanced

@@ -15,6 +15,7 @@
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
+    X(suite_emulator)                                                                                        \
     X(suite_forensics)                                                                                       \
     X(suite_claims)                                                                                          \
     X(suite_samplesize)                                                                                      \

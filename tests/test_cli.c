@@ -1309,72 +1309,6 @@ static void test_page_circles(void)
     leave();
 }
 
-/* ---- forensics ---- */
-
-/* Piles of 20 degrees, of 14 with law = new, 3 more at W = 8; one combination of law and k has no pile there.
- */
-static void write_forensics(void)
-{
-#define ENDS(height, empty) "_" #height "_" #empty, "_" #height "_" #empty "_origin",
-    static const char *const ends[] = {ANG_SURFACES(ENDS)};
-    char path[256];
-    path_of("runs.tsv", path);
-    FILE *file = fopen(path, "w");
-    fputs("# status\tlaw\tk\tW", file);
-    for (size_t v = 0; v < 12; v++) fprintf(file, "\ttheta_r3%s_deg", v ? ends[v] : "");
-    fputs("\n", file);
-    for (int i = 0; i < 32; i++) {
-        const int law = i / 16, k = i / 8 % 2, W = i / 4 % 2;
-        fprintf(file, "%s\t%s\t%g\t%d", law && k && W ? "leaked" : "ok", law ? "new" : "old", k ? 2e6 : 1e6,
-                W ? 8 : 4);
-        for (size_t v = 0; v < 12; v++)
-            fprintf(file, "\t%.17g", 20.0 - 6.0 * law + 3.0 * W + (i % 4 - 1.5) * 0.4 + (v % 2 ? 9.0 : 0.0));
-        fputs("\n", file);
-    }
-    fclose(file);
-}
-
-static void test_forensics(void)
-{
-    enter();
-    write_forensics();
-    write_text("claims.tsv", CLAIMS CLAIM("angle", "20\t0.5",
-                                          "theta_r3") CLAIM("rise", "1\t-", "+ theta_r3 W=8 less theta_r3")
-                                 CLAIM("unused", "3\t1", "-") CLAIM("later", "23\t1", "held theta_r3 W=8"));
-    GOOD("forensics runs.tsv --claims claims.tsv --factors law,k");
-    CU_ASSERT(strstr(out, "# combinations: 4, each with 12 ways") != NULL);
-    CU_ASSERT(strstr(out, "# complete: 36\n# not_excluded: 12\n") != NULL);
-    CU_ASSERT(strstr(out, "# simulated_complete: 3\n# simulated_not_excluded: 2\n") != NULL);
-    rp_table t = read_table("out");
-    CU_ASSERT(t.n_rows == 48);
-    CU_ASSERT_STRING_EQUAL(t.cells[rp_table_column(&t, "law")], "old");
-    CU_ASSERT(strstr(t.cells[2], "origin") == NULL); /* 9 degrees more */
-    CHECK_NEAR(cell(&t, 0, "angle_deg"), 20.0, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "rise_deg"), 3.0, 1e-12);
-    CU_ASSERT(rp_table_column(&t, "unused_deg") < 0);
-    /* four values of variance 0.16 * 5/3: the same in all combinations, so the pooled one */
-    CHECK_NEAR(cell(&t, 0, "angle_se_deg"), sqrt(0.16 * 5.0 / 3.0 / 4.0), 1e-12);
-    CU_ASSERT(cell(&t, 0, "p_held_out") > 0.2);
-    CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "not_excluded");
-    CU_ASSERT_STRING_EQUAL(t.cells[48 * t.n_columns - 1], "incomplete");
-    rp_table_free(&t);
-    GOOD("forensics runs.tsv --claims claims.tsv --factors law --report levels");
-    t = read_table("out");
-    CHECK_NEAR(cell(&t, 1, "complete"), 12.0, 0.0); /* half of the runs are enough */
-    CHECK_NEAR(cell(&t, 0, "share") + cell(&t, 1, "share"), 1.0, 1e-9);
-    rp_table_free(&t);
-    FAILS(65, "no column \"frob\"", "forensics runs.tsv --claims claims.tsv --factors frob");
-    /* a number without an error is not used */
-    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t-", "theta_r3"));
-    FAILS(65, "bad.tsv: claim a: a published number with its error",
-          "forensics runs.tsv --claims bad.tsv --factors law");
-    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t1", "theta_r3 H=4"));
-    FAILS(65, "claim a: \"H=4\": not among the keys", "forensics runs.tsv --claims bad.tsv --factors law");
-    write_text("bad.tsv", CLAIMS CLAIM("a", "1\t1", "held -"));
-    FAILS(65, "a column expected", "forensics runs.tsv --claims bad.tsv --factors law");
-    leave();
-}
-
 /* ---- calibrate ---- */
 
 /* Piles on straight lines, theta_r = 5 + 50 mu and theta_t = 2 + 10 mu, with a scatter of about one degree.
@@ -2045,7 +1979,6 @@ void suite_cli(void)
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
                                        {"stats select, threshold, cost, --where", test_stats_settings},
-                                       {"forensics", test_forensics},
                                        {"calibrate", test_calibrate},
                                        {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},

@@ -20,6 +20,7 @@
     X(readme, "README.md")                                                                                   \
     X(angle, "docs/angle-of-your-grains.md")                                                                 \
     X(cluster, "docs/cluster.md")                                                                            \
+    X(forensics, "docs/forensics.md")                                                                        \
     X(extending, "docs/extending.md")                                                                        \
     X(first_pile, "docs/first-pile.md")                                                                      \
     X(install, "docs/install.md")                                                                            \

@@ -1,182 +1,428 @@
-/* Published claims against combinations of choices: closed forms, planted truths, planted effects. */
+/* Choices that a publication leaves open: likelihoods and posteriors in closed form, designs, planted truths.
+ */
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
-#include "stats/stats.h"
-#include "stats/forensics.h"
 #include "core/random.h"
+#include "stats/emulator.h"
+#include "stats/forensics.h"
 #include "tests/check.h"
+#include "tests/planted.h"
+#include "tests/program.h"
 
-/* A claim whose model error far exceeds the published error has the normal density, at any scale. */
+enum { READING = 1 << STATS_LATENT_reading, SHIFT = 1 << STATS_LATENT_shift, STOP = 1 << STATS_LATENT_stop };
+
+/* One number and two, by the normal density with the determinant of a matrix of two rows. */
 static void test_likelihood(void)
 {
-    const stats_claim value = {STATS_CLAIM_VALUE, 2.385, 1e-9}, falls = {STATS_CLAIM_SIGN, -1.0, 1e-9};
-    const double y = 3.1, se = 0.7, z = (y - value.value) / se;
-    CHECK_NEAR(stats_claims_log_likelihood(1, &value, &y, &se), -0.5 * z * z - log(se), 1e-12);
-    CHECK_NEAR(stats_claims_log_likelihood(1, &falls, &y, &se), log(0.5 * erfc(y / se / sqrt(2.0))), 1e-10);
-    /* an exact model: the average over scales of the published error's own density, by a finer sum */
-    const stats_claim loose = {STATS_CLAIM_VALUE, 1.0, 0.5};
-    const double exact = 0.0, off = 2.0;
-    double sum = 0.0;
-    const int fine = 20000;
-    for (int i = 0; i < fine; i++) {
-        double s = 0.2 * pow(10.0, (i + 0.5) / fine), v = 0.25 * s * s;
-        sum += exp(-0.5 * (off - 1.0) * (off - 1.0) / v) / sqrt(v);
-    }
-    /* the mid-point rule with 13 scales is accurate to one per cent */
-    CHECK_NEAR(stats_claims_log_likelihood(1, &loose, &off, &exact), log(sum / fine), 0.01);
-}
-
-enum { N_CLAIMS = 4, N_COMBINATIONS = 5 };
-
-/* Publications drawn from combination 0 exclude it with probability `level`, and the distant combination
- * nearly always; a combination without a number is not judged. */
-static void test_judge(void)
-{
-    const double level = 0.1;
-    const int trials = check_fast() ? 60 : 400;
-    double y[N_COMBINATIONS * N_CLAIMS], se[N_COMBINATIONS * N_CLAIMS];
-    stats_chance by_chance;
-    stats_agreement a[N_COMBINATIONS];
-    gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
-    for (int c = 0; c < N_COMBINATIONS; c++)
-        for (int k = 0; k < N_CLAIMS; k++) {
-            y[c * N_CLAIMS + k] = k == 3 ? (c == 1 ? 4.0 : -4.0) : 18.0 + 0.3 * k + (c == 1 ? 6.0 : 0.2 * c);
-            se[c * N_CLAIMS + k] = 0.3;
-        }
-    y[2 * N_CLAIMS + 1] = NAN;
-    int excluded = 0, far = 0;
-    for (int t = 0; t < trials; t++) {
-        stats_claim claims[N_CLAIMS];
-        double s = 0.2 * pow(10.0, gsl_rng_uniform(rng));
-        for (int k = 0; k < N_CLAIMS; k++) {
-            double seen = y[k] + gsl_ran_gaussian(rng, hypot(0.6 * s, 0.3));
-            claims[k] = k == 3 ? (stats_claim){STATS_CLAIM_SIGN, copysign(1.0, seen), 0.6}
-                               : (stats_claim){STATS_CLAIM_VALUE, seen, 0.6};
-        }
+    const stats_published numbers[2] = {{2.385, 0.7, 9.0}, {1.1, 0.4, 16.0}};
+    const double mean[2] = {2.0, 1.9}, covariance[4] = {0.09, 0.02, 0.02, 0.16}, shift = 0.6, scale = 1.3;
+    for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
+        const double own[2] = {latent & READING ? 0.49 / 9.0 : 0.49, latent & READING ? 0.01 : 0.16},
+                     common = latent & SHIFT ? 0.36 : 0.0, a = scale * 0.09 + own[0] + common,
+                     b = scale * 0.02 + common, c = scale * 0.16 + own[1] + common, det = a * c - b * b,
+                     r = 0.385, s = -0.8;
+        double log_likelihood, chi2;
         CHECK_OK(
-            stats_claims_judge(N_COMBINATIONS, N_CLAIMS, claims, y, se, level, 200, 0, rng, a, &by_chance));
-        excluded += a[0].excluded;
-        far += a[1].excluded;
-        CU_ASSERT(!a[2].complete && a[2].excluded && isnan(a[2].p_value));
-        CU_ASSERT(a[0].excluded == (a[0].log_likelihood < a[0].limit));
-        /* p-value and limit come from the same draws */
-        CU_ASSERT(!a[0].excluded || a[0].p_value <= level + 0.01);
+            stats_log_likelihood(2, numbers, mean, covariance, scale, shift, latent, &log_likelihood, &chi2));
+        CHECK_NEAR(chi2, (c * r * r - 2.0 * b * r * s + a * s * s) / det, 1e-10);
+        CHECK_NEAR(log_likelihood, -0.5 * chi2 - 0.5 * log(det) - log(2.0 * M_PI), 1e-10);
+        CHECK_OK(
+            stats_log_likelihood(1, numbers, mean, covariance, scale, shift, latent, &log_likelihood, NULL));
+        CHECK_NEAR(log_likelihood, -0.5 * (r * r / a + log(2.0 * M_PI * a)), 1e-10);
     }
-    /* four standard errors of a binomial count, and the limit's own error from 200 draws */
-    CHECK_NEAR((double)excluded / trials, level,
-               4.0 * sqrt(level * (1.0 - level) * (1.0 / trials + 1.0 / 200.0)));
-    CU_ASSERT(far > 0.95 * trials);
-    gsl_rng_free(rng);
+    const double impossible[4] = {1.0, 9.0, 9.0, 1.0};
+    double unused;
+    CHECK_FAILS(stats_log_likelihood(2, numbers, mean, impossible, scale, shift, 0, &unused, NULL), RP_BROKEN,
+                "not positive definite");
 }
 
-/* A sign needs no error, a number does. */
-static void test_errors_of_claims(void)
+/* Three draws and two surfaces whose likelihoods are known. */
+static void test_posterior(void)
 {
-    const stats_claim falls = {STATS_CLAIM_SIGN, -1.0, 0.0}, value = {STATS_CLAIM_VALUE, -1.0, 0.0};
-    const double y[] = {-2.0, 2.0}, se[] = {1.0, 1.0};
-    stats_agreement a[2];
-    stats_chance by_chance;
-    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
-    CHECK_OK(stats_claims_judge(2, 1, &falls, y, se, 0.05, 1000, 0, rng, a, &by_chance));
-    /* a publication of the first has this sign in 97.7 % of all cases, of the second in 2.3 % */
-    CHECK_NEAR(a[0].log_likelihood, log(0.5 * erfc(-2.0 / sqrt(2.0))), 1e-10);
-    CU_ASSERT(!a[0].excluded && a[1].excluded);
-    CHECK_FAILS(stats_claims_judge(2, 1, &value, y, se, 0.05, 1000, 0, rng, a, &by_chance), RP_BAD_INPUT,
-                "a finite value with a positive error");
-    gsl_rng_free(rng);
-}
-
-/* Equal combinations pass by chance as often as true ones; without draws there is no count.
- */
-static void test_chance(void)
-{
-    const stats_claim claims[2] = {{STATS_CLAIM_VALUE, 1.0, 0.5}, {STATS_CLAIM_VALUE, 1.0, 0.5}};
-    const double y[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, se[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
-    stats_agreement a[3];
-    stats_chance by_chance;
-    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
-    CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 2000, 2000, rng, a, &by_chance));
-    CHECK_NEAR(by_chance.mean, 3.0 * 0.8, 0.15); /* five errors of 2000 draws, the three in step */
-    CHECK_NEAR(by_chance.as_many, 0.8, 0.06); /* all three pass the claims, and pass together or not at all */
-    /* two of three have numbers, far apart, and the claims are of the first: in half of the draws both claims
-     * are of one combination, which then passes with 0.8 */
-    const double far[6] = {1.0, 1.0, NAN, 1.0, 90.0, 90.0};
-    CHECK_OK(stats_claims_judge(3, 2, claims, far, se, 0.2, 2000, 2000, rng, a, &by_chance));
-    CHECK_NEAR(by_chance.mean, 0.4, 0.06);
-    CHECK_NEAR(by_chance.as_many, 0.4, 0.06);
-    CHECK_OK(stats_claims_judge(3, 2, claims, y, se, 0.2, 20, 0, rng, a, &by_chance));
-    CU_ASSERT(isnan(by_chance.mean) && isnan(by_chance.as_many));
-    CU_ASSERT(stats_claims_judge(3, 0, claims, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_NO_RESULT);
-    CU_ASSERT(stats_claims_judge(3, 2, claims, y, se, 1.0, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
-    CU_ASSERT(stats_claims_judge(3, 2, claims, y, se, 0.2, 19, 0, rng, a, &by_chance) == RP_BAD_INPUT);
-    const stats_claim sure = {STATS_CLAIM_VALUE, 1.0, 0.0};
-    CU_ASSERT(stats_claims_judge(1, 1, &sure, y, se, 0.2, 20, 0, rng, a, &by_chance) == RP_BAD_INPUT);
-    gsl_rng_free(rng);
-}
-
-/* A design of three factors with 2, 3 and 2 levels, twice each. */
-enum { N_DESIGN = 24 };
-static const size_t n_levels[3] = {2, 3, 2};
-
-static void make_design(size_t level[])
-{
-    for (size_t i = 0; i < N_DESIGN; i++) {
-        level[3 * i] = i % 2;
-        level[3 * i + 1] = i / 2 % 3;
-        level[3 * i + 2] = i / 6 % 2;
+    const stats_published number = {1.0, 0.5, 4.0};
+    const double mean[6] = {1.0, 2.0, 1.5, 0.5, 3.0, 1.2}, covariance[3] = {0.1, 0.2, 0.3},
+                 scale[2] = {1.0, 2.0}, complete[3] = {0.0, -1.0, -1e4};
+    const stats_predictions model = {3, 2, 1, mean, covariance, scale, complete, 0.7};
+    stats_posterior p;
+    CHECK_OK(stats_posterior_make(&model, &number, &p));
+    double total = 0.0, chance = 0.0, draws[3] = {0.0}, surface = 0.0, shift = 0.0, theirs[3] = {0.0};
+    for (int d = 0; d < 3; d++)
+        for (int s = 0; s < 2; s++)
+            for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
+                const double v = scale[s] * covariance[d] + (latent & READING ? 0.0625 : 0.25) +
+                                 (latent & SHIFT ? 0.49 : 0.0),
+                             r = 1.0 - mean[2 * d + s],
+                             l = exp(-0.5 * r * r / v + (latent & STOP ? complete[d] : 0.0)) /
+                                 sqrt(2.0 * M_PI * v);
+                total += l, draws[d] += l;
+                chance += l * erfc(fabs(r) / sqrt(2.0 * v));
+                surface += s == 1 ? l : 0.0;
+                shift += latent & SHIFT ? l : 0.0;
+                theirs[d] += latent & STOP ? l : 0.0;
+            }
+    double weight[3], squares = 0.0;
+    CHECK_NEAR(stats_posterior_draws(&p, -1, 0, weight), 1.0, 1e-12);
+    for (int d = 0; d < 3; d++) {
+        CHECK_NEAR(weight[d], draws[d] / total, 1e-12);
+        squares += weight[d] * weight[d];
     }
+    CHECK_NEAR(p.effective, 1.0 / squares, 1e-9);
+    CHECK_NEAR(p.log_evidence, log(total / (6.0 * STATS_LATENT_LEVELS)), 1e-12);
+    CHECK_NEAR(p.p_value, chance / total, 1e-12);
+    CHECK_NEAR(stats_posterior_surface(&p, 1), surface / total, 1e-12);
+    CHECK_NEAR(stats_posterior_draws(&p, STATS_LATENT_shift, 1, weight), shift / total, 1e-12);
+    stats_posterior_draws(&p, STATS_LATENT_stop, 1, weight);
+    for (int d = 0; d < 3; d++) CHECK_NEAR(weight[d], theirs[d] / total, 1e-12);
+    CHECK_NEAR(weight[2], 0.0, 0.0); /* no run has a result: no number could be published */
+    stats_posterior_free(&p);
 }
 
-/* Without noise the effects are exact; with noise the intervals have their coverage. */
-static void test_effects(void)
+/* A sure result changes nothing; an impossible one excludes; ignorance halves. */
+static void test_censored(void)
 {
-    const double planted[4] = {-1.7, 0.6, 2.2, 0.05};
-    size_t level[3 * N_DESIGN];
-    double y[N_DESIGN], residual;
-    stats_effect e[4];
-    make_design(level);
-    gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
-    const int trials = 400;
-    int covered = 0;
-    for (int t = 0; t <= trials; t++) {
-        for (size_t i = 0; i < N_DESIGN; i++)
-            y[i] = 18.0 + (double)level[3 * i] * planted[0] + (level[3 * i + 1] == 1) * planted[1] +
-                   (level[3 * i + 1] == 2) * planted[2] + (double)level[3 * i + 2] * planted[3] +
-                   (t > 0 ? gsl_ran_gaussian(rng, 0.8) : 0.0);
-        CHECK_OK(stats_effects(N_DESIGN, 3, level, n_levels, y, e, &residual));
-        for (int k = 0; k < 4; k++) {
-            if (t == 0) CHECK_NEAR(e[k].effect, planted[k], 1e-12);
-            covered += t > 0 && e[k].lo <= planted[k] && planted[k] <= e[k].hi;
-            CU_ASSERT(t == 0 || (e[k].p_value < 0.05) == (e[k].lo > 0.0 || e[k].hi < 0.0));
+    CHECK_NEAR(stats_log_normal_chance(40.0, 1.0), 0.0, 1e-12);
+    CHECK_NEAR(stats_log_normal_chance(0.3, 0.0), log(0.5 * erfc(-0.3 / sqrt(2.0))), 1e-12);
+    CHECK_NEAR(stats_log_normal_chance(3.0, 1e12), log(0.5), 1e-5);
+    CU_ASSERT(stats_log_normal_chance(-40.0, 0.0) < -800.0 && isfinite(stats_log_normal_chance(-40.0, 0.0)));
+    double z, variance, all, none, unused;
+    stats_probit(5.0, 10.0, &z, &variance);
+    CHECK_NEAR(z, 0.0, 1e-12);
+    CHECK_NEAR(variance, 0.25 / 11.0 * 2.0 * M_PI, 1e-12);
+    stats_probit(10.0, 10.0, &all, &unused);
+    stats_probit(0.0, 10.0, &none, &unused);
+    CHECK_NEAR(all, -none, 1e-12);
+    CHECK_NEAR(0.5 * erfc(none / sqrt(2.0)), 10.5 / 11.0, 1e-12);
+}
+
+static void test_weighted(void)
+{
+    const double x[5] = {3.0, 1.0, 2.0, 5.0, 4.0}, w[5] = {0.1, 0.3, 0.2, 0.3, 0.1}, nothing[5] = {0.0};
+    size_t order[5];
+    CHECK_NEAR(stats_weighted_quantile(5, x, w, 0.29, order), 1.0, 0.0);
+    CHECK_NEAR(stats_weighted_quantile(5, x, w, 0.31, order), 2.0, 0.0);
+    CHECK_NEAR(stats_weighted_quantile(5, x, w, 0.55, order), 3.0, 0.0);
+    CHECK_NEAR(stats_weighted_quantile(5, x, w, 1.0, order), 5.0, 0.0);
+    CU_ASSERT(isnan(stats_weighted_quantile(5, x, nothing, 0.5, order)));
+    CHECK_NEAR(stats_bayes_factor(0.2, 0.2), 1.0, 1e-12);
+    CHECK_NEAR(stats_bayes_factor(0.25, 0.75), 9.0, 1e-12);
+}
+
+/* Each number is spread evenly: of 64 equal bins at most one is empty, since the sequence lacks its first
+ * point. Each level stands as often as any other, to one. The seed decides the design. */
+static void test_design(void)
+{
+    enum { N = 64, REALS = 6, FACTORS = 2 };
+    static double u[N * REALS], again[N * REALS];
+    size_t level[FACTORS * N], unused[FACTORS * N];
+    const size_t n_levels[FACTORS] = {3, 2};
+    for (int k = 0; k < 3; k++) {
+        gsl_rng *rng = rp_random_alloc(k < 2 ? 41 : 42, 0, RP_PURPOSE_TEST);
+        CHECK_OK(stats_design(N, REALS, k ? again : u, FACTORS, n_levels, k ? unused : level, rng));
+        gsl_rng_free(rng);
+        if (k)
+            CU_ASSERT((memcmp(u, again, sizeof u) == 0 && memcmp(level, unused, sizeof level) == 0) ==
+                      (k == 1));
+    }
+    for (size_t p = 0; p < REALS; p++) {
+        bool seen[N] = {false};
+        int empty = 0;
+        for (size_t i = 0; i < N; i++) {
+            CU_ASSERT_FATAL(u[i * REALS + p] > 0.0 && u[i * REALS + p] < 1.0);
+            seen[(int)(N * u[i * REALS + p])] = true;
         }
-        if (t == 0) CHECK_NEAR(residual, 0.0, 1e-12);
+        for (size_t i = 0; i < N; i++) empty += !seen[i];
+        CU_ASSERT(empty <= 1);
     }
-    CHECK_NEAR(covered / (4.0 * trials), 0.95, 4.0 * sqrt(0.95 * 0.05 / trials));
+    for (size_t f = 0; f < FACTORS; f++)
+        for (size_t l = 0; l < n_levels[f]; l++) {
+            size_t n = 0;
+            for (size_t i = 0; i < N; i++) n += level[f * N + i] == l;
+            CU_ASSERT(n == N / n_levels[f] || n == N / n_levels[f] + 1);
+        }
+    gsl_rng *rng = rp_random_alloc(41, 0, RP_PURPOSE_TEST);
+    CHECK_FAILS(stats_design(N, 17, u, 0, NULL, NULL, rng), RP_BAD_INPUT, "17 numbers");
+    CHECK_FAILS(stats_design(N, 0, u, 0, NULL, NULL, rng), RP_BAD_INPUT, "0 numbers");
     gsl_rng_free(rng);
 }
 
-static void test_effects_errors(void)
+static void test_errors(void)
 {
-    size_t level[3 * N_DESIGN];
-    double y[N_DESIGN] = {0}, residual;
-    stats_effect e[4];
-    make_design(level);
-    CU_ASSERT(stats_effects(5, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
-    for (size_t i = 0; i < N_DESIGN; i++) level[3 * i + 2] = level[3 * i]; /* two factors in step */
-    CU_ASSERT(stats_effects(N_DESIGN, 3, level, n_levels, y, e, &residual) == RP_NO_RESULT);
+    const double mean = 1.0, covariance = 1.0, scale = 1.0, complete = 0.0, never = -INFINITY,
+                 nowhere = 1e200;
+    stats_predictions model = {1, 1, 1, &mean, &covariance, &scale, &complete, 1.0};
+    static const stats_published bad[] = {
+        {NAN, 1.0, 2.0}, {1.0, 0.0, 2.0}, {1.0, INFINITY, 2.0}, {1.0, 1.0, 0.0}, {1.0, 1.0, NAN}};
+    const stats_published good = {1.0, 1.0, 2.0};
+    stats_posterior p;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        CHECK_FAILS(stats_posterior_make(&model, &bad[i], &p), RP_BAD_INPUT, "published number 1");
+        stats_posterior_free(&p);
+    }
+    model.n_points = 0;
+    CHECK_FAILS(stats_posterior_make(&model, &good, &p), RP_BAD_INPUT, "published numbers: 0");
+    stats_posterior_free(&p);
+    model.n_points = 1;
+    model.mean = &nowhere;
+    CHECK_FAILS(stats_posterior_make(&model, &good, &p), RP_NO_RESULT, "no draw agrees");
+    stats_posterior_free(&p);
+    model.mean = &mean;
+    model.log_complete = &never; /* where the stop is theirs only */
+    CHECK_OK(stats_posterior_make(&model, &good, &p));
+    CHECK_NEAR(stats_posterior_draws(&p, STATS_LATENT_stop, 0, (double[1]){0}), 1.0, 1e-12);
+    stats_posterior_free(&p);
+}
+
+/* ---- planted truths ---- */
+
+enum { REALS = 3, POINTS = 3, SETTINGS = 50, DRAWS = 2000, TRUTHS = 50 };
+
+/* A cheap simulator: at point k, of three numbers in (-1, 1) and a factor of two levels. */
+static double simulate(const double x[], int level, int k)
+{
+    return 18.0 + 2.5 * x[0] * (1.0 - 0.4 * k) + 1.2 * sin(2.0 * x[1] + k) -
+           1.5 * level * (k == 1 ? -1.0 : 1.0) + 0.5 * x[0] * x[1];
+}
+
+/* Inputs of all points at the settings of a design: its numbers, the point, the factor. */
+static void make_rows(size_t n, const double u[], const size_t factor[], double x[], int level[])
+{
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < POINTS; k++) {
+            for (int p = 0; p < REALS; p++)
+                x[(i * POINTS + k) * (REALS + 1) + p] = 2.0 * u[i * REALS + p] - 1.0;
+            x[(i * POINTS + k) * (REALS + 1) + REALS] = k - 1.0;
+            level[i * POINTS + k] = (int)factor[i];
+        }
+}
+
+typedef struct {
+    double x[DRAWS * POINTS * (REALS + 1)], mean[DRAWS * POINTS], covariance[DRAWS * POINTS * POINTS];
+    int level[DRAWS * POINTS];
+} planted_draws;
+
+/* Emulate runs with a noise of 0.8 degrees a mean, then predict draws. */
+static void emulate(planted_draws *draws, gsl_rng *rng)
+{
+    static double u[DRAWS * REALS], x[SETTINGS * POINTS * (REALS + 1)], y[SETTINGS * POINTS],
+        variance[SETTINGS * POINTS];
+    static int level[SETTINGS * POINTS];
+    size_t factor[DRAWS], two = 2, n = SETTINGS * POINTS;
+    CHECK_OK(stats_design(SETTINGS, REALS, u, 1, &two, factor, rng));
+    make_rows(SETTINGS, u, factor, x, level);
+    for (size_t i = 0; i < n; i++) {
+        variance[i] = 0.64;
+        y[i] = simulate(x + i * (REALS + 1), level[i], (int)(i % POINTS)) - 18.0 + gsl_ran_gaussian(rng, 0.8);
+    }
+    const stats_inputs in = {n, REALS + 1, 1, x, level};
+    stats_emulator e;
+    CHECK_OK(stats_emulator_make(STATS_SMOOTH, &in, variance, 2.0, &e));
+    CHECK_OK(stats_emulator_fit(&e, y, n));
+    stats_emulator_weights(&e, y, y);
+    CHECK_OK(stats_design(DRAWS, REALS, u, 1, &two, factor, rng));
+    make_rows(DRAWS, u, factor, draws->x, draws->level);
+    for (size_t d = 0; d < DRAWS; d++) {
+        const stats_inputs at = {POINTS, REALS + 1, 1, draws->x + d * POINTS * (REALS + 1),
+                                 draws->level + d * POINTS};
+        CHECK_OK(stats_emulator_predict(&e, &at, 1, y, draws->mean + d * POINTS,
+                                        draws->covariance + d * POINTS * POINTS));
+        for (int k = 0; k < POINTS; k++) draws->mean[d * POINTS + k] += 18.0;
+    }
+    stats_emulator_free(&e);
+}
+
+/* The stated 95 % intervals hold the truth in 43 to 50 of 50 cases: fewer have a chance of 1 %, for each of
+ * the three numbers, if all is right. The level that published has the larger share on average. */
+static void test_truths(void)
+{
+    static planted_draws draws;
+    static double scale = 1.0, complete[DRAWS], value[DRAWS], weight[DRAWS];
+    static size_t order[DRAWS];
+    gsl_rng *rng = rp_random_alloc(51, 0, RP_PURPOSE_TEST);
+    int covered[REALS] = {0};
+    double share = 0.0;
+    emulate(&draws, rng);
+    const stats_predictions model = {DRAWS, 1, POINTS, draws.mean, draws.covariance, &scale, complete, 1.0};
+    for (int t = 0; t < TRUTHS; t++) {
+        double truth[REALS];
+        const int level = t % 2;
+        stats_published numbers[POINTS];
+        const double shift = gsl_rng_uniform(rng) < 0.5 ? gsl_ran_gaussian(rng, 1.0) : 0.0;
+        const bool deviation = gsl_rng_uniform(rng) < 0.5;
+        for (int p = 0; p < REALS; p++) truth[p] = 2.0 * gsl_rng_uniform(rng) - 1.0;
+        for (int k = 0; k < POINTS; k++)
+            numbers[k] = (stats_published){simulate(truth, level, k) + shift +
+                                               gsl_ran_gaussian(rng, deviation ? 0.7 / sqrt(20.0) : 0.7),
+                                           0.7, 20.0};
+        stats_posterior p;
+        CHECK_OK(stats_posterior_make(&model, numbers, &p));
+        stats_posterior_draws(&p, -1, 0, weight);
+        for (int r = 0; r < REALS; r++) {
+            for (size_t d = 0; d < DRAWS; d++) value[d] = draws.x[d * POINTS * (REALS + 1) + r];
+            covered[r] += stats_weighted_quantile(DRAWS, value, weight, 0.025, order) <= truth[r] &&
+                          stats_weighted_quantile(DRAWS, value, weight, 0.975, order) >= truth[r];
+        }
+        for (size_t d = 0; d < DRAWS; d++)
+            share += draws.level[d * POINTS] == level ? weight[d] / TRUTHS : 0.0;
+        stats_posterior_free(&p);
+    }
+    gsl_rng_free(rng);
+    for (int r = 0; r < REALS; r++) CU_ASSERT(covered[r] >= 43);
+    CU_ASSERT(share > 0.6);
+}
+
+/* ---- the command ---- */
+
+static size_t row_of(const rp_table *t, const char *choice, const char *level, const char *given)
+{
+    for (size_t i = 0; i < t->n_rows; i++)
+        if (!strcmp(word(t, i, "choice"), choice) && !strcmp(word(t, i, "level"), level) &&
+            !strcmp(word(t, i, "given"), given))
+            return i;
+    CU_FAIL("no such row");
+    return 0;
+}
+
+static void check_inside(const rp_table *t, const char *choice, const char *given, double truth)
+{
+    const size_t i = row_of(t, choice, "-", given);
+    CU_ASSERT(cell(t, i, "lower") < truth && truth < cell(t, i, "upper"));
+    CU_ASSERT(cell(t, i, "lower") < cell(t, i, "median") && cell(t, i, "median") < cell(t, i, "upper"));
+}
+
+/* The truth that planted_write published is found from its table, by the command, and twice to the bit. */
+static void test_command(void)
+{
+    static char first[sizeof out];
+    enter();
+    planted_write("", 60, 0);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 1000");
+    strcpy(first, out);
+    rp_table t = read_table("out");
+    const double stiffness = planted_stiffness(2.0, 500.0, 1e6), damping = planted_damping(500.0, 500.0);
+    check_inside(&t, "stiffness", "all", stiffness);
+    check_inside(&t, "stiffness", "shift=none", stiffness);
+    check_inside(&t, "stiffness", "shift=common", stiffness);
+    check_inside(&t, "damping_rate", "all", damping);
+    check_inside(&t, "grain_mass", "all", 8e-3 * M_PI / 3.0);
+    check_inside(&t, "gravity", "all", 500.0);
+    CU_ASSERT(cell(&t, row_of(&t, "stiffness", "-", "shift=none"), "width") <
+              cell(&t, row_of(&t, "stiffness", "-", "shift=common"), "width"));
+    CU_ASSERT(cell(&t, row_of(&t, "stiffness", "-", "all"), "width") < 0.8);
+    const size_t total = row_of(&t, "slip", "total", "-");
+    CHECK_NEAR(cell(&t, total, "share") + cell(&t, row_of(&t, "slip", "truncated", "-"), "share"), 1.0,
+               1e-12);
+    CU_ASSERT(cell(&t, total, "share") > 0.5 && cell(&t, total, "bayes_factor") > 1.0);
+    CU_ASSERT(cell(&t, row_of(&t, "surface", "centre_zero_origin", "-"), "share") < 0.01);
+    rp_table_free(&t);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 1000");
+    CU_ASSERT_STRING_EQUAL(out, first);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 1000 --report numbers");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 4);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        CHECK_NEAR(cell(&t, i, "predicted_deg"), cell(&t, i, "published_deg"), 0.8);
+        CU_ASSERT(cell(&t, i, "predicted_sd_deg") < cell(&t, i, "prior_sd_deg"));
+        CU_ASSERT(cell(&t, i, "p_value") > 0.05 && cell(&t, i, "p_value") <= 1.0);
+    }
+    CU_ASSERT_STRING_EQUAL(word(&t, 3, "role"), "held_out");
+    rp_table_free(&t);
+    leave();
+}
+
+/* Piles that stop: at the soft point they do so for low stiffness. If they would have stopped there as well,
+ * a stiffness that gives no number is excluded. */
+static void test_stops(void)
+{
+    enter();
+    planted_write("", 60, 3); /* the runs of each cell lose one or two of four */
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 500 --report emulator");
+    rp_table t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 4);
+    CU_ASSERT_STRING_EQUAL(word(&t, 2, "quantity"), "completion");
+    CU_ASSERT(cell(&t, 2, "cells") == 180.0);
+    rp_table_free(&t);
+    leave();
+}
+
+static void test_command_errors(void)
+{
+    enter();
+    planted_write("", 20, 0);
+    FAILS(64, "RUNS or --design N expected", "forensics --claims claims.tsv");
+    shell("sed 's/0.3\t20\t2/-\t20\t2/' claims.tsv >bad.tsv");
+    FAILS(65, "claim base: a published number with its error", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/k_n=1e5/H=4/' claims.tsv >bad.tsv");
+    FAILS(65, "claim soft: \"H=4\": not among the keys", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/# at: /# at: frob=1 /' claims.tsv >bad.tsv");
+    FAILS(65, "at: frob: no parameter of repose", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/# at: /# at: frob /' claims.tsv >bad.tsv");
+    FAILS(65, "\"frob\": key=value expected", "forensics runs.tsv --claims bad.tsv");
+    shell("sed '/# at/d' claims.tsv >bad.tsv");
+    FAILS(65, "no header line \"at\"", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/theta_r3 gamma/theta_r2 gamma/' claims.tsv >bad.tsv");
+    FAILS(65, "are of one column, theta_r3", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/held theta_r1/held/' claims.tsv >bad.tsv");
+    FAILS(65, "claim first: \"held\": a column expected", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/held theta_r1/-/; s/theta_r3[^\t]*/-/' claims.tsv >bad.tsv");
+    FAILS(1, "bad.tsv: no claims", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/held theta_r1/held theta_r9/' claims.tsv >bad.tsv");
+    FAILS(65, "no column \"theta_r9_deg\"", "forensics runs.tsv --claims bad.tsv");
+    shell("sed 's/slip/slap/; s/density/thing/; s/\tg\t/\th\t/' runs.tsv >bad.tsv");
+    FAILS(65, "no column of a choice", "forensics bad.tsv --claims claims.tsv");
+    shell("head -n 16 runs.tsv >bad.tsv");
+    FAILS(1, "3 settings and points with two results, at least 8 expected",
+          "forensics bad.tsv --claims claims.tsv");
+    shell("sed 's/truncated/trunk/' runs.tsv >bad.tsv");
+    FAILS(65, "slip", "forensics bad.tsv --claims claims.tsv");
+    shell("awk -F'\t' -v OFS='\t' '{ $4 = /^#/ ? \"radius_width\" : NR / 1e4; print }' runs.tsv | "
+          "sed 's/^# mu.*//; s/^# shape.*//' >bad.tsv");
+    FAILS(65, "no factor", "forensics bad.tsv --claims claims.tsv");
+    shell("awk -F'\t' -v OFS='\t' '{ $4 = /^# status/ ? \"open\" : NR % 24 < 12 ? \"instant\" : 50; print }' "
+          "runs.tsv "
+          "| sed 's/^# mu.*//; s/^# shape.*//' >bad.tsv");
+    FAILS(65, "group opening", "forensics bad.tsv --claims claims.tsv");
+    leave();
+}
+
+/* The design of the study is what the command prints, and each of its settings is allowed. */
+static void test_study(void)
+{
+    static char text[1 << 16];
+    FILE *file = fopen("sweeps/studies/lh_forensics.cfg", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    char root[512];
+    CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
+    enter();
+    GOOD("forensics --design 200 --seed 1993 --claims %s/figures/claims.tsv", root);
+    CU_ASSERT(strncmp(out, "grid = (", 8) == 0 && strstr(text, out) != NULL);
+    write_text("small.cfg", "protocol = \"repose\"; replicas = 1; fixed = { stop = \"steps\"; };\n");
+    planted_write("", 4, 0);
+    shell("$REPOSE forensics --design 12 --seed 5 --claims claims.tsv >>small.cfg");
+    GOOD("sweep plan small.cfg -o small");
+    CU_ASSERT(strstr(err, "36 runs") || strstr(out, "36 runs"));
+    leave();
 }
 
 void suite_forensics(void)
 {
     static const check_case cases[] = {
-        {"likelihood of claims", test_likelihood},
-        {"planted combination", test_judge},
-        {"errors of claims", test_errors_of_claims},
-        {"passing by chance", test_chance},
-        {"planted effects", test_effects},
-        {"errors of effects", test_effects_errors},
+        {"likelihood of published numbers", test_likelihood},
+        {"posterior of draws", test_posterior},
+        {"limits of runs without a number", test_censored},
+        {"weighted quantiles and Bayes factors", test_weighted},
+        {"designs", test_design},
+        {"errors of posteriors", test_errors},
+        {"planted truths", test_truths},
+        {"planted runs, by the command", test_command},
+        {"runs that stop, by the command", test_stops},
+        {"errors of the command", test_command_errors},
+        {"the design of the study", test_study},
         {NULL, NULL},
     };
     check_register("forensics", cases);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tests/check.h"
+#include "tests/planted.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
@@ -59,8 +60,8 @@ static const struct {
     {"pile", "--base 12 --eps 5e-3 --branch minimum", "--leave 1"},
     {"pile", "--outline outline.tsv --base 6", "--base 7"},
     {"pile", "--disks disks.tsv", "--eps 1e-3"},
-    {"forensics", "ways.tsv --claims claims.tsv --factors law,k --draws 40",
-     "--claims other.tsv|--factors law|--report effects|--report levels|--level 0.9|--draws 41|--seed 4"},
+    {"forensics", "planted_runs.tsv --claims planted_claims.tsv --draws 200",
+     "--claims planted_other.tsv|--report numbers|--shift-deg 9|--draws 201|--seed 4|--design 3"},
     {"calibrate", "--runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20",
      "--runs fewer.tsv|--theta-r-deg 16|--error-deg 2|--bootstrap 21|--seed 4"},
     {"calibrate",
@@ -186,26 +187,6 @@ static void print_piles(FILE *file)
     fputc('\n', file);
 }
 
-static void print_ways(FILE *file)
-{
-    static const char *const heights[] = {"centre", "raw_centre", "top"}, *const empties[] = {"zero", "skip"};
-    fputs("# status\tW\tlaw\tk", file);
-    for (int v = 0; v < 12; v++)
-        if (v == 0)
-            fputs("\ttheta_r3_deg", file);
-        else
-            fprintf(file, "\ttheta_r3_%s_%s%s_deg", heights[v / 4], empties[v / 2 % 2],
-                    v % 2 ? "_origin" : "");
-    fputc('\n', file);
-    for (int i = 0; i < 32; i++) {
-        fprintf(file, "ok\t4\t%s\t%g", i / 16 ? "new" : "old", i / 8 % 2 ? 2e6 : 1e6);
-        for (int v = 0; v < 12; v++)
-            fprintf(file, "\t%.6f",
-                    20.0 - 2.0 * (i / 16) + 0.5 * (i / 8 % 2) + scatter(i + v) + (v % 2 ? 3.0 : 0.0));
-        fputc('\n', file);
-    }
-}
-
 #define CLAIMS                                                                                               \
     "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
     "against\tforensics\tstatement\tnote\n"
@@ -219,7 +200,8 @@ static void write_fixtures(void)
     write_file("p_grains.tsv", print_stress_grains);
     write_file("p_contacts.tsv", print_stress_contacts);
     write_file("piles.tsv", print_piles);
-    write_file("ways.tsv", print_ways);
+    planted_write("planted_", 12, 0);
+    shell("sed 's/\t20\t2/\t3\t2/; s/0.3\t3/0.5\t3/' planted_claims.tsv >planted_other.tsv; :>out; :>err");
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
     write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
@@ -413,7 +395,7 @@ static void add_failed(const char *name, const char *status)
 }
 
 /* No command that reads runs takes one without a result for one. stats maximum takes any column, and
- * forensics wants a share of runs with results. */
+ * forensics counts the runs without one. */
 static void test_failed_runs(void)
 {
     static const char *const commands[] = {

@@ -11,6 +11,7 @@
 #include "stats/stats.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
+#include "tests/planted.h"
 #include "tests/program.h"
 
 /* Positions up to 1 and lengths of 1e-3 have relative errors of 1e-13, forces some more. */
@@ -588,154 +589,98 @@ static void test_sweep(void)
 
 /* ---- commands ---- */
 
-enum { WAYS = 12 };
+#define FORENSICS "forensics runs.tsv --claims claims.tsv --draws 400 "
 
-static const char *const ways[WAYS] = {
-    "centre_zero",     "centre_zero_origin",     "centre_skip",     "centre_skip_origin",
-    "raw_centre_zero", "raw_centre_zero_origin", "raw_centre_skip", "raw_centre_skip_origin",
-    "top_zero",        "top_zero_origin",        "top_skip",        "top_skip_origin"};
-
-/* The angle of a combination and a way to read the surface. */
-static double planted_angle(int law, int k, int way)
+/* Shares of each choice add up to 1; the width is that of the interval over the prior's. */
+static void check_choices(void)
 {
-    return 20.0 - 2.0 * law + 0.5 * k + 0.25 * (way / 2) + 3.0 * (way % 2);
-}
-
-static void write_planted(void)
-{
-    static const double scatter[] = {-0.3, 0.1, -0.1, 0.3}; /* variance 0.2/3 */
-    char path[256];
-    path_of("ways.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    fputs("# status\tW\tlaw\tk\ttheta_r3_deg", file);
-    for (int way = 1; way < WAYS; way++) fprintf(file, "\ttheta_r3_%s_deg", ways[way]);
-    for (int i = 0; i < 16; i++) {
-        fprintf(file, "\nok\t4\t%s\t%s", i / 8 ? "new" : "old", i / 4 % 2 ? "2e6" : "1e6");
-        for (int way = 0; way < WAYS; way++)
-            fprintf(file, "\t%.6g", planted_angle(i / 8, i / 4 % 2, way) + scatter[i % 4]);
+    static const char *const names[] = {"slip", "surface", "reading", "shift", "stop"};
+    enum { N_NAMES = sizeof names / sizeof *names };
+    double total[N_NAMES] = {0.0};
+    GOOD(FORENSICS);
+    checked c = checked_read("out");
+    for (size_t i = 0; i < c.t.n_rows; i++) {
+        const double share = at(&c, i, "share"), prior = at(&c, i, "prior"), lower = at(&c, i, "lower"),
+                     upper = at(&c, i, "upper"), median = at(&c, i, "median"), width = at(&c, i, "width"),
+                     factor = at(&c, i, "bayes_factor");
+        const char *choice = word(&c.t, i, "choice");
+        at(&c, i, "choice"), at(&c, i, "level"), at(&c, i, "given");
+        for (int k = 0; k < N_NAMES; k++) total[k] += strcmp(choice, names[k]) == 0 ? share : 0.0;
+        if (strcmp(word(&c.t, i, "level"), "-") != 0)
+            CHECK_NEAR(factor, share / (1.0 - share) * (1.0 - prior) / prior, 1e-9);
+        else
+            CU_ASSERT(lower <= median && median <= upper);
+        if (strcmp(choice, "stiffness") == 0) CHECK_NEAR(width, log(upper / lower) / log(200.0) / 0.95, 1e-9);
     }
-    fputc('\n', file);
-    fclose(file);
-    write_text("claims.tsv",
-               "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\t"
-               "answer\tagainst\tforensics\tstatement\tnote\n"
-               "angle\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\ta\t-\n"
-               "again\t-\tlh\t-\tall\tagrees\t20\t0.5\t20\t2\tt v\t-\ttheta_r3\tb\t-\n");
+    for (int k = 0; k < N_NAMES; k++) CHECK_NEAR(total[k], 1.0, 1e-9);
+    checked_end(&c);
 }
 
-static int way_of(const char *name)
+/* 20 bins for each of two choices; the posterior over the prior is 1 on average. */
+static void check_density(void)
 {
-    int way = 0;
-    while (way < WAYS && strcmp(ways[way], name) != 0) way++;
-    return way;
-}
-
-/* Counts and shares of a level by the table of combinations. */
-static void check_level(checked *levels, size_t row, const rp_table *all)
-{
-    const char *factor = word(&levels->t, row, "factor"), *level = word(&levels->t, row, "level");
-    double tested = 0.0, complete = 0.0, passed = 0.0, share = 0.0, total = 0.0;
-    for (size_t i = 0; i < all->n_rows; i++) {
-        const double likelihood = exp(cell(all, i, "log_likelihood"));
-        total += likelihood;
-        if (strcmp(word(all, i, factor), level) != 0) continue;
-        tested++, complete++, share += likelihood;
-        passed += strcmp(word(all, i, "status"), "not_excluded") == 0;
+    static const char *const columns[3] = {"all", "none", "common"};
+    GOOD(FORENSICS "--report density");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 40);
+    for (int k = 0; k < 3; k++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < 20; i++) sum += at(&c, i, columns[k]) / 20.0;
+        CHECK_NEAR(sum, 1.0, 1e-9);
     }
-    CU_ASSERT(tested > 0.0);
-    at(levels, row, "factor"), at(levels, row, "level");
-    CHECK_NEAR(at(levels, row, "tested"), tested, 0.0);
-    CHECK_NEAR(at(levels, row, "complete"), complete, 0.0);
-    CHECK_NEAR(at(levels, row, "not_excluded"), passed, 0.0);
-    CHECK_NEAR(at(levels, row, "share"), share / total, 1e-12);
+    at(&c, 20, "choice");
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 20, "choice"), "damping_rate");
+    CHECK_NEAR(at(&c, 20, "value"), 3.0 * pow(50.0 / 3.0, 0.025), 1e-9);
+    checked_end(&c);
 }
 
+/* Published numbers are those of the claims, the one that is held out last; they narrow the predictions. */
+static void check_numbers(void)
+{
+    GOOD(FORENSICS "--report numbers");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 4);
+    for (size_t i = 0; i < 4; i++) {
+        at(&c, i, "claim"), at(&c, i, "role"), at(&c, i, "column");
+        CHECK_NEAR(at(&c, i, "published_se_deg"), i < 3 ? 0.3 : 0.1, 1e-9);
+        CHECK_NEAR(at(&c, i, "samples"), 20.0, 0.0);
+        CHECK_NEAR(at(&c, i, "predicted_deg"), at(&c, i, "published_deg"), 1.5);
+        CU_ASSERT(at(&c, i, "predicted_sd_deg") < at(&c, i, "prior_sd_deg"));
+        CHECK_NEAR(at(&c, i, "prior_deg"), 17.0, 6.0);
+        CU_ASSERT(at(&c, i, "p_value") > 0.01);
+    }
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "claim"), "base");
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 3, "claim"), "first");
+    checked_end(&c);
+}
+
+/* Both kernels over all 72 cells. */
+static void check_emulator(void)
+{
+    GOOD(FORENSICS "--report emulator");
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    for (size_t i = 0; i < 2; i++) {
+        at(&c, i, "quantity"), at(&c, i, "kernel"), at(&c, i, "used");
+        CHECK_NEAR(at(&c, i, "cells"), 72.0, 0.0);
+        /* scatter of -0.6, 0.4, -0.4, 0.6: squares of 1.04 over 3, and 4 piles a mean */
+        CHECK_NEAR(at(&c, i, "noise"), sqrt(1.04 / 3.0 / 4.0), 1e-6);
+        CU_ASSERT(at(&c, i, "rms_left_out") < 0.7 * at(&c, i, "spread"));
+        CU_ASSERT(at(&c, i, "covered") > 0.85);
+    }
+    CU_ASSERT((at(&c, 0, "score") > at(&c, 1, "score")) == (strcmp(word(&c.t, 0, "used"), "yes") == 0));
+    checked_end(&c);
+}
+
+/* Reports of choices that are planted. */
 static void test_forensics(void)
 {
     enter();
-    write_planted();
-    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --draws 40");
-    char note[64];
-    double simulated = 0.0;
-    size_t passed = 0;
-    rp_table all = read_table("out");
-    CU_ASSERT_FATAL(all.n_rows == 4 * WAYS);
-    for (size_t i = 0; i < all.n_rows; i++) {
-        const int law = strcmp(word(&all, i, "law"), "new") == 0, k = strcmp(word(&all, i, "k"), "2e6") == 0;
-        const int way = way_of(word(&all, i, "surface"));
-        CHECK_NEAR(cell(&all, i, "rank"), (double)i + 1.0, 0.0);
-        CHECK_NEAR(cell(&all, i, "combination"), 2.0 * law + k, 0.0);
-        CHECK_NEAR(cell(&all, i, "angle_deg"), planted_angle(law, k, way), 1e-9);
-        CHECK_NEAR(cell(&all, i, "angle_se_deg"), sqrt(0.2 / 3.0 / 4.0), 1e-9);
-        if (i > 0) { /* the likelihood falls with the distance from the published number */
-            CU_ASSERT(cell(&all, i, "log_likelihood") <= cell(&all, i - 1, "log_likelihood"));
-            CU_ASSERT(fabs(cell(&all, i, "angle_deg") - 20.0) >=
-                      fabs(cell(&all, i - 1, "angle_deg") - 20.0) - 1e-9);
-        }
-        passed += strcmp(word(&all, i, "status"), "not_excluded") == 0;
-        simulated += cell(&all, i, "simulated") > 0.0;
-    }
-    snprintf(note, sizeof note, "# not_excluded: %zu\n", passed);
-    CU_ASSERT(simulated > 0.0 && strstr(out, note) != NULL);
-    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --draws 40 --report levels");
-    checked levels = checked_read("out");
-    CU_ASSERT_FATAL(levels.t.n_rows == 4 + WAYS);
-    for (size_t row = 0; row < levels.t.n_rows; row++) {
-        static const char *const names[] = {"old", "new", "1e6", "2e6"};
-        CU_ASSERT_STRING_EQUAL(word(&levels.t, row, "level"), row < 4 ? names[row] : ways[row - 4]);
-        check_level(&levels, row, &all);
-    }
-    checked_end(&levels);
-    rp_table_free(&all);
-    GOOD("forensics ways.tsv --claims claims.tsv --factors law,k --report effects");
-    rp_table effects = read_table("out");
-    CU_ASSERT_FATAL(effects.n_rows == 2 * (2 + WAYS - 1));
-    for (size_t i = 0; i < effects.n_rows; i++) {
-        const size_t row = i % (2 + WAYS - 1);
-        const double effect = row == 0 ? -2.0 : row == 1 ? 0.5 : planted_angle(0, 0, (int)row - 1) - 20.0;
-        CHECK_NEAR(cell(&effects, i, "effect_deg"), effect, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "lower_deg"), effect, 1e-9); /* every pile has it */
-        CHECK_NEAR(cell(&effects, i, "upper_deg"), effect, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "effect_se_deg"), 0.0, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "residual_sd_deg"), 0.0, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "n"), 4.0, 0.0);
-        CU_ASSERT_STRING_EQUAL(word(&effects, i, "claim"), i == row ? "angle" : "again");
-        CU_ASSERT_STRING_EQUAL(word(&effects, i, "level"), row == 0   ? "new"
-                                                           : row == 1 ? "2e6"
-                                                                      : ways[row - 1]);
-        CU_ASSERT_STRING_EQUAL(word(&effects, i, "reference"), row == 0 ? "old" : row == 1 ? "1e6" : ways[0]);
-    }
-    rp_table_free(&effects);
-    /* one combination of four is a degree off the sum of two effects: the residual has one degree of freedom,
-     * and is half of that; Student's t at 97.5 % is then tan(0.475 pi) */
-    shell("awk -F'\\t' -v OFS='\\t' '/^ok\\t4\\tnew\\t2e6/ { for (i = 5; i <= NF; i++) $i++ } 1' ways.tsv "
-          ">cross.tsv");
-    GOOD("forensics cross.tsv --claims claims.tsv --factors law,k --report effects");
-    effects = read_table("out");
-    for (size_t i = 0; i < 2; i++) {
-        const double effect = i ? 1.0 : -1.5;
-        CHECK_NEAR(cell(&effects, i, "effect_deg"), effect, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "effect_se_deg"), 0.5, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "lower_deg"), effect - 0.5 * tan(0.475 * M_PI), 1e-6);
-        CHECK_NEAR(cell(&effects, i, "upper_deg"), effect + 0.5 * tan(0.475 * M_PI), 1e-6);
-        CHECK_NEAR(cell(&effects, i, "residual_sd_deg"), 0.5, 1e-9);
-        CHECK_NEAR(cell(&effects, i, "p_value"), 1.0 - 2.0 / M_PI * atan(fabs(effect) / 0.5), 1e-9);
-    }
-    rp_table_free(&effects);
-    /* less than half of the runs with a result say nothing of a combination; half of them do */
-    for (int failed = 2; failed < 4; failed++) {
-        char line[256] = "";
-        for (int k = 0; k < failed; k++)
-            snprintf(line + strlen(line), sizeof line - strlen(line), " -e '%ds/^ok/leaked/'", 14 + k);
-        char command[512];
-        snprintf(command, sizeof command, "sed%s ways.tsv >fewer.tsv; :>out; :>err", line);
-        shell(command);
-        GOOD("forensics fewer.tsv --claims claims.tsv --factors law,k --draws 40");
-        const char *const complete = failed == 2 ? "# complete: 48\n" : "# complete: 36\n";
-        CU_ASSERT(strstr(out, complete) || (failed == 2 && !strstr(out, "# complete: ")));
-        CU_ASSERT((strstr(out, "incomplete") != NULL) == (failed == 3));
-    }
+    planted_write("", 24, 0);
+    check_choices();
+    check_density();
+    check_numbers();
+    check_emulator();
     leave();
 }
 

@@ -1,162 +1,187 @@
-/* Published numbers against combinations of choices that the publication leaves open; see forensics.h.
- *
- * The published errors are known up to a common scale, over which the likelihood is averaged: what "+-"
- * means in Lee & Herrmann 1993 (standard error, deviation or mean square) is itself unsaid. */
+/* Importance sampling of the choices that a publication leaves open; see forensics.h. */
+#include <gsl/gsl_blas.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sf_erf.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "stats/forensics.h"
-#include "stats/stats.h"
 
-enum { N_SCALES = 13 };
-static const double scale_min = 0.2, scale_max = 2.0;
+enum { MOST_POINTS = 64 };
 
-static double scale(double part)
+static unsigned level_of(unsigned latent, int which)
 {
-    return scale_min * pow(scale_max / scale_min, part);
+    return latent >> which & 1u;
 }
 
-static double log_likelihood_at(double s, size_t n, const stats_claim claims[], const double y[],
-                                const double se[])
+/* ---- likelihood ---- */
+
+rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const double mean[],
+                               const double covariance[], double scale, double shift, unsigned latent,
+                               double *log_likelihood, double *chi2)
+{
+    double block[MOST_POINTS * MOST_POINTS], r[MOST_POINTS], sum = 0.0;
+    const double common = level_of(latent, STATS_LATENT_shift) ? shift * shift : 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const double e = numbers[i].error;
+        for (size_t k = 0; k < n; k++) block[i * n + k] = scale * covariance[i * n + k] + common;
+        block[i * n + i] += level_of(latent, STATS_LATENT_reading) ? e * e / numbers[i].samples : e * e;
+        r[i] = numbers[i].value - mean[i];
+    }
+    gsl_matrix_view factor = gsl_matrix_view_array(block, n, n);
+    gsl_vector_view v = gsl_vector_view_array(r, n);
+    gsl_error_handler_t *old = gsl_set_error_handler_off();
+    const int error = gsl_linalg_cholesky_decomp1(&factor.matrix);
+    gsl_set_error_handler(old);
+    if (error)
+        return rp_fail(RP_BROKEN, "forensics: the covariance of a prediction is not positive definite");
+    gsl_blas_dtrsv(CblasLower, CblasNoTrans, CblasNonUnit, &factor.matrix, &v.vector);
+    *log_likelihood = -0.5 * (double)n * log(2.0 * M_PI);
+    for (size_t i = 0; i < n; i++) {
+        sum += r[i] * r[i];
+        *log_likelihood -= log(block[i * n + i]);
+    }
+    *log_likelihood -= 0.5 * sum;
+    if (chi2) *chi2 = sum;
+    return RP_OK;
+}
+
+static rp_status check_numbers(const stats_predictions *m, const stats_published numbers[])
+{
+    if (m->n_points < 1 || m->n_points > MOST_POINTS)
+        return rp_fail(RP_BAD_INPUT, "published numbers: %zu: out of range, allowed: [1, %d]", m->n_points,
+                       MOST_POINTS);
+    for (size_t k = 0; k < m->n_points; k++)
+        if (!isfinite(numbers[k].value) || !(numbers[k].error > 0.0 && isfinite(numbers[k].error)) ||
+            !(numbers[k].samples >= 1.0 && isfinite(numbers[k].samples)))
+            return rp_fail(
+                RP_BAD_INPUT,
+                "published number %zu: %g +- %g of %g samples: a finite value with a positive error "
+                "and its samples expected",
+                k + 1, numbers[k].value, numbers[k].error, numbers[k].samples);
+    return RP_OK;
+}
+
+/* ---- posterior ---- */
+
+static size_t index_of(const stats_posterior *p, size_t draw, size_t surface, unsigned latent)
+{
+    return (draw * p->n_surfaces + surface) * STATS_LATENT_LEVELS + latent;
+}
+
+/* Logarithms of all likelihoods, and the chi^2 of each. */
+static rp_status find_likelihoods(const stats_predictions *m, const stats_published numbers[],
+                                  stats_posterior *p, double chi2[])
+{
+    rp_status status = RP_OK;
+    for (size_t d = 0; d < m->n_draws; d++)
+        for (size_t s = 0; s < m->n_surfaces; s++)
+            for (unsigned latent = 0; latent < STATS_LATENT_LEVELS && !status; latent++) {
+                const size_t i = index_of(p, d, s, latent);
+                status = stats_log_likelihood(m->n_points, numbers,
+                                              m->mean + (d * m->n_surfaces + s) * m->n_points,
+                                              m->covariance + d * m->n_points * m->n_points, m->scale[s],
+                                              m->shift, latent, &p->share[i], &chi2[i]);
+                if (level_of(latent, STATS_LATENT_stop)) p->share[i] += m->log_complete[d];
+            }
+    return status;
+}
+
+/* From logarithms of likelihoods to weights, with what follows of them. */
+static rp_status normalise(const stats_predictions *m, const double chi2[], stats_posterior *p)
+{
+    const size_t n = p->n_draws * p->n_surfaces * STATS_LATENT_LEVELS, each = n / p->n_draws;
+    double top = -INFINITY, total = 0.0, squares = 0.0;
+    for (size_t i = 0; i < n; i++) top = fmax(top, p->share[i]);
+    if (!isfinite(top)) return rp_fail(RP_NO_RESULT, "forensics: no draw agrees with the published numbers");
+    for (size_t i = 0; i < n; i++) total += p->share[i] = exp(p->share[i] - top);
+    p->log_evidence = top + log(total / (double)n);
+    p->p_value = 0.0;
+    for (size_t d = 0; d < p->n_draws; d++) {
+        double weight = 0.0;
+        for (size_t i = d * each; i < (d + 1) * each; i++) {
+            weight += p->share[i] /= total;
+            p->p_value += p->share[i] * gsl_cdf_chisq_Q(chi2[i], (double)m->n_points);
+        }
+        squares += weight * weight;
+    }
+    p->effective = 1.0 / squares;
+    return RP_OK;
+}
+
+rp_status stats_posterior_make(const stats_predictions *m, const stats_published numbers[],
+                               stats_posterior *p)
+{
+    *p = (stats_posterior){.n_draws = m->n_draws, .n_surfaces = m->n_surfaces};
+    rp_status status = check_numbers(m, numbers);
+    if (status) return status;
+    const size_t n = m->n_draws * m->n_surfaces * STATS_LATENT_LEVELS;
+    p->share = malloc((n + 1) * sizeof *p->share);
+    double *chi2 = malloc((n + 1) * sizeof *chi2);
+    if (!p->share || !chi2) status = rp_fail(RP_NO_MEMORY, "forensics: out of memory");
+    if (!status) status = find_likelihoods(m, numbers, p, chi2);
+    if (!status) status = normalise(m, chi2, p);
+    free(chi2);
+    return status;
+}
+
+void stats_posterior_free(stats_posterior *p)
+{
+    free(p->share);
+    p->share = NULL;
+}
+
+double stats_posterior_draws(const stats_posterior *p, int latent, unsigned level, double weight[])
 {
     double sum = 0.0;
-    for (size_t k = 0; k < n; k++) {
-        double v = s * s * claims[k].error * claims[k].error + se[k] * se[k];
-        double r = y[k] - claims[k].value;
-        if (claims[k].kind == STATS_CLAIM_VALUE)
-            sum -= 0.5 * (r * r / v + log(v));
-        else
-            sum += log(fmax(gsl_cdf_ugaussian_P(claims[k].value * y[k] / sqrt(v)), 1e-300));
+    for (size_t d = 0; d < p->n_draws; d++) {
+        weight[d] = 0.0;
+        for (size_t s = 0; s < p->n_surfaces; s++)
+            for (unsigned k = 0; k < STATS_LATENT_LEVELS; k++)
+                if (latent < 0 || level_of(k, latent) == level) weight[d] += p->share[index_of(p, d, s, k)];
+        sum += weight[d];
     }
     return sum;
 }
 
-double stats_claims_log_likelihood(size_t n, const stats_claim claims[], const double y[], const double se[])
+double stats_posterior_surface(const stats_posterior *p, size_t surface)
 {
-    double logs[N_SCALES], top = -INFINITY, sum = 0.0;
-    for (int i = 0; i < N_SCALES; i++) {
-        logs[i] = log_likelihood_at(scale((i + 0.5) / N_SCALES), n, claims, y, se);
-        top = fmax(top, logs[i]);
-    }
-    for (int i = 0; i < N_SCALES; i++) sum += exp(logs[i] - top);
-    return top + log(sum / N_SCALES);
+    double sum = 0.0;
+    for (size_t d = 0; d < p->n_draws; d++)
+        for (unsigned k = 0; k < STATS_LATENT_LEVELS; k++) sum += p->share[index_of(p, d, surface, k)];
+    return sum;
 }
 
-/* What would have been published about a model value y +- se with the errors of `claim` at scale s. */
-static double publish(const stats_claim *claim, double y, double se, double s, gsl_rng *rng)
+double stats_bayes_factor(double prior, double share)
 {
-    double seen = y + gsl_ran_gaussian(rng, hypot(s * claim->error, se));
-    return claim->kind == STATS_CLAIM_VALUE ? seen : copysign(1.0, seen);
+    return share / (1.0 - share) * (1.0 - prior) / prior;
 }
 
-/* p-value of one combination among data that it would publish itself, and the limit of its likelihood. */
-static void calibrate(size_t n, const stats_claim claims[], const double y[], const double se[], double level,
-                      size_t n_draws, gsl_rng *rng, stats_claim *drawn, double *logs, stats_agreement *out)
+double stats_weighted_quantile(size_t n, const double x[], const double weight[], double q, size_t order[])
 {
-    size_t below = 0;
-    out->log_likelihood = stats_claims_log_likelihood(n, claims, y, se);
-    for (size_t d = 0; d < n_draws; d++) {
-        double s = scale(gsl_rng_uniform(rng));
-        for (size_t k = 0; k < n; k++) drawn[k].value = publish(&claims[k], y[k], se[k], s, rng);
-        logs[d] = stats_claims_log_likelihood(n, drawn, y, se);
-        below += logs[d] <= out->log_likelihood;
-    }
-    gsl_sort(logs, 1, n_draws);
-    out->limit = logs[(size_t)(level * (double)n_draws)];
-    out->p_value = ((double)below + 1.0) / ((double)n_draws + 1.0);
-    out->excluded = out->log_likelihood < out->limit;
+    double total = 0.0, sum = 0.0;
+    for (size_t i = 0; i < n; i++) total += weight[i];
+    if (!(total > 0.0)) return NAN;
+    gsl_sort_index(order, x, 1, n);
+    for (size_t i = 0; i < n; i++)
+        if ((sum += weight[order[i]]) >= q * total) return x[order[i]];
+    return x[order[n - 1]];
 }
 
-/* How many combinations pass data of no combination: each claim's number is that of a combination drawn for
- * it alone. The mean over draws, and the share of draws that leave at least as many as the true data. */
-static stats_chance pass_by_chance(size_t n_combinations, size_t n, const stats_claim claims[],
-                                   const double y[], const double se[], const stats_agreement agreement[],
-                                   size_t n_draws, gsl_rng *rng, stats_claim *drawn, size_t *complete)
+/* ---- runs without a number ---- */
+
+double stats_log_normal_chance(double mean, double variance)
 {
-    size_t m = 0, passed = 0, as_many = 0, observed = 0;
-    for (size_t c = 0; c < n_combinations; c++) {
-        if (agreement[c].complete) complete[m++] = c;
-        observed += agreement[c].complete && !agreement[c].excluded;
-    }
-    for (size_t d = 0; d < n_draws && m > 0; d++) {
-        double s = scale(gsl_rng_uniform(rng));
-        for (size_t k = 0; k < n; k++) {
-            size_t at = complete[gsl_rng_uniform_int(rng, m)] * n + k;
-            drawn[k].value = publish(&claims[k], y[at], se[at], s, rng);
-        }
-        size_t here = 0;
-        for (size_t i = 0; i < m; i++) {
-            const size_t c = complete[i];
-            here += stats_claims_log_likelihood(n, drawn, y + c * n, se + c * n) >= agreement[c].limit;
-        }
-        passed += here;
-        as_many += here >= observed;
-    }
-    if (n_draws == 0) return (stats_chance){NAN, NAN};
-    return (stats_chance){(double)passed / (double)n_draws, (double)as_many / (double)n_draws};
+    return gsl_sf_log_erfc(-mean / sqrt(2.0 * (1.0 + variance))) - M_LN2;
 }
 
-rp_status stats_claims_judge(size_t n_combinations, size_t n, const stats_claim claims[], const double y[],
-                             const double se[], double level, size_t n_draws, size_t n_chance, gsl_rng *rng,
-                             stats_agreement agreement[], stats_chance *chance)
+void stats_probit(double k, double n, double *deviate, double *variance)
 {
-    if (n == 0) return rp_fail(RP_NO_RESULT, "no claims");
-    for (size_t k = 0; k < n; k++)
-        if (!(claims[k].error > 0.0 || (claims[k].kind == STATS_CLAIM_SIGN && claims[k].error == 0.0)) ||
-            !isfinite(claims[k].error + claims[k].value))
-            return rp_fail(RP_BAD_INPUT, "claim %zu: %g +- %g: a finite value with a positive error expected",
-                           k + 1, claims[k].value, claims[k].error);
-    if (!(level > 0.0 && level < 1.0))
-        return rp_fail(RP_BAD_INPUT, "level = %g: out of range, allowed: (0, 1)", level);
-    if (n_draws < 20) return rp_fail(RP_BAD_INPUT, "draws = %zu: out of range, allowed: [20, inf)", n_draws);
-    stats_claim *drawn = malloc(n * sizeof *drawn);
-    double *logs = malloc(n_draws * sizeof *logs);
-    size_t *complete = malloc((n_combinations + 1) * sizeof *complete);
-    const bool room = drawn && logs && complete;
-    for (size_t k = 0; k < n && room; k++) drawn[k] = claims[k];
-    for (size_t c = 0; c < n_combinations && room; c++) {
-        stats_agreement *a = &agreement[c];
-        *a = (stats_agreement){true, true, NAN, NAN, NAN};
-        for (size_t k = 0; k < n; k++) a->complete &= isfinite(y[c * n + k]) && isfinite(se[c * n + k]);
-        if (a->complete) calibrate(n, claims, y + c * n, se + c * n, level, n_draws, rng, drawn, logs, a);
-    }
-    if (room)
-        *chance = pass_by_chance(n_combinations, n, claims, y, se, agreement, n_chance, rng, drawn, complete);
-    free(drawn);
-    free(logs);
-    free(complete);
-    return room ? RP_OK : rp_fail(RP_NO_MEMORY, "claims: out of memory");
-}
-
-rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
-                        const double y[], stats_effect effects[], double *residual_sd)
-{
-    size_t p = 1, rank = 0;
-    for (size_t f = 0; f < n_factors; f++) p += n_levels[f] - 1;
-    if (n <= p)
-        return rp_fail(RP_NO_RESULT, "effects: %zu combinations for %zu coefficients, more expected", n, p);
-    double *X = calloc(p * (n + p + 1), sizeof *X), *c = X + n * p, *covariance = c + p, chi2;
-    if (!X) return rp_fail(RP_NO_MEMORY, "effects: out of memory");
-    for (size_t i = 0; i < n; i++) {
-        X[i * p] = 1.0;
-        for (size_t f = 0, column = 0; f < n_factors; column += n_levels[f++] - 1) /* level 0: no column */
-            if (level[i * n_factors + f] > 0) X[i * p + column + level[i * n_factors + f]] = 1.0;
-    }
-    rp_status status = stats_multifit(n, p, X, NULL, y, 1e-10, c, covariance, &chi2, &rank);
-    if (!status && rank < p)
-        status =
-            rp_fail(RP_NO_RESULT,
-                    "effects: the combinations do not distinguish the factors (rank %zu of %zu)", rank, p);
-    const double dof = (double)(n - p), t = gsl_cdf_tdist_Qinv(0.025, dof);
-    if (!status) *residual_sd = sqrt(chi2 / dof);
-    for (size_t k = 1; !status && k < p; k++) {
-        const double se = sqrt(covariance[k * p + k]);
-        effects[k - 1] = (stats_effect){c[k], se, c[k] - t * se, c[k] + t * se,
-                                        2.0 * gsl_cdf_tdist_Q(fabs(c[k]) / se, dof)};
-    }
-    free(X);
-    return status;
+    const double p = (k + 0.5) / (n + 1.0);
+    *deviate = gsl_cdf_ugaussian_Pinv(p);
+    *variance = p * (1.0 - p) / (n + 1.0) / pow(gsl_ran_ugaussian_pdf(*deviate), 2.0);
 }

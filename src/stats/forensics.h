@@ -1,4 +1,8 @@
-/* Published numbers against combinations of choices that a publication leaves open. */
+/* Inference of choices that a publication leaves open, from the numbers that it gives.
+ *
+ * A model predicts the published numbers for draws of the choices from their prior, with the covariance of
+ * its own error. The likelihood of the published numbers weights the draws: importance sampling, in which
+ * what the publication means by its numbers is summed over. */
 #ifndef STATS_FORENSICS_H
 #define STATS_FORENSICS_H
 
@@ -10,49 +14,86 @@
 
 RP_C_BEGIN
 
-/* One published statement about a number y that a model predicts. */
+/* A published number, its +- and the number of samples behind it. */
 typedef struct {
-    enum { STATS_CLAIM_VALUE, STATS_CLAIM_SIGN } kind;
-    double value; /* VALUE: the number published; SIGN: -1 where y is said to be negative, +1 positive */
-    double error; /* the published +-, known up to a scale common to all claims; 0 for a sign without one */
-} stats_claim;
+    double value, error, samples;
+} stats_published;
 
-/* Logarithm of the likelihood of the claims if the model gives y[k] +- se[k], averaged over the scale of the
- * published errors, log-uniform from 1/5 to 2. */
-double stats_claims_log_likelihood(size_t n, const stats_claim claims[], const double y[], const double se[]);
+/* What a publication leaves open about its numbers, each with equal prior: name, levels, meaning. */
+#define STATS_LATENT_LIST(X)                                                                                 \
+    X(reading, "error | deviation", "the published +- is a standard error, or a standard deviation")         \
+    X(shift, "none | common", "the numbers share an error of their own, or not")                             \
+    X(stop, "ours | theirs", "runs that stop would not have stopped there, or give no number to publish")
+enum {
+#define X(name, levels, meaning) STATS_LATENT_##name,
+    STATS_LATENT_LIST(X)
+#undef X
+        STATS_LATENTS,
+    STATS_LATENT_LEVELS = 1 << STATS_LATENTS
+};
 
-/* p_value: the share of data that the combination itself would publish with at most this likelihood;
- * excluded: the likelihood is below `limit`, which a share `level` of those data is. A combination with a
- * y that is not finite is not `complete`, and excluded. */
+/* Predictions for n_draws draws of the choices, n_surfaces definitions of the measured quantity, which is one
+ * more thing left open, and n_points numbers. covariance: of the first definition; the others have
+ * it times scale[surface]. log_complete: logarithm of the chance that a draw gives all numbers. */
 typedef struct {
-    bool complete, excluded;
-    double log_likelihood, limit, p_value;
-} stats_agreement;
+    size_t n_draws, n_surfaces, n_points;
+    const double *mean;       /* [draw][surface][point] */
+    const double *covariance; /* [draw][point][point] */
+    const double *scale, *log_complete;
+    double shift; /* standard deviation of a common error */
+} stats_predictions;
 
-/* Combinations that pass claims put together from the numbers of unrelated combinations: how many on average,
- * and in which share of the draws at least as many as pass the claims themselves. */
+/* Weights of the draws and of all that is left open about the numbers, of sum 1:
+ * share[draw][surface][latent], where bit k of the latent is the level of the k-th in the list. log_evidence:
+ * of the mean likelihood over the prior; effective: number of independent draws that are worth as much, 1/sum
+ * of squared weights of draws; p_value: chance that the model gives numbers as unlikely as the published
+ * ones. */
 typedef struct {
-    double mean, as_many;
-} stats_chance;
+    size_t n_draws, n_surfaces;
+    double *share;
+    double log_evidence, effective, p_value;
+} stats_posterior;
 
-/* Judge combinations by the numbers y[c * n + k] +- se[c * n + k] that combination c gives for claim k, by
- * n_draws simulated publications each, and count chance in n_chance draws (0: NaN).
- * Errors: RP_NO_RESULT (no claims), RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status stats_claims_judge(size_t n_combinations, size_t n, const stats_claim claims[], const double y[],
-                             const double se[], double level, size_t n_draws, size_t n_chance, gsl_rng *rng,
-                             stats_agreement agreement[], stats_chance *chance);
+/* Errors: RP_BAD_INPUT (a number or error that is not finite, an error or a number of samples that is not
+ * positive), RP_NO_RESULT (no draw has a likelihood above 0), RP_BROKEN, RP_NO_MEMORY. Free with
+ * stats_posterior_free, also after an error. */
+rp_status stats_posterior_make(const stats_predictions *model, const stats_published numbers[],
+                               stats_posterior *p);
+void stats_posterior_free(stats_posterior *p);
 
-/* Change of y from a factor's level 0 to another; 95 % interval and p-value by Student's t. */
-typedef struct {
-    double effect, se, lo, hi, p_value;
-} stats_effect;
+/* Logarithm of the likelihood of the numbers for one prediction: a normal density with the covariance of the
+ * model, the published error as `latent` reads it, and a common error where it has one. *chi2 (may be NULL):
+ * the exponent, -2 times. Errors: RP_BROKEN. */
+rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const double mean[],
+                               const double covariance[], double scale, double shift, unsigned latent,
+                               double *log_likelihood, double *chi2);
 
-/* Main effects by least squares: y[i] of combination i with factor f at level[i * n_factors + f] <
- * n_levels[f]. effects[]: levels 1, 2, ... of factor 0, then of factor 1, ... The residual, *residual_sd,
- * holds noise and whatever the factors do together. Errors: RP_NO_RESULT for too few combinations or
- * indistinguishable factors, RP_NO_MEMORY. */
-rp_status stats_effects(size_t n, size_t n_factors, const size_t level[], const size_t n_levels[],
-                        const double y[], stats_effect effects[], double *residual_sd);
+/* Weights of the draws, weight[n_draws], given a level of a latent, or in all (latent < 0); their sum is the
+ * posterior share of that level. */
+double stats_posterior_draws(const stats_posterior *p, int latent, unsigned level, double weight[]);
+
+/* Posterior share of a surface. */
+double stats_posterior_surface(const stats_posterior *p, size_t surface);
+
+/* Evidence of a level for that of all others, from shares before and after; infinite for a share of 1. */
+double stats_bayes_factor(double prior, double share);
+
+/* Value that a share q of the weights lies below. order[n]: work space. Errors: none; NaN for no weight. */
+double stats_weighted_quantile(size_t n, const double x[], const double weight[], double q, size_t order[]);
+
+/* Logarithm of the chance of a standard normal below z, if z is normal: mean and variance. */
+double stats_log_normal_chance(double mean, double variance);
+
+/* A chance as a normal deviate, with its variance, from k of n cases. Half a case more of each kind keeps it
+ * finite. */
+void stats_probit(double k, double n, double *deviate, double *variance);
+
+/* A design of n settings: numbers u[i * n_reals + p] in (0, 1) by Sobol's sequence, scrambled by a random
+ * digital shift; levels level[f * n + i], each equally often (to one), in random order.
+ * Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+enum { STATS_DESIGN_REALS = 16 };
+rp_status stats_design(size_t n, size_t n_reals, double u[], size_t n_factors, const size_t n_levels[],
+                       size_t level[], gsl_rng *rng);
 
 RP_C_END
 

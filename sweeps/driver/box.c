@@ -93,6 +93,18 @@ size_t sweep_box_floor(const sweep_box *b, dem_grain *grains)
     return n;
 }
 
+double sweep_box_step_limit(const sweep_box *b, double drop, const char **what)
+{
+    dem_scene scene;
+    sweep_box_scene(b, &scene);
+    const double m = dem_mass(b->physics.shape, b->physics.density,
+                              b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
+    dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
+    scene.def.grains = two;
+    scene.def.n_grains = 2;
+    return dem_time_step_limit(&scene.def, what);
+}
+
 rp_status sweep_box_check(const sweep_box *b, double drop)
 {
     dem_scene scene;
@@ -106,14 +118,8 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     if (b->floor_grains && b->mu_floor >= 0.0)
         return rp_fail(RP_BAD_INPUT, "mu_floor = %g: a floor of grains has their friction mu = %g",
                        b->mu_floor, b->physics.mu);
-    /* the lightest grain that can be drawn, falling from the top */
-    double m = dem_mass(b->physics.shape, b->physics.density,
-                        b->radius_width > 0.0 ? b->radius_min : b->radius_mean);
-    dem_grain two[2] = {{.r = b->radius_min, .m = m}, {.y = drop, .r = b->radius_min, .m = m}};
-    scene.def.grains = two;
-    scene.def.n_grains = 2;
     const char *what;
-    double limit = dem_time_step_limit(&scene.def, &what);
+    const double limit = sweep_box_step_limit(b, drop, &what);
     if (b->physics.dt > limit)
         return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", b->physics.dt, what,
                        limit);

@@ -99,6 +99,10 @@ size_t sweep_box_floor(const sweep_box *box, dem_grain *grains);
  * Errors: RP_BAD_INPUT. */
 rp_status sweep_box_check(const sweep_box *box, double drop);
 
+/* Largest time step for the lightest grain that can be drawn, falling from `drop`. `what` as in
+ * dem_time_step_limit. */
+double sweep_box_step_limit(const sweep_box *box, double drop, const char **what);
+
 /* One run in the making. */
 typedef struct {
     const sweep_box *box;

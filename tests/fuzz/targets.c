@@ -406,8 +406,7 @@ const fuzz_target fuzz_targets[] = {
     TABLE("stats_cost", "stats cost t.tsv -y b --by a --size c"),
     TABLE("calibrate", "calibrate --runs t.tsv --theta-r-deg 20 --error-deg 1 --bootstrap 3"),
     TABLE("calibrate_verify", "calibrate --runs t.tsv --verify 3 --planted hold-out --bootstrap 2"),
-    TABLES("forensics", "forensics t.tsv --factors slip,shape --claims f.tsv --draws 20", "t.tsv", "f.tsv",
-           claims_text),
+    TABLES("forensics", "forensics t.tsv --claims f.tsv --draws 100", "t.tsv", "f.tsv", claims_text),
     {NULL, {NULL, NULL}, NULL, NULL, NULL, false}};
 
 static bool make_files(void)

@@ -34,7 +34,8 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
-    src/stats/forensics.c) echo forensics ;;
+    src/stats/forensics.c | src/stats/design.c) echo forensics ;;
+    src/stats/emulator.c) echo emulator ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;

@@ -1,0 +1,157 @@
+/* The grid of a design: settings of all open choices, and the points of the published numbers; see
+ * forensics.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "cli/forensics.h"
+
+/* Choices without a scale, with the values that a sweep file has: key, values. */
+#define FACTORS(X)                                                                                           \
+    X(floor, "\"extends\" | \"ends\" | \"absorbs\"")                                                         \
+    X(slip, "\"truncated\" | \"total\"")                                                                     \
+    X(tension, "true | false")                                                                               \
+    X(damping, "\"outside\" | \"inside\"")                                                                   \
+    X(integrator, "\"verlet\" | \"gear5\"")                                                                  \
+    X(fill, "\"drop\" | \"ramp\"")                                                                           \
+    X(k_n_wall, "\"auto\" | 2e6")
+static const struct {
+    const char *key, *values;
+} factors[] = {
+#define X(key, values) {#key, values},
+    FACTORS(X)};
+#undef X
+enum { N_FACTORS = N_OF(factors), WORD = 32 };
+
+/* Part of the time-step limit that a design takes. */
+static const double step_part = 0.9;
+
+/* Word number `index` of a list with bars between. */
+static void word_at(const char *list, size_t index, char text[WORD])
+{
+    for (; index > 0; index--) list = strstr(list, " | ") + 3;
+    const char *end = strstr(list, " | ");
+    snprintf(text, WORD, "%.*s", end ? (int)(end - list) : WORD - 1, list);
+}
+
+static size_t count_words(const char *list)
+{
+    size_t n = 1;
+    for (; (list = strstr(list, " | ")); list += 3) n++;
+    return n;
+}
+
+/* Set a factor; a text's quotes are the file's. */
+static rp_status set_factor(void *params, size_t f, size_t level)
+{
+    char text[WORD], *word = text;
+    word_at(factors[f].values, level, text);
+    if (*word == '"') {
+        word++;
+        word[strlen(word) - 1] = '\0';
+    }
+    return repose_params_set(params, factors[f].key, word);
+}
+
+/* The parameters of one setting: its time step is that which all points allow, to two digits. */
+static rp_status find_setting(const forensics_claims *claims, const double group[], void *params, void *work)
+{
+    double limit = INFINITY;
+    rp_status status = RP_OK;
+    sweep_groups_apply(group, params);
+    for (size_t k = 0; k < claims->n_points && !status; k++) {
+        repose_params_copy(work, params);
+        status = repose_params_at(work, &claims->points[k]);
+        limit = fmin(limit, step_part * sweep_repose_step_limit(work));
+    }
+    const double digit = pow(10.0, floor(log10(limit)) - 1.0);
+    char text[WORD];
+    snprintf(text, sizeof text, "%.6g", floor(limit / digit) * digit);
+    if (!status) status = repose_params_set(params, "dt", text);
+    sweep_groups_apply(group, params);
+    return status;
+}
+
+/* One list of the grid, of n texts. */
+static void print_list(const char *key, size_t n, char (*text)[WORD])
+{
+    const int width = 110;
+    int at = printf("      %s = (", key);
+    for (size_t i = 0; i < n; i++) {
+        if (at + (int)strlen(text[i]) + 3 > width) at = printf("\n         ") - 1;
+        at += printf(" %s%s", text[i], i + 1 < n ? "," : " );\n");
+    }
+}
+
+/* Values of the keys that follow from the groups; every text with six digits at most. */
+static void print_keys(size_t n, const void *params[])
+{
+    char keys[] = SWEEP_GROUP_KEYS, *rest = keys, *key;
+    char(*text)[WORD] = cli_memory(n, sizeof *text);
+    while ((key = strsep(&rest, ","))) {
+        const rp_param *param = rp_params_find(sweep_protocol_repose.schema, key);
+        for (size_t i = 0; i < n; i++) {
+            const char *value = (const char *)params[i] + param->offset;
+            if (param->type == RP_INT)
+                snprintf(text[i], WORD, "%ld", *(const long *)(const void *)value);
+            else
+                snprintf(text[i], WORD, "%.5g", *(const double *)(const void *)value);
+        }
+        print_list(key, n, text);
+    }
+}
+
+/* Keys of the header line `at`, as lists that go together. */
+static void print_points(const forensics_claims *claims)
+{
+    char(*text)[WORD] = cli_memory(claims->n_points, sizeof *text);
+    for (int k = 0; k < claims->points[0].n; k++) {
+        char key[64];
+        const char *word = claims->points[0].words[k];
+        snprintf(key, sizeof key, "%.*s", (int)strcspn(word, "="), word);
+        const rp_param *param = rp_params_find(sweep_protocol_repose.schema, key);
+        const bool quoted = param->type == RP_CHOICE;
+        for (size_t i = 0; i < claims->n_points; i++)
+            snprintf(text[i], WORD, quoted ? "\"%s\"" : "%s", strchr(claims->points[i].words[k], '=') + 1);
+        print_list(key, claims->n_points, text);
+    }
+}
+
+rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_rng *rng)
+{
+    size_t n_open = 0, n_levels[N_FACTORS];
+    for (size_t g = 0; g < SWEEP_N_GROUPS; g++) n_open += sweep_groups[g].lo < sweep_groups[g].hi;
+    for (size_t f = 0; f < N_FACTORS; f++) n_levels[f] = count_words(factors[f].values);
+    double *u = cli_memory(n * n_open, sizeof *u);
+    size_t *level = cli_memory(n * N_FACTORS, sizeof *level);
+    const void **params = cli_memory(n, sizeof *params);
+    void *work = repose_params_new();
+    rp_status status = stats_design(n, n_open, u, N_FACTORS, n_levels, level, rng);
+    for (size_t i = 0; i < n && !status; i++) {
+        double group[SWEEP_N_GROUPS];
+        void *own = repose_params_new();
+        for (size_t g = 0, k = 0; g < SWEEP_N_GROUPS; g++) {
+            const double lo = forensics_scaled(g, sweep_groups[g].lo),
+                         hi = forensics_scaled(g, sweep_groups[g].hi);
+            const bool open = sweep_groups[g].lo < sweep_groups[g].hi;
+            group[g] = open ? forensics_unscaled(g, lo + (hi - lo) * u[i * n_open + k++]) : INFINITY;
+        }
+        status = repose_params_at(own, &claims->usual);
+        for (size_t f = 0; f < N_FACTORS && !status; f++) status = set_factor(own, f, level[f * n + i]);
+        if (!status) status = find_setting(claims, group, own, work);
+        params[i] = own;
+    }
+    if (status) return status;
+    puts("grid = (\n    {");
+    char(*text)[WORD] = cli_memory(n, sizeof *text);
+    for (size_t f = 0; f < N_FACTORS; f++) {
+        for (size_t i = 0; i < n; i++) word_at(factors[f].values, level[f * n + i], text[i]);
+        print_list(factors[f].key, n, text);
+    }
+    print_keys(n, params);
+    puts("    },\n    {");
+    print_points(claims);
+    puts("    }\n);");
+    return RP_OK;
+}
