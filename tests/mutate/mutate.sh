@@ -4,7 +4,8 @@
 #
 #   sh tests/mutate/mutate.sh BUILD NUMBER JOBS SEED    from the top of the tree; writes
 #                                                       BUILD/tables/mutate.tsv, a row a mutant, and
-#                                                       mutate_summary.tsv, a row a file
+#                                                       mutate_summary.tsv, a row a file, which
+#                                                       results keeps
 #
 # Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
 # less than 95 %. Status 2: a line of that file is no mutant, or the tests fail without one.
@@ -160,6 +161,7 @@ summary() {
             "$survived" "$seen" "$seen_of_all"
     done
 } >"$build/tables/mutate_summary.tsv"
+cp "$build/tables/mutate_summary.tsv" results # the report takes it from there
 
 sed -n "s/^\([^$tab]*\)$tab\([0-9]*\)$tab[^$tab]*$tab[^$tab]*$tab\([^$tab]*\)${tab}survived$tab.*/survived: \1:\2: \3/p" "$rows"
 summary '.*'
