@@ -24,7 +24,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
-    src/cli/export_*.c src/cli/view_*.c
+    src/cli/export_*.c src/cli/view_*.c src/cli/frames.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -47,6 +47,7 @@ suites_of() {
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/*) echo evidence options tables columns claims cli ;;
