@@ -192,28 +192,31 @@ static double saturating_variance(const stats_calibration *c, double b, double s
     return variance;
 }
 
-/* Saturating responses, inverted by logarithm and area tangent. */
+/* Saturating responses, inverted by logarithm and area tangent; the parameter in two units. */
 static void test_saturating(void)
 {
-    const double scale = 0.2713, z = 24.9;
-    for (int shape = STATS_EXPONENTIAL; shape <= STATS_TANH; shape++) {
+    const double z = 24.9;
+    for (int i = 0; i < 4; i++) {
+        const int shape = i % 2 ? STATS_TANH : STATS_EXPONENTIAL;
+        const double unit = i / 2 ? 40.0 : 1.0, scale = 0.2713 * unit;
         start(1, 1);
         for (int g = 0; g < 10; g++) {
-            double x = 0.05 + 0.08 * g, s = shape == STATS_TANH ? tanh(x / scale) : 1.0 - exp(-x / scale);
+            double x = (0.05 + 0.08 * g) * unit,
+                   s = shape == STATS_TANH ? tanh(x / scale) : 1.0 - exp(-x / scale);
             add_four(x, 0.0, 1.5 + 33.0 * s, 0.02);
         }
         stats_calibration c;
         stats_calibrated r[STATS_MAX_PARAMS];
         CHECK_OK(stats_calibration_fit(&piles, &c));
         CU_ASSERT((int)c.response[0].shape == shape && c.response[0].degree[0] == 1);
-        CHECK_NEAR(c.response[0].scale, scale, 1e-6);
+        CHECK_NEAR(c.response[0].scale, scale, 1e-6 * unit);
         CU_ASSERT(c.response[0].n_terms == 3 && c.response[0].dof == 7);
         CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {0.1}}, r));
-        double s = (z - 1.5) / 33.0, at = 0.385, v;
+        double s = (z - 1.5) / 33.0, at = 0.385 * unit, v;
         stats_response_value(&c.response[0], &at, &v);
         /* the scale is known to 1e-6 of it */
         CHECK_NEAR(v / saturating_variance(&c, 33.0, scale, at), 1.0, 1e-4);
-        CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6);
+        CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6 * unit);
         stats_calibration_free(&c);
     }
 }

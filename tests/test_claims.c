@@ -1,7 +1,9 @@
 /* Verdicts: every word, at its edge and just beyond it; figures/claims.tsv against the tests and figures it
  * names. */
+#include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_eigen.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -165,12 +167,24 @@ static void test_counts(void)
 
 /* ---- the claims themselves ---- */
 
+/* Words anywhere; a number not as a part of another one. */
+static bool line_holds(const char *line, const char *text)
+{
+    const size_t n = strlen(text);
+    for (const char *at = line; (at = strstr(at, text)); at++)
+        if (!isdigit((unsigned char)*text) ||
+            ((at == line || !(isdigit((unsigned char)at[-1]) || at[-1] == '.')) &&
+             !isdigit((unsigned char)at[n])))
+            return true;
+    return false;
+}
+
 static bool file_holds(const char *path, const char *text)
 {
     char line[1024];
     bool found = false;
     FILE *in = fopen(path, "r");
-    while (in && !found && fgets(line, sizeof line, in)) found = strstr(line, text) != NULL;
+    while (in && !found && fgets(line, sizeof line, in)) found = line_holds(line, text);
     if (in) fclose(in);
     return found;
 }
@@ -229,6 +243,63 @@ static void test_claims_file(void)
     remove(path);
 }
 
+/* The slowest vertical swing of the box of figure 1: 40 rows of a triangular lattice of grains of the mean
+ * radius under their weight. Each grain rests on two contacts at 60 degrees by Hertz's law and their shear
+ * springs, the first row on the floor. The energy has twice the frequency, and decays by normal damping. */
+static void swing_of_column(double *frequency, double *decay)
+{
+    enum { ROWS = 40 };
+    const double k_n = 1e6, k_floor = 2e6, k_s = 1e4, gamma_n = 500.0, g = 981.0, sin2 = 0.75,
+                 m = 4.0 / 3.0 * M_PI * 1e-3;
+    double springs[ROWS + 1] = {0.0}, dampers[ROWS], sum = 0.0, loss = 0.0;
+    gsl_matrix *A = gsl_matrix_calloc(ROWS, ROWS), *modes = gsl_matrix_alloc(ROWS, ROWS);
+    gsl_vector *squares = gsl_vector_alloc(ROWS);
+    gsl_eigen_symmv_workspace *work = gsl_eigen_symmv_alloc(ROWS);
+    for (size_t i = 0; i < ROWS; i++) {
+        const double contacts = i ? 2.0 : 1.0, upright = i ? sin2 : 1.0, k = i ? k_n : k_floor,
+                     force = m * g * (double)(ROWS - i) / (contacts * sqrt(upright)),
+                     overlap = pow(force / k, 2.0 / 3.0);
+        springs[i] = contacts * (1.5 * k * sqrt(overlap) * upright + k_s * (1.0 - upright));
+        dampers[i] = contacts * upright * gamma_n * (i ? 0.5 * m : m);
+    }
+    for (size_t i = 0; i < ROWS; i++) {
+        gsl_matrix_set(A, i, i, (springs[i] + springs[i + 1]) / m);
+        if (i > 0) gsl_matrix_set(A, i, i - 1, -springs[i] / m); /* the lower half is read */
+    }
+    gsl_eigen_symmv(A, squares, modes, work);
+    gsl_eigen_symmv_sort(squares, modes, GSL_EIGEN_SORT_VAL_ASC);
+    for (size_t i = 0; i < ROWS; i++) {
+        const double v = gsl_matrix_get(modes, i, 0), below = i ? gsl_matrix_get(modes, i - 1, 0) : 0.0;
+        sum += m * v * v;
+        loss += dampers[i] * (v - below) * (v - below);
+    }
+    *frequency = 2.0 * sqrt(gsl_vector_get(squares, 0)) / (2.0 * M_PI);
+    *decay = loss / sum;
+    gsl_eigen_symmv_free(work);
+    gsl_vector_free(squares);
+    gsl_matrix_free(modes);
+    gsl_matrix_free(A);
+}
+
+/* What the claims on figure 1(b) compare with. */
+static void test_swing(void)
+{
+    double frequency, decay;
+    rp_table t;
+    size_t found = 0;
+    swing_of_column(&frequency, &decay);
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        const double number = strtod(cell(&t, row, "against"), NULL);
+        const bool rate = strcmp(cell(&t, row, "id"), "ours-swing-decay") == 0;
+        if (!rate && strcmp(cell(&t, row, "id"), "ours-swing") != 0) continue;
+        CHECK_NEAR(number, rate ? decay : frequency, 0.005 * number); /* three digits */
+        found++;
+    }
+    rp_table_free(&t);
+    CU_ASSERT(found == 2);
+}
+
 /* How many of the files that match the pattern hold the text; the first of them is named on failure. */
 static size_t files_with(const char *pattern, const char *text, bool wanted)
 {
@@ -273,6 +344,113 @@ static void test_report_texts(void)
             CU_ASSERT(files_with(without_numbers[k], cell(&t, row, "published"), false) == 0);
     }
     rp_table_free(&t);
+}
+
+/* ---- numbers and ranks in the report's sentences ---- */
+
+enum { MOST_KNOWN = 20000 };
+static double known[MOST_KNOWN];
+static size_t n_known;
+
+/* The next number from *text on that is no part of a name; its first character, NULL if there is none. */
+static const char *next_number(const char **text, double *number)
+{
+    for (const char *c = *text; *c; c++) {
+        char *end;
+        if (!isdigit((unsigned char)*c)) continue;
+        *number = strtod(c, &end);
+        const bool part = c > *text && (isalnum((unsigned char)c[-1]) || strchr("_./-", c[-1]));
+        *text = end;
+        if (!part && !isalpha((unsigned char)*end) && *end != '_') return c;
+        c = end - 1;
+    }
+    return NULL;
+}
+
+/* Every number of the files is a setting, a published number or a case of the validation. */
+static void learn_numbers(const char *pattern)
+{
+    char line[4096];
+    glob_t found;
+    CU_ASSERT_FATAL(glob(pattern, 0, NULL, &found) == 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        FILE *in = fopen(found.gl_pathv[i], "r");
+        while (in && fgets(line, sizeof line, in)) {
+            const char *rest = line;
+            for (double number; next_number(&rest, &number);) {
+                CU_ASSERT_FATAL(n_known < MOST_KNOWN);
+                known[n_known++] = number;
+            }
+        }
+        if (in) fclose(in);
+    }
+    globfree(&found);
+}
+
+static bool is_known(double number)
+{
+    for (size_t i = 0; i < n_known; i++)
+        if (known[i] == number) return true;
+    return false;
+}
+
+/* Blank what stands between `open` and `close`. */
+static void blank(char *line, const char *open, const char *close)
+{
+    for (char *from = line, *to; (from = strstr(from, open)); from = to) {
+        to = strstr(from + strlen(open), close);
+        to = to ? to + strlen(close) : from + strlen(from);
+        memset(from, ' ', (size_t)(to - from));
+    }
+}
+
+/* A sentence types no result: a number with a point or three digits is a setting, and a rank of results
+ * stands beside a place that shows it. */
+static bool sentence_is_clean(char *line)
+{
+    static const char *const ranks[] = {" best ",    " worst ", " highest ", " lowest ",
+                                        " closest ", "± 0",     "± 1",       "± 2"};
+    const bool shown = strstr(line, "{{") != NULL;
+    bool clean = true;
+    double number;
+    blank(line, "{{", "}}");
+    blank(line, "`", "`");
+    blank(line, "](", ")");
+    for (size_t k = 0; k < sizeof ranks / sizeof *ranks; k++) clean &= shown || !strstr(line, ranks[k]);
+    const char *rest = line;
+    for (const char *at; (at = next_number(&rest, &number));)
+        clean &= is_known(number) ||
+                 (number == floor(number) && number < 100.0 && !memchr(at, '.', (size_t)(rest - at)));
+    return clean;
+}
+
+static void test_sentences(void)
+{
+    static const char *const sources[] = {"sweeps/*/*.cfg", "figures/claims.tsv", "validation/*.c"},
+                             *const texts[] = {"figures/report/*.md", "figures/*.md.in"};
+    char typed[][64] = {"The pile has 18.04 degrees.", "It differs by 2.49 ± 0.3.", "The best pile extends.",
+                        "In all 3217 piles were made."},
+         clean[][64] = {"W = 4, mu = 0.2: {{value t v}}.", "The best is {{value t v}}, of 400 grains."};
+    n_known = 0;
+    for (size_t k = 0; k < 3; k++) learn_numbers(sources[k]);
+    for (size_t k = 0; k < 4; k++) CU_ASSERT(!sentence_is_clean(typed[k]));
+    for (size_t k = 0; k < 2; k++) CU_ASSERT(sentence_is_clean(clean[k]));
+    for (size_t k = 0; k < 2; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char line[8192], copy[8192];
+            FILE *in = fopen(found.gl_pathv[i], "r");
+            while (in && fgets(line, sizeof line, in)) {
+                if (strchr("|#", *line)) continue;
+                const bool right = sentence_is_clean(strcpy(copy, line));
+                if (!right) fprintf(stderr, "%s: typed: %s", found.gl_pathv[i], line);
+                CU_ASSERT(right);
+            }
+            if (in) fclose(in);
+        }
+        globfree(&found);
+    }
 }
 
 /* ---- the page that is read: paper-repro.md ---- */
@@ -364,7 +542,9 @@ void suite_claims(void)
                                        {"few values, quotients", test_few},
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},
+                                       {"swing of a column of rows", test_swing},
                                        {"texts of the report", test_report_texts},
+                                       {"sentences without typed results", test_sentences},
                                        {"the page that is read", test_page},
                                        {0}};
     check_register("claims", cases);

@@ -1021,9 +1021,17 @@ static void test_half_pile(void)
     rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
     statics_disk *half = NULL;
     size_t n_bonds, n_half;
+    for (size_t i = 0; i < h.n; i++) h.disks[i].weight = 1 + 0.01 * (double)i;
     CHECK_OK(statics_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
     CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT_FATAL(n_half == 10);
+    for (size_t i = 0; i < n_half; i++) { /* every other disk of every other row, as heavy as it is */
+        size_t same = 0;
+        for (size_t k = 0; k < h.n; k++)
+            same += fabs(h.disks[k].x / 2 - half[i].x) + fabs(h.disks[k].y + 0.5 - 2 * half[i].y) < 1e-14 &&
+                    h.disks[k].weight == half[i].weight;
+        CU_ASSERT(same == 1);
+    }
     for (size_t i = 0; i < h.n; i++) {
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];

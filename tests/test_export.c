@@ -120,6 +120,30 @@ static void test_sweep(void)
     leave();
 }
 
+/* A name of 4000 characters is the longest from which those of other files are made: here ./././... */
+static void test_long_names(void)
+{
+    static const struct {
+        const char *command, *end;
+    } cases[] = {{"export g.tsv --to vtk", ".pvd"}, {"export g.cfg --to lammps-input", ".in"}};
+    enter();
+    write_text("g.tsv", "x\ty\tr\n0.25\t0.5\t0.125\n");
+    write_text("g.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
+                        "normal = { law = \"linear\"; tension = false; };\n");
+    for (int k = 0; k < 2; k++)
+        for (size_t n = 4000; n < 4002; n++) {
+            char name[4002], line[4200];
+            const size_t stem = n - strlen(cases[k].end);
+            size_t i = 0;
+            for (; i + 3 < stem; i += 2) memcpy(name + i, "./", 2);
+            memset(name + i, 'a', stem - i);
+            strcpy(name + stem, cases[k].end);
+            snprintf(line, sizeof line, "\"$REPOSE\" %s -o %s >out 2>err", cases[k].command, name);
+            CU_ASSERT_EQUAL(shell(line), n > 4000 ? 64 : 0);
+        }
+    leave();
+}
+
 static void test_errors(void)
 {
     write_run();
@@ -334,6 +358,7 @@ void suite_export(void)
     static const check_case cases[] = {{"every format, by the standard library of Python", test_formats},
                                        {"a run, a table, a column, standard output", test_sources},
                                        {"a sweep with its fixed parameters", test_sweep},
+                                       {"long names", test_long_names},
                                        {"errors", test_errors},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
                                        {"LAMMPS input: fixed grains", test_held},

@@ -38,6 +38,7 @@ static const struct {
     {"stats trend", "flat.tsv -x x -y y --margin 0.3", "--level 0.4"},
     {"stats size", "runs.tsv -x W -y theta",
      "-x seconds|-y seconds|--by mu|--from 3|--to 5|--power 1|--where mu=0.2"},
+    {"stats oscillation", "wave.tsv -x x -y y", "-x u|-y z|--from 3|--to 20|--where 'x<21'|--scale log"},
     {"stats maximum", "runs.tsv --column theta --draws 3 --bootstrap 50",
      "--column seconds|--draws 4|--bootstrap 51|--seed 4|--where mu=0.2"},
     {"stats threshold", "runs.tsv -x W --by mu", "-x seconds|--by pile|--most seconds|--where mu=0.2"},
@@ -187,6 +188,15 @@ static void print_piles(FILE *file)
     fputc('\n', file);
 }
 
+/* Two series that decay and oscillate, over two scales of x. */
+static void print_wave(FILE *file)
+{
+    fputs("# x\tu\ty\tz\n", file);
+    for (int i = 0; i < 40; i++)
+        fprintf(file, "%g\t%g\t%.6f\t%.6f\n", 0.6 * i, 0.5 * i + 0.001 * i * i,
+                20.0 - 0.2 * i + cos(0.9 * i) + scatter(i), 30.0 - 0.3 * i + cos(0.7 * i) + scatter(i + 7));
+}
+
 #define CLAIMS                                                                                               \
     "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
     "against\tforensics\tstatement\tnote\n"
@@ -204,6 +214,7 @@ static void write_fixtures(void)
     shell("sed 's/\t20\t2/\t3\t2/; s/0.3\t3/0.5\t3/' planted_claims.tsv >planted_other.tsv; :>out; :>err");
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
+    write_file("wave.tsv", print_wave);
     write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
     write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");

@@ -34,6 +34,12 @@ static void test_grids(void)
             CU_ASSERT_EQUAL(stress_floor_cells(2, piles, 2.0, 0.6, &size), 5);
             CHECK_NEAR(size, 2.0 / 3.0, tight);
         }
+    /* a cell that is wider than the box: one across */
+    const stress_pile one = {0, 3, NULL, NULL, low, low, mass};
+    const stress_grid g = stress_grid_over(1, &one, 2.0, 5.0);
+    CU_ASSERT(g.nx == 1 && g.ny == 2 && g.dx == 2.0);
+    CU_ASSERT_EQUAL(stress_floor_cells(1, &one, 2.0, 5.0, &size), 2);
+    CHECK_NEAR(size, 2.0, 0.0);
 }
 
 /* A column of equal grains of diameter 0.7 and weight 1.3: each contact carries the weight above. */

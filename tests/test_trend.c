@@ -356,6 +356,48 @@ static void test_costs(void)
     CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 3: 20 s, 0 steps");
 }
 
+/* A planted decay and frequency, with scatter: within their errors, which are those of many planted series.
+ */
+static void test_oscillation(void)
+{
+    enum { VALUES = 160, SERIES = 200 };
+    const double decay = 0.385, frequency = 2.717, amplitude = 1.3, noise = 0.25;
+    gsl_rng *rng = rp_random_alloc(1993, 12, RP_PURPOSE_TEST);
+    double t[VALUES], y[VALUES], z[2] = {0.0}, sum = 0.0;
+    stats_oscillation f;
+    for (int k = 0; k < SERIES; k++) {
+        for (int i = 0; i < VALUES; i++) {
+            t[i] = 3.1 + 0.05 * i;
+            y[i] = 7.0 - decay * t[i] + amplitude * cos(2.0 * M_PI * frequency * t[i] + 0.9) +
+                   gsl_ran_gaussian(rng, noise);
+        }
+        CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
+        z[0] += pow((f.decay - decay) / f.decay_se, 2.0) / SERIES;
+        z[1] += pow((f.frequency - frequency) / f.frequency_se, 2.0) / SERIES;
+        sum += f.amplitude / SERIES;
+    }
+    /* the mean of 200 chi^2 of one degree of freedom scatters by 0.1 */
+    CHECK_NEAR(z[0], 1.0, sigmas * 0.1);
+    CHECK_NEAR(z[1], 1.0, sigmas * 0.1);
+    /* plus the bias of a modulus, noise^2/(amplitude VALUES) */
+    CHECK_NEAR(sum, amplitude, sigmas * noise * sqrt(2.0 / VALUES / SERIES) + 3e-4);
+    gsl_rng_free(rng);
+    for (int i = 0; i < VALUES; i++)
+        y[i] = 2.0 - decay * t[i] + amplitude * sin(2.0 * M_PI * frequency * t[i]);
+    CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
+    CHECK_NEAR(f.decay, decay, 1e-9);
+    CHECK_NEAR(f.frequency, frequency, 1e-7);
+    CHECK_NEAR(f.amplitude, amplitude, 1e-7);
+    CHECK_NEAR(f.share, 1.0, 1e-9);
+    CU_ASSERT(f.n == VALUES);
+    CHECK_FAILS(stats_oscillation_fit(15, t, y, &f), RP_NO_RESULT, "at least 16");
+    t[7] = t[6];
+    CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "value 8");
+    t[7] = 0.5 * (t[6] + t[8]);
+    y[3] = NAN;
+    CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "");
+}
+
 void suite_trend(void)
 {
     static const check_case cases[] = {
@@ -369,6 +411,7 @@ void suite_trend(void)
         {"verdicts", test_words},
         {"errors of trends", test_trend_errors},
         {"where linearity ends", test_successive},
+        {"decay and oscillation", test_oscillation},
         {"threshold", test_threshold},
         {"Pareto front", test_front},
         {"cost of an error bar", test_costs},

@@ -404,6 +404,11 @@ static void test_closing_line(void)
     CU_ASSERT(strncmp(err, "repose run: 12 grains, 10 steps, t = 0.0005 s; at rest; theta_R = ", 66) == 0);
     CHECK_NEAR(strtod(err + 66, NULL), 180.0 / M_PI * atan(0.5), 0.05); /* one decimal is printed */
     CU_ASSERT(strstr(err, ", over x = 0 to 2.4 cm (method 3); tables in d\n") != NULL);
+    /* a grain a little inside the wall at 0; the units are the scene's, and those of grains have no names */
+    GOOD("run stairs.cfg --set 'particles[0].x=0.0991' --set units=si");
+    CU_ASSERT(strstr(err, ", t = 0.0005 s; ") && strstr(err, ", over x = 0 to 2.4 m (method 3); "));
+    GOOD("run stairs.cfg --set 'particles[0].x=0.0991' --set units=sigma --set dt=5e-5");
+    CU_ASSERT(strstr(err, ", t = 0.0005; ") && strstr(err, ", over x = 0 to 2.4 (method 3); "));
     GOOD("run stairs.cfg -o d --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
     /* a pile ends at the wall that has opened; a level one has no slope */

@@ -9,9 +9,9 @@ piles(k) = sprintf('%s, %d piles', word(kind_names, k), dip(k, 'n'))
 heading = 'Mean pressure on the base of dropped piles'
 panels = words(kinds)
 remark = (panels > 1 ? '' : piles(1).'; ').'thin lines: simultaneous 95 % band; dotted: bounds of the middle and its neighbours'
-legend = 3
+legend = 2
 load 'figures/style.gp'
-label(k) = sprintf('excess %.3f ± %.3f', dip(k, 'excess'), dip(k, 'excess_se'))
+label(k) = sprintf('mean of the piles, excess %.3f ± %.3f', dip(k, 'excess'), dip(k, 'excess_se'))
 set xlabel 'distance from the centroid of the load / {/:Italic B}'
 set ylabel '{/:Italic N} / mean {/:Italic N}'
 set xrange [0:0.5]

@@ -119,3 +119,51 @@ const cli_command cmd_stats_fit = {
     "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
     .on_table = fit_table};
+
+/* ---- oscillation ---- */
+
+#define OSCILLATION_OPTIONS(X)                                                                               \
+    X(TEXT, x, "", NULL, "", "column of x, which increases")                                                 \
+    X(TEXT, y, "", NULL, "", "column of y")                                                                  \
+    CLI_RANGE(X, "x")                                                                                        \
+    X(CHOICE, scale, "", "linear", "linear | log", "of y; log: an exponential decay of a positive y")        \
+    CLI_WHERE(X)
+
+CLI_OPTIONS(oscillation, OSCILLATION_OPTIONS)
+
+static rp_status oscillation_of_table(rp_table *table, void *values)
+{
+    const oscillation_options *o = values;
+    const cli_choice choice = {.any_status = true, .range = (double[]){o->from, o->to}};
+    char names[512];
+    cli_rows rows;
+    stats_oscillation f;
+    snprintf(names, sizeof names, "%s,%s", o->x, o->y);
+    rp_status status = cli_rows_read(table, names, &choice, &rows);
+    if (!status && o->scale == SCALE_LOG) status = take_logarithms(table, rows.n, rows.column[1], o->y);
+    if (!status) status = stats_oscillation_fit(rows.n, rows.column[0], rows.column[1], &f);
+    if (status) return rp_prefix(status, "%s: ", table->path);
+    cli_table(stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
+                  rows.n_nan, rows.n_outside);
+    rp_table_header(stdout,
+                    "decay [y/x], decay_se [y/x], frequency [1/x], frequency_se [1/x], amplitude [y], "
+                    "share, n, x_from [x], x_to [x]");
+    CLI_ROW(f.decay, f.decay_se, f.frequency, f.frequency_se, f.amplitude, f.share, (double)f.n,
+            rows.column[0][0], rows.column[0][rows.n - 1]);
+    return RP_OK;
+}
+
+const cli_command cmd_stats_oscillation = {
+    "stats oscillation",
+    "decay and frequency of a series",
+    "TABLE -x COLUMN -y COLUMN [options]",
+    "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency "
+    "leaves\n"
+    "the smallest squares between two periods in the series and half the sampling rate. share: part of the\n"
+    "squares about a straight line that the oscillation takes away. Errors follow from the scatter about\n"
+    "the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard input):\n"
+    "columns by name, or 1, 2, ... without header; rows with nan are left out.",
+    "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
+    oscillation_params,
+    .on_table = oscillation_of_table};

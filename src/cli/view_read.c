@@ -170,8 +170,8 @@ static rp_status add_source(const source *s, const char *color, view_scene *scen
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
     numbers g = {0}, c = {0}, w = {0}, b = {0};
-    view_contact *contacts = NULL;
-    view_wall *walls = NULL;
+    view_contact *contacts = cli_memory(0, sizeof *contacts); /* frames point into both, also if empty */
+    view_wall *walls = cli_memory(0, sizeof *walls);
     rp_status status = read_numbers(s->grains, names, "x y r", &g);
     if (!status && *s->contacts) status = read_contacts(s->contacts, &c, &contacts, scene->force);
     if (!status && *s->walls) status = read_walls(s->walls, &w, &walls);

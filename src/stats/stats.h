@@ -76,6 +76,19 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for n < 4, and for one that still goes at half its length. */
 rp_status stats_level_off(size_t n, const double v[], size_t *from);
 
+/* y = constant - decay t + amplitude cos(2 pi frequency t + phase), by least squares. The frequency is the
+ * one that leaves the smallest squares, between two periods in the series and half the sampling rate. Errors
+ * follow from the scatter about the model. */
+typedef struct {
+    size_t n;
+    double decay, decay_se, frequency, frequency_se, amplitude;
+    double share; /* of the squares about the straight line that the oscillation takes away */
+} stats_oscillation;
+
+/* Errors: RP_NO_RESULT for n < 16, RP_BAD_INPUT (t that does not increase, values that are not finite),
+ * RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_oscillation_fit(size_t n, const double t[], const double y[], stats_oscillation *oscillation);
+
 /* ---- trends, and that there is none (trend.c) ---- */
 
 /* An estimate with its standard error and the degrees of freedom of that; infinite: the error is known. */

@@ -192,7 +192,7 @@ static void draw(const ensemble *e, size_t pool[], double means[], gsl_rng *rng)
 static void resample(const ensemble *e, size_t resamples, gsl_rng *rng, size_t pool[], double work[],
                      stress_dips *d)
 {
-    double own[N_SUMMARIES], means[N_SUMMARIES], low = 0.0, far = 0.0, rises = 0.0, shares = 0.0;
+    double own[N_SUMMARIES], means[N_SUMMARIES] = {0.0}, low = 0.0, far = 0.0, rises = 0.0, shares = 0.0;
     double *excess = work, *share = work + resamples, *band = work + 2 * resamples;
     for (int c = 0; c < N_SUMMARIES; c++) own[c] = e->stats[c].mean;
     const double rise = largest_rise(e, own);
@@ -222,9 +222,11 @@ static void resample(const ensemble *e, size_t resamples, gsl_rng *rng, size_t p
     d->N_t = gsl_stats_quantile_from_sorted_data(band, 1, resamples, 0.95);
 }
 
+/* Binomial; with a pile more on either side, so that a share of 0 or 1 has an error too (Agresti & Coull). */
 static double share_se(double share, size_t n)
 {
-    return sqrt(share * (1.0 - share) / (double)n);
+    const double q = (share * (double)n + 1.0) / ((double)n + 2.0);
+    return sqrt(q * (1.0 - q) / (double)n);
 }
 
 static rp_status summarise(ensemble *e, double margin, stress_dips *d)

@@ -4,7 +4,8 @@
 #
 #   sh tests/mutate/mutate.sh BUILD NUMBER JOBS SEED    from the top of the tree; writes
 #                                                       BUILD/tables/mutate.tsv, a row a mutant, and
-#                                                       mutate_summary.tsv, a row a file
+#                                                       mutate_summary.tsv, a row a file, which
+#                                                       results keeps
 #
 # Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
 # less than 95 %. Status 2: a line of that file is no mutant, or the tests fail without one.
@@ -23,7 +24,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
-    src/cli/export_*.c src/cli/view_*.c
+    src/cli/export_*.c src/cli/view_*.c src/cli/frames.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -34,6 +35,7 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
     src/stats/claims.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
+    src/stats/oscillation.c) echo trend ;;
     src/stats/forensics.c | src/stats/design.c) echo forensics ;;
     src/stats/emulator.c) echo emulator ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
@@ -45,6 +47,7 @@ suites_of() {
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/*) echo evidence options tables columns claims cli ;;
@@ -159,6 +162,7 @@ summary() {
             "$survived" "$seen" "$seen_of_all"
     done
 } >"$build/tables/mutate_summary.tsv"
+cp "$build/tables/mutate_summary.tsv" results # the report takes it from there
 
 sed -n "s/^\([^$tab]*\)$tab\([0-9]*\)$tab[^$tab]*$tab[^$tab]*$tab\([^$tab]*\)${tab}survived$tab.*/survived: \1:\2: \3/p" "$rows"
 summary '.*'

@@ -1,0 +1,89 @@
+/* A series that decays and oscillates; see stats.h. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "stats/stats.h"
+
+/* 1, t, cosine, sine, and the derivative by the frequency, which gives its error. */
+enum { TERMS = 4, WITH_FREQUENCY = 5 };
+
+typedef struct {
+    size_t n;
+    const double *t, *y;
+    double from; /* first t */
+    double *X;   /* [n WITH_FREQUENCY] */
+    double c[WITH_FREQUENCY], covariance[WITH_FREQUENCY * WITH_FREQUENCY], squares;
+    rp_status status;
+} problem;
+
+/* The terms at a frequency; the last needs the coefficients of the others. */
+static void set_terms(problem *s, double frequency, size_t terms)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        const double t = s->t[i] - s->from, w = 2.0 * M_PI * t;
+        double *x = s->X + terms * i;
+        x[0] = 1.0;
+        x[1] = t;
+        x[2] = cos(w * frequency);
+        x[3] = sin(w * frequency);
+        if (terms == WITH_FREQUENCY) x[4] = w * (s->c[3] * x[2] - s->c[2] * x[3]);
+    }
+}
+
+static void solve(problem *s, size_t terms)
+{
+    size_t rank;
+    if (!s->status)
+        s->status =
+            stats_multifit(s->n, terms, s->X, NULL, s->y, 1e-12, s->c, s->covariance, &s->squares, &rank);
+}
+
+static double squares_at(const double x[], void *data)
+{
+    problem *s = data;
+    set_terms(s, x[0], TERMS);
+    solve(s, TERMS);
+    return s->squares;
+}
+
+static rp_status fit(problem *s, double lo, double hi, stats_oscillation *fit)
+{
+    const double range = s->t[s->n - 1] - s->from;
+    stats_line line;
+    double at[2], least;
+    rp_status status = stats_line_fit(s->n, s->t, s->y, NULL, false, &line);
+    /* four cells within the width of a peak, 1/range */
+    if (!status)
+        status = stats_least(squares_at, s, (double[]){lo, 0.0}, (double[]){hi, 0.0},
+                             (int)ceil(4.0 * range * (hi - lo)), at, &least);
+    if (status) return status;
+    squares_at(at, s);
+    const double amplitude = hypot(s->c[2], s->c[3]), slope = s->c[1];
+    set_terms(s, at[0], WITH_FREQUENCY);
+    solve(s, WITH_FREQUENCY);
+    if (s->status) return s->status;
+    *fit = (stats_oscillation){.n = s->n,
+                               .decay = -slope,
+                               .decay_se = sqrt(s->covariance[WITH_FREQUENCY + 1]),
+                               .frequency = at[0],
+                               .frequency_se = sqrt(s->covariance[WITH_FREQUENCY * WITH_FREQUENCY - 1]),
+                               .amplitude = amplitude,
+                               .share = 1.0 - least / line.chi2};
+    return RP_OK;
+}
+
+rp_status stats_oscillation_fit(size_t n, const double t[], const double y[], stats_oscillation *oscillation)
+{
+    *oscillation = (stats_oscillation){n, NAN, NAN, NAN, NAN, NAN, NAN};
+    if (n < 16) return rp_fail(RP_NO_RESULT, "%zu values: at least 16 needed", n);
+    for (size_t i = 1; i < n; i++)
+        if (!(t[i] > t[i - 1]))
+            return rp_fail(RP_BAD_INPUT, "value %zu at %g, after %g: increasing numbers expected", i + 1,
+                           t[i], t[i - 1]);
+    problem s = {.n = n, .t = t, .y = y, .from = t[0], .X = malloc(WITH_FREQUENCY * n * sizeof *s.X)};
+    if (!s.X) return rp_fail(RP_NO_MEMORY, "oscillation: out of memory");
+    const double range = t[n - 1] - t[0];
+    rp_status status = fit(&s, 2.0 / range, 0.5 * ((double)n - 1.0) / range, oscillation);
+    free(s.X);
+    return status ? status : s.status;
+}
