@@ -121,6 +121,32 @@ static void test_sweep(void)
 }
 
 /* A name of 4000 characters is the longest from which those of other files are made: here ./././... */
+/* `run --dump` leaves in the folder what export writes. */
+static void test_dump(void)
+{
+    static const struct {
+        const char *format, *name;
+    } cases[] = {{"lammps", "run.lammpstrj"}, {"xyz", "run.xyz"}, {"vtk", "run.pvd"}};
+    enter();
+    write_scene();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char line[256];
+        GOOD("run scene.cfg --every 250 -o pile%zu --dump %s", k, cases[k].format);
+        CU_ASSERT(shell("mkdir apart >out 2>err") == 0);
+        GOOD("export pile%zu --to %s -o apart/%s", k, cases[k].format, cases[k].name);
+        snprintf(line, sizeof line,
+                 "for f in apart/*; do diff -r $f pile%zu/${f#apart/} || exit 1; done >out 2>err", k);
+        CU_ASSERT(shell(line) == 0);
+        CU_ASSERT(shell("rm -r apart >out 2>err") == 0);
+    }
+    CU_ASSERT(shell("ls pile0/run.lammpstrj pile0/run.contacts.lammpstrj pile2/run_frames >out 2>err") == 0);
+    FAILS(64, "--dump needs -o DIR", "run scene.cfg --dump xyz");
+    FAILS(65, "none | lammps | xyz | vtk", "run scene.cfg -o pile --dump csv");
+    write_text("s.cfg", "protocol = \"repose\"; replicas = 1;\n");
+    FAILS(64, "--dump goes with a scene", "run s.cfg -o row --dump xyz");
+    leave();
+}
+
 static void test_long_names(void)
 {
     static const struct {
@@ -358,6 +384,7 @@ void suite_export(void)
     static const check_case cases[] = {{"every format, by the standard library of Python", test_formats},
                                        {"a run, a table, a column, standard output", test_sources},
                                        {"a sweep with its fixed parameters", test_sweep},
+                                       {"frames of a run as it ends", test_dump},
                                        {"long names", test_long_names},
                                        {"errors", test_errors},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},

@@ -295,6 +295,20 @@ static rp_status export_frames(const char *source, const export_options *o)
     }
 }
 
+rp_status cli_export_run(const char *folder, cli_dump format)
+{
+    static const struct {
+        target to;
+        const char *name;
+    } files[] = {[CLI_DUMP_LAMMPS] = {TO_LAMMPS, "run.lammpstrj"},
+                 [CLI_DUMP_XYZ] = {TO_XYZ, "run.xyz"},
+                 [CLI_DUMP_VTK] = {TO_VTK, "run.pvd"}};
+    if (format == CLI_NO_DUMP) return RP_OK;
+    char *path = cli_memory(strlen(folder) + 16, 1);
+    sprintf(path, "%s/%s", folder, files[format].name);
+    return export_frames(folder, &(export_options){.to = files[format].to, .o = path, .columns = "all"});
+}
+
 static rp_status act_export(void *values)
 {
     const export_options *o = values;

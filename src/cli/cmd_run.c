@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "cli/cli.h"
+#include "cli/export.h"
 #include "cli/unfinished.h"
 #include "cli/watch.h"
 #include "core/clock.h"
@@ -28,6 +29,8 @@
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    X(CHOICE, dump, "", "none", "none | lammps | xyz | vtk",                                                 \
+      "write the frames for another program too, as `repose export` does; needs -o or --resume")             \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
     X(BOOL, plot, "", "false", "",                                                                           \
@@ -453,6 +456,7 @@ static rp_status run_file(const char *path, const run_options *o)
     scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}};
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
+    if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
     if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
@@ -463,6 +467,7 @@ static rp_status run_file(const char *path, const run_options *o)
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&r, o);
+    if (!status) status = cli_export_run(o->o, (cli_dump)o->dump);
     if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
@@ -513,6 +518,7 @@ static rp_status resume(const run_options *o)
     cli_command_line_set(r.plan.command);
     status = finish_scene(&r, &out, start_watch(&out, &r, o));
     if (!status && !o->quiet) report_end(&r, o->resume);
+    if (!status) status = cli_export_run(o->resume, (cli_dump)o->dump);
     dem_free(r.sim);
     return status;
 }
@@ -526,17 +532,22 @@ static rp_status run_any(void *values)
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     path = cli_data(path);
     rp_status status = is_sweep(path, &sweep);
-    if (!status && sweep && (o->snapshot > 0 || o->plot))
+    if (!status && sweep && (o->snapshot > 0 || o->plot || o->dump))
         status = rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
-                         o->plot ? "plot" : "snapshot", path);
+                         o->plot   ? "plot"
+                         : o->dump ? "dump"
+                                   : "snapshot",
+                         path);
     return status ? status : sweep ? run_row(path, values) : run_file(path, values);
 }
 
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--force]] [--plot] "
-    "[--quiet] | [SCENE.cfg] --resume DIR [--plot] [--quiet] | SWEEP.cfg [--row N] [--every N] [--ledger] "
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
+    "[--force]] "
+    "[--plot] [--quiet] | [SCENE.cfg] --resume DIR [--dump FORMAT] [--plot] [--quiet] | SWEEP.cfg [--row N] "
+    "[--every N] [--ledger] "
     "-o DIR [--force] [--quiet]",
     "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
     "PREFIX/share/repose where it is installed.\n"
@@ -549,6 +560,8 @@ const cli_command cmd_run = {
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
     "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
     "--force writes over those of the same names.\n"
+    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
+    "them.\n"
     "The run ends with one line on standard error: grains, steps, at rest or not (mean kinetic energy below\n"
     "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
     "The pile ends at an upright wall that has opened, else where its grains end.\n"

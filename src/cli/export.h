@@ -64,6 +64,11 @@ rp_status cli_export_dump(const cli_run_frames *run, const char *path);
 rp_status cli_export_xyz(const cli_run_frames *run, const char *path);
 rp_status cli_export_vtk(const cli_run_frames *run, const char *path);
 
+/* The frames of the run in `folder`, as `repose run --dump` writes them there: run.lammpstrj, run.xyz or
+ * run.pvd. Errors: those of the writers and of the tables. */
+typedef enum { CLI_NO_DUMP, CLI_DUMP_LAMMPS, CLI_DUMP_XYZ, CLI_DUMP_VTK } cli_dump;
+rp_status cli_export_run(const char *folder, cli_dump format);
+
 /* The scene in file `scene` as the LAMMPS input `path` and its data file. Errors: RP_BAD_INPUT naming the key
  * for which LAMMPS has no equal. */
 rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, const char *path);
