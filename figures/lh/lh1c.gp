@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 1(c): 1600 grains, at rest after the avalanche, drawn as figure 1(a).
 # tables: lh1/pile_contacts.tsv lh1/pile_grains.tsv
 state = 'pile'
-heading = 'Forces in the pile of 1600 grains that is left after the avalanche'
+heading = 'Forces in the pile that is left after the avalanche'
 x_end = 24.2
 y_end = 7
 across = 2

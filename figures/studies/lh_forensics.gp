@@ -2,7 +2,7 @@
 # against published angles.
 # tables: lh_forensics_density.tsv lh_forensics_numbers.tsv
 heading = 'Open choices inferred from published angles'
-remark = 'line at 1: the numbers say nothing; bars: published ± and standard deviation of the prediction'
+remark = 'line at 1: no information; bars: published ± and standard deviation of the prediction'
 panels = 4
 legend = 3
 load 'figures/style.gp'

@@ -5,7 +5,7 @@
 # tables: li_size.tsv li_size_limit_180_H_continuum_rms.tsv li_size_limit_180_H_ratio.tsv
 #    li_size_limit_180_N_continuum_rms.tsv
 heading = 'Piles of 30° of growing size in the limit of hard disks'
-remark = 'lines: limit + {/:Italic c}/base for the wells close to the limit; small points: bases of 23 and 45, other steps at their ends'
+remark = 'lines: limit + {/:Italic c}/base for the wells close to the limit; small points: bases of 23 and 45, whose ends have other steps'
 panels = 2
 legend = 6
 load 'figures/style.gp'

@@ -2,7 +2,7 @@
 # its error with the bound derived from the scheme.
 # tables: validation_impact_hertz.tsv validation_impact_linear.tsv
 heading = 'Restitution of damped impacts, and its error'
-remark = 'dashed: where attractive forces start to hold pairs; time step: 1/1000 of the elastic contact, or less'
+remark = 'dashed: damping from which attractive forces hold pairs; time step: 1/1000 of the elastic contact, or less'
 panels = 4
 shared = 3
 load 'figures/style.gp'

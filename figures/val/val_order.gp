@@ -1,7 +1,7 @@
 # Validation: error of a rebound against the time step, for each law and integrator, and the fitted orders.
 # tables: validation_order.tsv validation_order_fits.tsv
 heading = 'Error of a rebound against the time step'
-remark = 'filled: Verlet, open: Gear; orders of velocity and position in the key; points: root mean square over phases of touch and parting; lines: slopes 1, 2 and 5/2'
+remark = 'filled: Verlet, open: Gear; orders of velocity and position in the key; points: root mean square over phases of the first and last contact; lines: slopes 1, 2 and 5/2'
 panels = 2
 shared = 11
 load 'figures/style.gp'
