@@ -359,41 +359,43 @@ static void test_stops(void)
 
 static void test_command_errors(void)
 {
+    static const struct {
+        const char *file, *change;
+        int status;
+        const char *text;
+    } cases[] = {
+        {"claims", "sed 's/0.3\t20\t2/-\t20\t2/'", 65, "claim base: a published number with its error"},
+        {"claims", "sed 's/k_n=1e5/H=4/'", 65, "claim soft: \"H=4\": not among the keys"},
+        {"claims", "sed 's/# at: /# at: frob=1 /'", 65, "at: frob: no parameter of repose"},
+        {"claims", "sed 's/# at: /# at: frob /'", 65, "\"frob\": key=value expected"},
+        {"claims", "sed '/# at/d'", 65, "no header line \"at\""},
+        {"claims", "sed 's/theta_r3 gamma/theta_r2 gamma/'", 65, "are of one column, theta_r3"},
+        {"claims", "sed 's/held theta_r1/held/'", 65, "claim first: \"held\": a column expected"},
+        {"claims", "sed 's/held theta_r1/-/; s/theta_r3[^\t]*/-/'", 1, "bad.tsv: no claims"},
+        {"claims", "sed 's/held theta_r1/held theta_r9/'", 65, "no column \"theta_r9_deg\""},
+        {"runs", "sed 's/slip/slap/; s/density/thing/; s/\tg\t/\th\t/'", 65, "no column of a choice"},
+        {"runs", "head -n 16", 1, "3 settings and points with two results, at least 8 expected"},
+        {"runs", "sed 's/truncated/trunk/'", 65, "slip"},
+        {"runs",
+         "awk -F'\t' -v OFS='\t' '{ $4 = /^#/ ? \"radius_width\" : NR / 1e4; print }' | "
+         "sed 's/^# mu.*//; s/^# shape.*//'",
+         65, "no factor"},
+        {"runs",
+         "awk -F'\t' -v OFS='\t' '{ $4 = /^# status/ ? \"open\" : NR % 24 < 12 ? \"instant\" : 50; print }' "
+         "| "
+         "sed 's/^# mu.*//; s/^# shape.*//'",
+         65, "group opening"}};
     enter();
     planted_write("", 20, false);
     FAILS(64, "RUNS or --design N expected", "forensics --claims claims.tsv");
-    shell("sed 's/0.3\t20\t2/-\t20\t2/' claims.tsv >bad.tsv");
-    FAILS(65, "claim base: a published number with its error", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/k_n=1e5/H=4/' claims.tsv >bad.tsv");
-    FAILS(65, "claim soft: \"H=4\": not among the keys", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/# at: /# at: frob=1 /' claims.tsv >bad.tsv");
-    FAILS(65, "at: frob: no parameter of repose", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/# at: /# at: frob /' claims.tsv >bad.tsv");
-    FAILS(65, "\"frob\": key=value expected", "forensics runs.tsv --claims bad.tsv");
-    shell("sed '/# at/d' claims.tsv >bad.tsv");
-    FAILS(65, "no header line \"at\"", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/theta_r3 gamma/theta_r2 gamma/' claims.tsv >bad.tsv");
-    FAILS(65, "are of one column, theta_r3", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/held theta_r1/held/' claims.tsv >bad.tsv");
-    FAILS(65, "claim first: \"held\": a column expected", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/held theta_r1/-/; s/theta_r3[^\t]*/-/' claims.tsv >bad.tsv");
-    FAILS(1, "bad.tsv: no claims", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/held theta_r1/held theta_r9/' claims.tsv >bad.tsv");
-    FAILS(65, "no column \"theta_r9_deg\"", "forensics runs.tsv --claims bad.tsv");
-    shell("sed 's/slip/slap/; s/density/thing/; s/\tg\t/\th\t/' runs.tsv >bad.tsv");
-    FAILS(65, "no column of a choice", "forensics bad.tsv --claims claims.tsv");
-    shell("head -n 16 runs.tsv >bad.tsv");
-    FAILS(1, "3 settings and points with two results, at least 8 expected",
-          "forensics bad.tsv --claims claims.tsv");
-    shell("sed 's/truncated/trunk/' runs.tsv >bad.tsv");
-    FAILS(65, "slip", "forensics bad.tsv --claims claims.tsv");
-    shell("awk -F'\t' -v OFS='\t' '{ $4 = /^#/ ? \"radius_width\" : NR / 1e4; print }' runs.tsv | "
-          "sed 's/^# mu.*//; s/^# shape.*//' >bad.tsv");
-    FAILS(65, "no factor", "forensics bad.tsv --claims claims.tsv");
-    shell("awk -F'\t' -v OFS='\t' '{ $4 = /^# status/ ? \"open\" : NR % 24 < 12 ? \"instant\" : 50; print }' "
-          "runs.tsv "
-          "| sed 's/^# mu.*//; s/^# shape.*//' >bad.tsv");
-    FAILS(65, "group opening", "forensics bad.tsv --claims claims.tsv");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char line[512];
+        const bool claims = strcmp(cases[k].file, "claims") == 0;
+        snprintf(line, sizeof line, "cat %s.tsv | %s >bad.tsv", cases[k].file, cases[k].change);
+        CU_ASSERT(shell(line) == 0);
+        FAILS(cases[k].status, cases[k].text,
+              claims ? "forensics runs.tsv --claims bad.tsv" : "forensics bad.tsv --claims claims.tsv");
+    }
     leave();
 }
 

@@ -478,10 +478,9 @@ static void test_plot(void)
         shell("cp out plain; DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" run s.cfg --every 50 --plot >out 2>err") ==
         0);
     CU_ASSERT(equal_tables("out", "plain"));
-    CU_ASSERT(
-        shell(
-            "grep -q 'step 100 of 100, 100 %' err && grep -q 'kinetic energy' err && grep -q surface err && "
-            "tail -n 1 err | grep -q 'repose run: 2 grains'") == 0);
+    CU_ASSERT(shell("grep -q 'step 100 of 100, 100 %' err && grep -q 'kinetic energy' err && grep -q 'x "
+                    "(cm)' err && grep -q surface err && "
+                    "tail -n 1 err | grep -q 'repose run: 2 grains'") == 0);
     write_text("r.cfg", "protocol = \"repose\";\n");
     FAILS(64, "--plot goes with a scene", "run r.cfg --plot -o d");
     leave();

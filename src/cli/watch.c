@@ -9,6 +9,7 @@
 #include "angle/angle.h"
 #include "cli/cli.h"
 #include "core/clock.h"
+#include "core/units.h"
 
 /* ---- the end of a run ---- */
 
@@ -127,7 +128,8 @@ rp_status cli_plot_open(cli_plot *plot)
     struct winsize size = {.ws_col = 80, .ws_row = 32};
     if (isatty(STDERR_FILENO)) ioctl(STDERR_FILENO, TIOCGWINSZ, &size);
     fprintf(plot->gnuplot.in,
-            "if (%d || GPVAL_TERM eq 'unknown') set terminal dumb noenhanced %d %d\nset grid\nset key left\n",
+            "if (%d || GPVAL_TERM eq 'unknown') set terminal dumb noenhanced %d %d\nset grid\nset key "
+            "outside top horizontal\n",
             plot->text, size.ws_col > 40 ? size.ws_col : 80, size.ws_row > 20 ? size.ws_row - 1 : 31);
     return RP_OK;
 }
@@ -182,12 +184,13 @@ void cli_plot_show(cli_plot *p, const dem_sim *sim, const char *title, bool last
         fprintf(out, "%.9g %.9g %.9g\n", p->sample[k][0], p->sample[k][1], p->sample[k][2]);
     fputs("end\n$surface << end\n", out);
     (void)!put_surface(sim, out);
-    fprintf(
-        out,
-        "end\nset multiplot layout 2,1\nset title \"%s\" noenhanced\nset xlabel 't'\n"
-        "plot $energy using 1:2 with lines title 'kinetic energy', '' using 1:3 with lines title 'elastic'\n"
-        "unset title\nset xlabel 'x'\nplot $surface with linespoints title 'surface'\nunset multiplot\n",
-        title);
+    fprintf(out,
+            "end\nset multiplot layout 2,1\nset title \"%s\" noenhanced\nset xlabel 't (%s)' noenhanced\n"
+            "set ylabel 'energy (%s)' noenhanced\nplot $energy using 1:2 with lines title 'kinetic energy', "
+            "'' using 1:3 with lines title 'elastic'\n"
+            "set title 'surface'\nset xlabel 'x (%s)' noenhanced\nset ylabel 'y (%s)' noenhanced\n"
+            "plot $surface with linespoints notitle\nunset multiplot\n",
+            title, rp_unit("s"), rp_unit("erg"), rp_unit("cm"), rp_unit("cm"));
     fflush(out);
 }
 
