@@ -32,6 +32,15 @@ static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const 
     return RP_OK;
 }
 
+/* The largest x of a range, NaN for an empty one. */
+static void note_reach(const char *name, double to)
+{
+    if (isnan(to))
+        rp_table_note(stdout, name, "none");
+    else
+        rp_table_note(stdout, name, "%g", to);
+}
+
 static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
                                   double level)
 {
@@ -39,8 +48,8 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
     stats_prefix *fits = cli_memory(n, sizeof *fits);
     rp_status status = stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to);
     if (!status) {
-        rp_table_note(stdout, "linear_to", "%g", linear_to);
-        rp_table_note(stdout, "bend_free_to", "%g", bend_free_to);
+        note_reach("linear_to", linear_to);
+        note_reach("bend_free_to", bend_free_to);
         rp_table_header(
             stdout, "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
                     "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, status");
