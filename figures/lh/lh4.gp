@@ -13,6 +13,6 @@ set xrange [-0.01:0.32]
 set yrange [0:10]
 plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
      t('lh3.tsv') using (column('mu') + 0.003):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) \
-       with yerrorbars ls 2 title 'energy above 10^{-5} {/:Italic mgd} and the elastic oscillation', \
+       with yerrorbars ls 2 title 'energy above 10^{-5} {/:Italic mgd} a grain', \
      '' using (column('mu')):(column('theta_t_displacement_deg_mean')):(column('theta_t_displacement_deg_se')) \
        with yerrorbars ls ours title '5 % of the grains moved by 0.1 {/:Italic d}'

@@ -1,7 +1,8 @@
 # Lee & Herrmann 1993, section 3: friction of grains against friction of floor and walls, in boxes of three sizes.
-# tables: lh_grain_trend.tsv lh_wall.tsv lh_wall_trend.tsv lh_wall_trend_bottom.tsv
+# tables: lh_grain.tsv lh_grain_trend.tsv lh_wall.tsv lh_wall_trend.tsv lh_wall_trend_bottom.tsv
 heading = 'Change with friction of grains and of walls'
-remark = sprintf('straight lines through the means; bars: standard error over %d piles; the other friction is 0.2', most('lh_wall.tsv', 'n'))
+remark = sprintf('change of a straight line through the means; bars: standard error, %d (grains) and %d piles a point; the other friction is 0.2', \
+                 most('lh_grain.tsv', 'n'), most('lh_wall.tsv', 'n'))
 legend = 3
 load 'figures/style.gp'
 set xlabel 'size of the box {/:Italic W} = {/:Italic H} (cm)'
