@@ -141,6 +141,19 @@ checked checked_read(const char *name)
     return c;
 }
 
+checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
+{
+    char arguments[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(arguments, sizeof arguments, format, args);
+    va_end(args);
+    CU_ASSERT(good(file, line, run("%s", arguments)));
+    checked c = checked_read("out");
+    CU_ASSERT_FATAL(c.t.n_rows == n_rows);
+    return c;
+}
+
 double at(checked *c, size_t row, const char *column)
 {
     const int k = rp_table_column(&c->t, column);

@@ -55,6 +55,10 @@ typedef struct {
     bool read[CHECKED_COLUMNS];
 } checked;
 checked checked_read(const char *name);
+/* What the program prints with these arguments: so many rows. */
+#define CHECKED_RUN(n_rows, ...) checked_run(__FILE__, __LINE__, n_rows, __VA_ARGS__)
+checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 double at(checked *c, size_t row, const char *column);
 void checked_end(checked *c);
 

@@ -433,9 +433,7 @@ static void test_critical(void)
     double r[2][CRITICAL_PILES][RESPONSE], theta_deg[2][CRITICAL_PILES];
     enter();
     write_responses(r, theta_deg);
-    GOOD("stress critical runs.tsv --bootstrap 60 --seed 77");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    checked c = CHECKED_RUN(2, "stress critical runs.tsv --bootstrap 60 --seed 77");
     CU_ASSERT(strstr(out, "# rows: 18 used, 2 left out\n") != NULL);
     gsl_rng *rng = rp_random_alloc(77, 0, RP_PURPOSE_BOOTSTRAP);
     for (size_t g = 0; g < 2; g++) check_critical(&c, g, r[g], theta_deg[g], rng);
@@ -476,9 +474,7 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double exc
     gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
     gsl_rng_free(rng);
-    GOOD("stress dip piles.tsv --profile --resamples 50 --seed 6");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == STRESS_DIP_BINS / 2);
+    checked c = CHECKED_RUN(STRESS_DIP_BINS / 2, "stress dip piles.tsv --profile --resamples 50 --seed 6");
     for (size_t row = 0; row < c.t.n_rows; row++) {
         double both[DIP_PILES], mean = 0.0, squares = 0.0;
         for (int i = 0; i < DIP_PILES; i++) {
@@ -508,9 +504,8 @@ static void check_power(double n[DIP_PILES][STRESS_DIP_BINS], const double exces
     double planted[DIP_PILES * STRESS_DIP_BINS], shift[DIP_PILES];
     gsl_rng *resamples = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP),
             *draws = rp_random_alloc(6, 1, RP_PURPOSE_BOOTSTRAP);
-    GOOD("stress dip piles.tsv --power --resamples 40 --ensembles 30 --seed 6 --level 0.2");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 4);
+    checked c =
+        CHECKED_RUN(4, "stress dip piles.tsv --power --resamples 40 --ensembles 30 --seed 6 --level 0.2");
     for (size_t row = 0; row < 4; row++) {
         double found[3] = {0.0};
         for (int e = 0; e < ENSEMBLES; e++) {
@@ -848,9 +843,7 @@ static void test_verify(void)
         fprintf(file, "%.17g\t%.17g\t%.17g\n", planted[i], measured[0][i], measured[1][i]);
     }
     fclose(file);
-    GOOD("calibrate --runs piles.tsv --verify 100 --planted planted.tsv");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 3 * PLANTED / 2);
+    checked c = CHECKED_RUN(3 * PLANTED / 2, "calibrate --runs piles.tsv --verify 100 --planted planted.tsv");
     for (unsigned mask = 1; mask <= 3; mask++) {
         const stats_ensemble piles = ensemble_of(mask, CAL_PILES, x, angle),
                              known = ensemble_of(mask, PLANTED, planted, measured);
@@ -914,9 +907,7 @@ static void test_bench(void)
     enum { STEPS = 300000 };
     enter();
     write_text("start.tsv", "# y\tx\tr\n0.1\t0.1\t0.1\n0.1\t0.3\t0.1\n0.274\t0.2\t0.1\n");
-    GOOD("bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 1);
+    checked c = CHECKED_RUN(1, "bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
     dem_definition def = dem_definition_default();
     dem_material wall = def.material;
     wall.k_n *= 2.0;

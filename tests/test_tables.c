@@ -489,9 +489,7 @@ static void test_ensemble(void)
         snprintf(name, sizeof name, "d%d/base.tsv", r);
         each[r] = checked_read(name);
     }
-    GOOD("pile --base 4 --eps 1e-3 --disorder 2e-3 --seed 5 --piles %d", PILES);
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == BASE);
+    checked c = CHECKED_RUN(BASE, "pile --base 4 --eps 1e-3 --disorder 2e-3 --seed 5 --piles %d", PILES);
     for (size_t i = 0; i < BASE; i++) {
         for (int q = 0; q < 2; q++) {
             double v[PILES];
@@ -620,9 +618,7 @@ static void check_choices(void)
 static void check_density(void)
 {
     static const char *const columns[3] = {"all", "none", "common"};
-    GOOD(FORENSICS "--report density");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 40);
+    checked c = CHECKED_RUN(40, FORENSICS "--report density");
     for (int k = 0; k < 3; k++) {
         double sum = 0.0;
         for (size_t i = 0; i < 20; i++) sum += at(&c, i, columns[k]) / 20.0;
@@ -637,9 +633,7 @@ static void check_density(void)
 /* Published numbers are those of the claims, the one that is held out last; they narrow the predictions. */
 static void check_numbers(void)
 {
-    GOOD(FORENSICS "--report numbers");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 4);
+    checked c = CHECKED_RUN(4, FORENSICS "--report numbers");
     for (size_t i = 0; i < 4; i++) {
         at(&c, i, "claim"), at(&c, i, "role"), at(&c, i, "column");
         CHECK_NEAR(at(&c, i, "published_se_deg"), i < 3 ? 0.3 : 0.1, 1e-9);
@@ -657,9 +651,7 @@ static void check_numbers(void)
 /* Both kernels over all 72 cells. */
 static void check_emulator(void)
 {
-    GOOD(FORENSICS "--report emulator");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    checked c = CHECKED_RUN(2, FORENSICS "--report emulator");
     for (size_t i = 0; i < 2; i++) {
         at(&c, i, "quantity"), at(&c, i, "kernel"), at(&c, i, "used");
         CHECK_NEAR(at(&c, i, "cells"), 72.0, 0.0);
@@ -714,9 +706,7 @@ static void test_compare(void)
                "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n"
                "0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n",
                r[0], t[0], r[1], t[1], r[2], t[2], r[3], t[3]);
-    GOOD("angle compare runs.tsv --bootstrap 400 --phi-deg 55 --seed 31");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 1);
+    checked c = CHECKED_RUN(1, "angle compare runs.tsv --bootstrap 400 --phi-deg 55 --seed 31");
     const double ms = atan(0.2 * pow(tan(55.0 * M_PI / 180.0), 2.0)) * 180.0 / M_PI;
     const double miss_ms = fabs(mean_r + mean_t - ms);
     CHECK_NEAR(at(&c, 0, "mu"), 0.2, 0.0);
@@ -796,9 +786,7 @@ static void test_continuum(void)
 {
     static const double x[] = {0.05, 0.2, 0.41, 0.59, 0.8, 0.95};
     enter();
-    GOOD("continuum --alpha-deg 40 --at 0.05,0.2,0.41,0.59,0.8,0.95");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 6);
+    checked c = CHECKED_RUN(6, "continuum --alpha-deg 40 --at 0.05,0.2,0.41,0.59,0.8,0.95");
     for (size_t i = 0; i < 6; i++) {
         an_force f;
         CHECK_OK(an_continuum(40.0 * M_PI / 180.0, x[i], &f));
@@ -854,9 +842,7 @@ static void test_phi(void)
         }
     }
     write_text("runs.tsv", "%s", text);
-    GOOD("angle phi runs.tsv --bootstrap 50 --seed 31");
-    checked c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == (GROUPS + 1) * ANG_N_AGAINST);
+    checked c = CHECKED_RUN((GROUPS + 1) * ANG_N_AGAINST, "angle phi runs.tsv --bootstrap 50 --seed 31");
     gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_BOOTSTRAP);
     ang_phi fits[GROUPS + 1][ANG_N_AGAINST];
     CHECK_OK(ang_phi_fit(GROUPS, groups, 50, rng, fits[0]));
@@ -989,9 +975,7 @@ static void test_fits(void)
 
     CHECK_OK(stats_line_fit(POINTS, x, y, se, false, &free_line));
     CHECK_OK(stats_line_fit(POINTS, x, y, se, true, &origin));
-    GOOD("stats fit points.tsv -x x -y y --se se");
-    c = checked_read("out");
-    CU_ASSERT_FATAL(c.t.n_rows == 2);
+    c = CHECKED_RUN(2, "stats fit points.tsv -x x -y y --se se");
     for (size_t row = 0; row < 2; row++) {
         const stats_line *l = row ? &origin : &free_line;
         const named line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
