@@ -93,7 +93,10 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
     predict(sim, i);
-    sim->grains.collided[i] = sim->collided = true;
+    if (sim->grains.collided[i]) return;
+    sim->grains.collided[i] = true;
+    for (size_t c = sim->collided.n; c < DEM_FEW; c++) sim->collided.few[c] = (uint32_t)i;
+    sim->collided.n++;
 }
 
 /* Collide two bodies, unless one step of the acceleration that presses them together is above their closing
@@ -205,12 +208,20 @@ static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
     return k;
 }
 
-/* The first that may touch and is of a grain that has collided in this step. */
-static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
+/* The first of a grain that has collided in this step. */
+static size_t find_collided(const dem_sim *sim, size_t k, size_t end)
 {
     const bool *collided = sim->grains.collided;
     const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
-    while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
+    if (sim->kernels.next_of_few && sim->collided.n <= DEM_FEW) return sim->kernels.next_of_few(sim, k, end);
+    while (k < end && !(collided[i[k]] | collided[j[k]])) k++;
+    return k;
+}
+
+/* The first of these that may touch. */
+static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
+{
+    for (k = find_collided(sim, k, end); k < end && !may_touch(sim, k);) k = find_collided(sim, k + 1, end);
     return k;
 }
 
@@ -229,7 +240,7 @@ static void collide_all(dem_sim *sim)
     const size_t n = sim->pairs.n;
     for (size_t k = 0, apart = next_approaching(sim, 0, n);; k++) {
         if (apart < k) apart = next_approaching(sim, k, n);
-        k = sim->collided ? next_collided(sim, k, apart) : apart;
+        k = sim->collided.n > 0 ? next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
@@ -270,8 +281,8 @@ rp_status dem_hard_apply(dem_sim *sim)
                             sqrt(sim->grains.margin2[beyond]));
     }
     long before = sim->count.collisions;
-    if (sim->collided) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
-    sim->collided = false;
+    if (sim->collided.n > 0) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
+    sim->collided.n = 0;
     collide_all(sim);
     for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
         before = sim->count.collisions;
@@ -286,7 +297,7 @@ unsigned dem_hard_move(dem_sim *sim)
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t i = 0; i < sim->grains.n && sim->collided; i++)
+    for (size_t i = 0; i < sim->grains.n && sim->collided.n > 0; i++)
         left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
                 DEM_LIST_OUT;
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;

@@ -421,3 +421,25 @@ size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
     }
     return end;
 }
+
+/* The first pair from k on of one of n grains. */
+INLINE size_t next_of(const dem_sim *sim, const uint32_t *of, size_t n, size_t k, size_t end)
+{
+    for (size_t at = k - k % INDICES; at < end; at += INDICES) {
+        unsigned found = 0;
+        for (size_t c = 0; c < n; c++)
+            found |= index_equals(sim->pairs.i + at, of[c]) | index_equals(sim->pairs.j + at, of[c]);
+        if (at < k) found &= ~0u << (k - at);
+        if (!found) continue;
+        at += (size_t)__builtin_ctz(found);
+        return at < end ? at : end;
+    }
+    return end;
+}
+
+/* As find_collided in hard.c. */
+size_t WIDE(next_of_few)(const dem_sim *sim, size_t k, size_t end)
+{
+    return sim->collided.n <= 2 ? next_of(sim, sim->collided.few, 2, k, end)
+                                : next_of(sim, sim->collided.few, DEM_FEW, k, end);
+}

@@ -166,6 +166,13 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
+/* Which of INDICES indices are this one. */
+enum { INDICES = 16 };
+static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+{
+    return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(index), _mm512_set1_epi32((int)one));
+}
+
 /* from[stride index[]] */
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
 {
@@ -231,6 +238,14 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
         n += bits >> p & 1;
     }
     return n;
+}
+
+enum { INDICES = 8 };
+static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+{
+    const __m256i same =
+        _mm256_cmpeq_epi32(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
+    return (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(same));
 }
 
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
