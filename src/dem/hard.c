@@ -167,21 +167,28 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     redirect(sim, i, &before[0], &after[0], t);
 }
 
-/* Slots of soft contacts with walls at rest are skipped. */
+/* The first slot of wall w from k on that may collide: soft contacts with a wall at rest are skipped. */
+static size_t next_slot(const dem_sim *sim, size_t w, size_t k, bool collided_only)
+{
+    const bool rests = dem_wall_rests(sim, w);
+    const size_t end = sim->walls.start[w + 1];
+    const dem_vec point = sim->walls.line[w].point, direction = sim->walls.line[w].direction;
+    for (; k < end; k++) {
+        const dem_wall_slot *slot = &sim->walls.slot[k];
+        const size_t i = slot->grain;
+        if (collided_only && !sim->grains.collided[i]) continue;
+        const dem_vec d = sim->grains.motion[i].x - point;
+        if (!(rests && sim->grains.radius[i] - slot->side * dem_dot(d, direction) > 0.0)) break;
+    }
+    return k;
+}
+
 static void collide_walls(dem_sim *sim, bool collided_only)
 {
-    for (size_t w = 0; w < sim->def.n_walls; w++) {
-        const bool rests = dem_wall_rests(sim, w);
-        for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
-            const dem_wall_slot *slot = &sim->walls.slot[k];
-            const size_t i = slot->grain;
-            if (collided_only && !sim->grains.collided[i]) continue;
-            const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
-            const bool touches =
-                sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
-            if (!(touches && rests)) collide_wall(sim, *slot);
-        }
-    }
+    for (size_t w = 0; w < sim->def.n_walls; w++)
+        for (size_t k = next_slot(sim, w, sim->walls.start[w], collided_only); k < sim->walls.start[w + 1];
+             k = next_slot(sim, w, k + 1, collided_only))
+            collide_wall(sim, sim->walls.slot[k]);
 }
 
 /* May this pair touch on its straight line over the step? True wherever time_of_touch is finite, and for a
@@ -208,20 +215,14 @@ static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
     return k;
 }
 
-/* The first of a grain that has collided in this step. */
-static size_t find_collided(const dem_sim *sim, size_t k, size_t end)
+/* The first that may touch and is of a grain that has collided in this step. */
+static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 {
     const bool *collided = sim->grains.collided;
     const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
-    if (sim->kernels.next_of_few && sim->collided.n <= DEM_FEW) return sim->kernels.next_of_few(sim, k, end);
-    while (k < end && !(collided[i[k]] | collided[j[k]])) k++;
-    return k;
-}
-
-/* The first of these that may touch. */
-static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
-{
-    for (k = find_collided(sim, k, end); k < end && !may_touch(sim, k);) k = find_collided(sim, k + 1, end);
+    if (sim->kernels.next_collided && sim->collided.n <= DEM_FEW)
+        return sim->kernels.next_collided(sim, k, end);
+    while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
     return k;
 }
 

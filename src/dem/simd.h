@@ -166,11 +166,10 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
-/* Which of INDICES indices are this one. */
-enum { INDICES = 16 };
+/* Which of WIDTH indices are this one. */
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
-    return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(index), _mm512_set1_epi32((int)one));
+    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
 }
 
 /* from[stride index[]] */
@@ -240,12 +239,10 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n;
 }
 
-enum { INDICES = 8 };
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
-    const __m256i same =
-        _mm256_cmpeq_epi32(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
-    return (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(same));
+    const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32((int)one));
+    return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
