@@ -298,9 +298,13 @@ unsigned dem_hard_move(dem_sim *sim)
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t i = 0; i < sim->grains.n && sim->collided.n > 0; i++)
+    const bool few = sim->collided.n <= DEM_FEW;
+    const size_t n = few ? sim->collided.n : sim->grains.n;
+    for (size_t c = 0; c < n; c++) {
+        const size_t i = few ? sim->collided.few[c] : c;
         left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
                 DEM_LIST_OUT;
+    }
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;
