@@ -836,6 +836,15 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
+    GOOD("stats size runs.tsv -x W -y theta --by mu --to 6 --exponent free");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_limit"); /* a constant has any exponent */
+    CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
+    CU_ASSERT(isnan(cell(&t, 2, "limit_lo")));
+    rp_table_free(&t);
+    FAILS(64, "not both", "stats size runs.tsv -x W -y theta --exponent free --power 1");
+    FAILS(64, "is for --exponent free", "stats size runs.tsv -x W -y theta --least-exponent 1");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
     t = read_table("out");
@@ -848,6 +857,19 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
+    /* several tables are read as one; those of other columns are refused */
+    write_text("less.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t2\t1\t17\t0\tok\n0.3\t2\t1\t19\t0\tok\n");
+    write_text("more.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n0.3\t4\t1\t23\t0\tok\n");
+    GOOD("stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "slope"), 2.0, 1e-12);
+    CHECK_NEAR(cell(&t, 1, "n"), 12.0, 0.0);
+    rp_table_free(&t);
+    write_text("other.tsv", "# mu\tW\tk\tslope\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
+    FAILS(65, "runs.tsv and other.tsv have different columns",
+          "stats trend runs.tsv other.tsv -x W -y theta");
     FAILS(65, "no column \"frob\"", "stats trend runs.tsv -x W -y theta --by frob");
     /* groups in the order in which they appear, the first of them without a row that counts */
     write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"

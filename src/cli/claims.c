@@ -212,8 +212,11 @@ static bool tests_change(const cli_claim *c)
 /* Within a family the correction follows later; else the table's own holds. */
 static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
 {
-    rp_status status = cli_cell_column(cell, "change_lo90", &change->lo90);
-    if (!status) status = cli_cell_column(cell, "change_hi90", &change->hi90);
+    char lo[160], hi[160];
+    snprintf(lo, sizeof lo, "%s_lo90", cell->column);
+    snprintf(hi, sizeof hi, "%s_hi90", cell->column);
+    rp_status status = cli_cell_column(cell, lo, &change->lo90);
+    if (!status) status = cli_cell_column(cell, hi, &change->hi90);
     return status ? status
                   : cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
                                     &change->p_value);
