@@ -42,8 +42,7 @@ static rp_status find_number(const cli_claims *all, cli_claim *c)
 {
     const cli_claim *original = NULL;
     if (!*c->of) return RP_OK;
-    rp_status status = cli_claims_find(all, c->of, &original);
-    if (status) return status;
+    RP_TRY(cli_claims_find(all, c->of, &original));
     if (!isnan(c->published.value))
         return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
     c->published = original->published;

@@ -106,14 +106,12 @@ static rp_status read_piles(source *s, const char *fit)
     int columns[STATS_MAX_PARAMS];
     cli_rows rows;
     size_t n_params, used = (size_t)snprintf(names, sizeof names, "%.128s", fit);
-    rp_status status = find_fit(t, fit, &n_params, columns);
-    if (!status) status = refuse_others(t, n_params, columns);
-    if (status) return status;
+    RP_TRY(find_fit(t, fit, &n_params, columns));
+    RP_TRY(refuse_others(t, n_params, columns));
     for (size_t a = 0; a < N_ANGLES; a++)
         if (rp_table_column(t, angle_columns[a]) >= 0)
             used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
-    status = cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows));
     s->piles.n = rows.n;
     s->piles.n_params = n_params;
     for (size_t p = 0; p < n_params; p++) {

@@ -89,8 +89,7 @@ static void print_powers(const cli_claims *all, const cli_judged judged[], const
 static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
     cli_judged *judged;
-    rp_status status = cli_claims_judge(all, o->tables, &judged);
-    if (status) return status;
+    RP_TRY(cli_claims_judge(all, o->tables, &judged));
     cli_table(stdout);
     note_counts(all, judged, o);
     (o->power ? print_powers : print_verdicts)(all, judged, o);

@@ -332,8 +332,7 @@ static rp_status forensics(void *values)
 {
     inference *s = cli_memory(1, sizeof *s);
     s->o = values;
-    rp_status status = forensics_claims_read(s->o->claims, &s->claims);
-    if (status) return status;
+    RP_TRY(forensics_claims_read(s->o->claims, &s->claims));
     return s->o->design > 0 ? forensics_design_print(&s->claims, (size_t)s->o->design, cli_random(0))
                             : report(s);
 }

@@ -193,8 +193,7 @@ static rp_status fill_section(report *r, const char *section, bool in_full)
 static rp_status fill_counts(report *r, const char *paper)
 {
     char text[256];
-    rp_status status = judge(r);
-    if (status) return status;
+    RP_TRY(judge(r));
     cli_claims_count(&r->claims, r->judged, paper, text);
     fputs(text, r->out);
     return RP_OK;
@@ -224,8 +223,7 @@ static rp_status fill_include(report *r, const char *pattern)
 static rp_status fill_place(report *r, char *text)
 {
     cli_words w;
-    rp_status status = cli_split(text, &w);
-    if (status) return status;
+    RP_TRY(cli_split(text, &w));
     if (w.n < 2) return rp_fail(RP_BAD_INPUT, "{{%s}}: a word and what it is of expected", text);
     char *rest = text + strspn(text, " ") + strlen(w.words[0]);
     const char *word = w.words[0], *first = w.words[1];
@@ -253,8 +251,7 @@ static rp_status fill_places(report *r, char *line)
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
         fwrite(line, 1, (size_t)(open - line), r->out);
         *close = '\0';
-        rp_status status = fill_place(r, open + 2);
-        if (status) return status;
+        RP_TRY(fill_place(r, open + 2));
         line = close + 2;
     }
     fputs(line, r->out);

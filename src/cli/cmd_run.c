@@ -127,8 +127,7 @@ static rp_status open_growing(outputs *o)
 static rp_status outputs_open(outputs *o, const scene_run *r)
 {
     if (*o->tables.directory) {
-        rp_status status = open_growing(o);
-        if (status) return status;
+        RP_TRY(open_growing(o));
         dem_write_energy_columns(r->plan.ledger, o->file[ENERGY].out);
         dem_write_contact_columns(o->file[CONTACTS].out);
         dem_write_wall_columns(o->file[WALLS].out);
@@ -360,9 +359,8 @@ static rp_status run_row(const char *path, const run_options *o)
     static volatile bool stopped;
     char stage[4096], snapshot[4096 + 16];
     snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
-    rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
-    if (!status) status = cli_stage_open(o->o, true, stage);
-    if (status) return status;
+    RP_TRY(cli_claim_run(o->o, run_note, o->force, replaces));
+    RP_TRY(cli_stage_open(o->o, true, stage));
     snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
     cli_stage_stops(stage, &stopped);
     const sweep_tables tables = {.directory = stage,
@@ -372,7 +370,7 @@ static rp_status run_row(const char *path, const run_options *o)
                                  .snapshot = snapshot,
                                  .interval = CLI_SNAPSHOT,
                                  .stop = &stopped};
-    status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];

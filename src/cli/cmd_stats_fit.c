@@ -70,8 +70,7 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) {
-        rp_status status = stats_line_fit(n, x, y, se, i == 1, &lines[i]);
-        if (status) return status;
+        RP_TRY(stats_line_fit(n, x, y, se, i == 1, &lines[i]));
     }
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "

@@ -148,9 +148,8 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
     size_t used = 0;
     cli_groups known;
     bool all_numbers = true;
-    rp_status status = cli_find_column(t, o->x, &column);
-    if (!status) status = cli_group_rows(t, o->x, ',', &known);
-    if (status) return status;
+    RP_TRY(cli_find_column(t, o->x, &column));
+    RP_TRY(cli_group_rows(t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         char *end;
         strtod(known.words[k], &end);
@@ -170,10 +169,9 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
 static rp_status trend_or_size(rp_table *table, const trend_options *o, bool size)
 {
     rows r = {0};
-    rp_status status = number_words(table, o, r.x_words);
-    if (!status) status = read_rows(table, o, &r);
-    if (status) return status;
-    status = fit_groups(table, &r, o, size);
+    RP_TRY(number_words(table, o, r.x_words));
+    RP_TRY(read_rows(table, o, &r));
+    rp_status status = fit_groups(table, &r, o, size);
     return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
 }
 

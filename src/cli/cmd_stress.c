@@ -24,10 +24,8 @@ static rp_status read_block(const char *prefix, const char *what, const char *na
 static rp_status pile_read(const char *prefix, stress_pile *p)
 {
     double *block;
-    rp_status status =
-        read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n);
-    if (!status) status = read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains);
-    if (status) return status;
+    RP_TRY(read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n));
+    RP_TRY(read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains));
     p->y = p->x + p->n_grains; /* columns of one block */
     p->m = p->y + p->n_grains;
     p->contacts = cli_memory(p->n, sizeof *p->contacts);
@@ -86,12 +84,11 @@ static rp_status print_field(void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
-    if (status) return status;
+    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = cli_memory(cells, sizeof *mean);
-    status = stress_mean_cells(n, piles, &g, mean);
+    rp_status status = stress_mean_cells(n, piles, &g, mean);
     if (!status)
         rp_table_header(stdout,
                         "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
@@ -153,12 +150,11 @@ static rp_status print_base(void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
-    if (!status) status = mean_slope(n, piles, o, &theta);
-    if (status) return status;
+    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
+    RP_TRY(mean_slope(n, piles, o, &theta));
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = cli_memory(cells, sizeof *floor);
-    status = stress_floor_forces(n, piles, size, o->g, cells, floor);
+    rp_status status = stress_floor_forces(n, piles, size, o->g, cells, floor);
     if (!status) {
         rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
         rp_table_header(stdout,

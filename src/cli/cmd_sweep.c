@@ -150,8 +150,7 @@ static rp_status act_status_of(void *values)
 {
     (void)values;
     sweep_counts counts;
-    rp_status status = sweep_status(cli_argument(0), sweep_protocols, &counts);
-    if (status) return status;
+    RP_TRY(sweep_status(cli_argument(0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
     rp_table_note(stdout, "running", "%zu", counts.running);
     if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
@@ -184,11 +183,10 @@ static rp_status act_export(void *values)
     const export_options *o = values;
     sweep_counts counts;
     FILE *out;
-    rp_status status = sweep_check_output(cli_argument(0), o->o);
-    if (!status) status = rp_file_open(o->o, &out);
-    if (status) return status;
-    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
-                          cli_command_line(), &counts, out);
+    RP_TRY(sweep_check_output(cli_argument(0), o->o));
+    RP_TRY(rp_file_open(o->o, &out));
+    rp_status status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
+                                    cli_command_line(), &counts, out);
     status = rp_file_close(o->o, out, status);
     return status ? status : cli_check_whole(cli_argument(0), &counts);
 }
@@ -211,8 +209,7 @@ static rp_status act_digest(void *values)
     (void)values;
     char text[33];
     size_t rows;
-    rp_status status = sweep_digest(cli_argument(0), sweep_protocols, text, &rows);
-    if (status) return status;
+    RP_TRY(sweep_digest(cli_argument(0), sweep_protocols, text, &rows));
     if (!cli_given("json")) return printf("%s\t%zu\n", text, rows), RP_OK;
     cli_provenance(stdout);
     rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */

@@ -11,9 +11,7 @@ static rp_status act_merge(void *values)
     sweep_merged merged = {0};
     int n = 0;
     while (cli_argument(n + 1)) n++;
-    rp_status status =
-        sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts);
-    if (status) return status;
+    RP_TRY(sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts));
     rp_table_note(stdout, "merged",
                   "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
                   merged.stores, merged.duplicates, merged.foreign);

@@ -137,9 +137,8 @@ static rp_status draw(const picture *p, const view_options *o, FILE *out)
 {
     char *const arguments[] = {"gnuplot", out ? NULL : "-persist", NULL};
     cli_gnuplot gnuplot;
-    rp_status status = cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out);
-    if (status) return status;
-    status = put_frames(p, o, gnuplot.in);
+    RP_TRY(cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
+    rp_status status = put_frames(p, o, gnuplot.in);
     const rp_status closed = cli_gnuplot_close(&gnuplot);
     return closed ? closed : status;
 }
@@ -155,9 +154,8 @@ static rp_status film(const picture *p, const view_options *o, FILE *out)
         rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
         "-pix_fmt", "yuv420p",   "-f",    "mp4", path, NULL};
     cli_gnuplot ffmpeg;
-    rp_status status = cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL);
-    if (status) return status;
-    status = draw(p, o, ffmpeg.in);
+    RP_TRY(cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
+    rp_status status = draw(p, o, ffmpeg.in);
     const rp_status closed = cli_gnuplot_close(&ffmpeg);
     return status ? status : closed;
 }

@@ -25,8 +25,7 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
         char word[64];
         if (*n == most) return rp_fail(RP_BAD_INPUT, "\"%s\": at most %zu columns", names, most);
         snprintf(word, sizeof word, "%.*s", (int)strcspn(name, ","), name);
-        rp_status status = rp_table_find(table, word, header, &columns[(*n)++]);
-        if (status) return status;
+        RP_TRY(rp_table_find(table, word, header, &columns[(*n)++]));
     }
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }

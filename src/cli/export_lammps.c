@@ -120,11 +120,10 @@ static rp_status find_types(lammps_scene *s)
 static rp_status start_scene(lammps_scene *s)
 {
     dem_sim *sim;
-    rp_status status = dem_scene_start(&s->scene, &sim);
-    if (status) return status;
+    RP_TRY(dem_scene_start(&s->scene, &sim));
     s->n = dem_count(sim);
     s->grains = cli_memory(s->n, sizeof *s->grains);
-    status = dem_states(sim, s->grains);
+    rp_status status = dem_states(sim, s->grains);
     dem_free(sim);
     dem_grain *grains = cli_memory(s->n, sizeof *grains);
     s->box[0][0] = s->box[1][0] = INFINITY, s->box[0][1] = s->box[1][1] = -INFINITY;
@@ -288,10 +287,9 @@ static rp_status write_files(const lammps_scene *s, const char *scene, const cha
     cli_export e;
     cli_export_stem(path, stem);
     snprintf(data, sizeof data, "%s.data", stem);
-    rp_status status = cli_export_open(data, &e);
-    if (status) return status;
+    RP_TRY(cli_export_open(data, &e));
     write_data(s, scene, e.out);
-    status = cli_export_close(&e, RP_OK);
+    rp_status status = cli_export_close(&e, RP_OK);
     if (!status) status = cli_export_open(path, &e);
     if (status) return status;
     write_input(s, scene, stem, e.out);

@@ -104,8 +104,7 @@ static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE 
     (void)run;
     const rp_table *t = p->frames->table;
     int ends[4];
-    rp_status status = find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends);
-    if (status) return status;
+    RP_TRY(find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends));
     start(out, p);
     for (size_t i = p->first; i < p->end; i++)
         fprintf(out, "%s %s 0\n%s %s 0\n", cli_text(t, i, ends[0]), cli_text(t, i, ends[1]),
@@ -171,8 +170,7 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
         const char *slash = strrchr(folder, '/');
         cli_export e;
         snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
-        status = cli_export_open(path, &e);
-        if (status) return status;
+        RP_TRY(cli_export_open(path, &e));
         status = cli_export_close(&e, parts[i].write(run, &p, e.out));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
                 CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, slash ? slash + 1 : folder,

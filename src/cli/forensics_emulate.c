@@ -76,10 +76,9 @@ static rp_status try_kernel(forensics_emulator *m, stats_kernel kernel, const st
     const double quantile = 1.959963984540054; /* of 95 % */
     double *mean = cli_memory(m->n, sizeof *mean), *variance = cli_memory(m->n, sizeof *variance);
     double squares = 0.0, covered = 0.0;
-    rp_status status = stats_emulator_make(kernel, in, m->variance, m->spread, e);
-    if (!status) status = stats_emulator_fit(e, y, FIT_CELLS);
-    if (!status) status = stats_emulator_leave_out(e, y, m->group, mean, variance, &m->of[kernel].score);
-    if (status) return status;
+    RP_TRY(stats_emulator_make(kernel, in, m->variance, m->spread, e));
+    RP_TRY(stats_emulator_fit(e, y, FIT_CELLS));
+    RP_TRY(stats_emulator_leave_out(e, y, m->group, mean, variance, &m->of[kernel].score));
     for (size_t i = 0; i < m->n; i++) {
         const double r = y[i] - mean[i];
         squares += r * r;

@@ -155,8 +155,7 @@ static rp_status find_cells(forensics_study *s, size_t point[], size_t cell[])
         bool here = false;
         for (point[row] = 0; point[row] < k; point[row]++) {
             const cli_words *words = &s->claims->points[point[row]];
-            rp_status status = cli_row_matches(s->runs, row, words, 0, words->n, &here);
-            if (status) return status;
+            RP_TRY(cli_row_matches(s->runs, row, words, 0, words->n, &here));
             if (here) break;
         }
         if (here) seen[s->settings.of_row[row] * k + point[row]] = true;
@@ -195,8 +194,7 @@ static rp_status read_means(forensics_study *s, int column, const bool ok[], con
         const size_t c = cell[row];
         double v = NAN;
         if (c == s->n_cells || !ok[row]) continue;
-        rp_status status = rp_table_number(s->runs, row, column, true, &v);
-        if (status) return status;
+        RP_TRY(rp_table_number(s->runs, row, column, true, &v));
         if (!isfinite(v)) continue;
         const double change = v * deg - mean[c]; /* Welford */
         mean[c] += change / ++n_values[c];
@@ -251,12 +249,11 @@ rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, f
     *s = (forensics_study){.claims = claims, .runs = runs};
     size_t *point = cli_memory(runs->n_rows, sizeof *point), *cell = cli_memory(runs->n_rows, sizeof *cell),
            n = 0;
-    rp_status status = find_settings(s);
-    if (!status) status = find_cells(s, point, cell);
-    if (status) return status;
+    RP_TRY(find_settings(s));
+    RP_TRY(find_cells(s, point, cell));
     s->group = cli_memory(s->n_cells * SWEEP_N_GROUPS, sizeof *s->group);
     s->base = cli_memory(s->settings.n_groups * SWEEP_N_GROUPS, sizeof *s->base);
-    status = find_groups(s);
+    rp_status status = find_groups(s);
     if (!status) status = find_inputs(s);
     if (!status) status = read_numbers(s, cell);
     for (size_t c = 0; c < s->n_cells && !status; c++) n += isfinite(s->mean[c]);

@@ -199,8 +199,7 @@ static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_h
     path_of(u, t->name, path);
     if (!(t->file = fopen(path, "r+e")))
         return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    rp_status status = hash_to(t, length);
-    if (status) return status;
+    RP_TRY(hash_to(t, length));
     if (!XXH128_isEqual(hash, XXH3_128bits_digest(t->hash)))
         return rp_fail(RP_BAD_INPUT, "%s: not the table that the snapshot was written with", path);
     return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
@@ -292,12 +291,11 @@ rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096])
     if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
     bool moved;
-    rp_status status = rp_make_directory(directory);
-    if (!status) status = complete_move(directory, &moved);
-    if (!status) status = rp_make_directory(stage);
-    if (!status) status = take_lock(directory, stage, &stage_lock);
-    if (status) return status;
-    status = check_vacant(directory);
+    RP_TRY(rp_make_directory(directory));
+    RP_TRY(complete_move(directory, &moved));
+    RP_TRY(rp_make_directory(stage));
+    RP_TRY(take_lock(directory, stage, &stage_lock));
+    rp_status status = check_vacant(directory);
     return status ? resumes ? RP_OK : status : empty_folder(stage);
 }
 

@@ -116,8 +116,7 @@ static rp_status read_contacts(const char *path, numbers *c, view_contact **cont
 static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
 {
     static const char *const names[] = {"?step", "x", "y", "direction_x", "direction_y", "from", "to", NULL};
-    rp_status status = read_numbers(path, names, "x y direction_x direction_y from to", w);
-    if (status) return status;
+    RP_TRY(read_numbers(path, names, "x y direction_x direction_y from to", w));
     *walls = cli_memory(w->n, sizeof **walls);
     for (size_t k = 0; k < w->n; k++)
         (*walls)[k] = (view_wall){w->column[1][k],

@@ -143,8 +143,7 @@ rp_status dem_physics_resolve(dem_definition *def)
 
 rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
-    rp_status status = check_restitution(m);
-    if (status) return status;
+    RP_TRY(check_restitution(m));
     const char *law = dem_normal_descriptors[def->normal].name;
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);

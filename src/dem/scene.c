@@ -393,9 +393,8 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
 {
     dem_fill *f = &file->scene.fill;
     rp_params_defaults(fill_schema, f);
-    rp_status status = rp_config_group(group, fill_schema, f, NULL);
-    if (status) return status;
-    status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    RP_TRY(rp_config_group(group, fill_schema, f, NULL));
+    rp_status status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
     if (!status) status = dem_density_check(file->physics.shape, file->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     f->shape = file->physics.shape;

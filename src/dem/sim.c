@@ -194,8 +194,7 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
 {
     dem_grain boxed = *p;
     dem_box_frame(sim, &boxed.x, &boxed.y);
-    rp_status status = dem_grain_check(&sim->def, &boxed);
-    if (status) return status;
+    RP_TRY(dem_grain_check(&sim->def, &boxed));
     if (p->fixed) return rp_fail(RP_BAD_INPUT, "a fixed grain must be there from the start");
     dem_definition def = sim->def;
     def.grains = (dem_grain[]){*p, *p};
@@ -236,8 +235,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     if (status) return rp_prefix(status, "new particle: ");
     if (sim->grains.n == sim->grains.capacity) {
         dem_sim *larger, old = *sim;
-        status = copy_with_capacity(sim, 2 * sim->grains.capacity, &larger);
-        if (status) return status;
+        RP_TRY(copy_with_capacity(sim, 2 * sim->grains.capacity, &larger));
         *sim = *larger;
         *larger = old;
         dem_free(larger);

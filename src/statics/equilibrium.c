@@ -215,8 +215,7 @@ static rp_status refuse_hanging(const statics_pile *pile, size_t n, const size_t
 
 static rp_status find_network(statics_pile *pile)
 {
-    rp_status status = statics_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds);
-    if (status) return status;
+    RP_TRY(statics_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds));
     size_t hang[NAMED + 1];
     const size_t hanging = statics_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH,
                                                      pile->trial, NAMED + 1, hang);
@@ -226,7 +225,7 @@ static rp_status find_network(statics_pile *pile)
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
     pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
     if (!pile->bonds || !pile->changed || !pile->direction) return no_memory(pile->n);
-    status = make_bonds(pile);
+    rp_status status = make_bonds(pile);
     if (!status) make_wells(pile);
     return status ? status : rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
 }
@@ -593,9 +592,8 @@ static rp_status newton(statics_pile *pile, bool start, int mode)
         if (r->fault) return RP_NO_RESULT;
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
-        rp_status status = serves ? rp_stiffness_solve(pile->matrix, pile->g, pile->p)
-                                  : find_step(pile, start, mode, r->residual < last);
-        if (status) return status;
+        RP_TRY(serves ? rp_stiffness_solve(pile->matrix, pile->g, pile->p)
+                      : find_step(pile, start, mode, r->residual < last));
         last = r->residual;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
         r->residual = advance(pile, mode == FOLLOW || (mode == STRIDE && step < STEPS_STRIDE));
@@ -860,10 +858,9 @@ static rp_status go_to_minimum(statics_pile *pile)
 {
     const double primary = energy(pile);
     for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
-        rp_status status = kick(pile);
-        if (!status) status = settle(pile, DESCEND);
-        if (!status) status = count_modes(pile);
-        if (status) return status;
+        RP_TRY(kick(pile));
+        RP_TRY(settle(pile, DESCEND));
+        RP_TRY(count_modes(pile));
     }
     if (pile->def.leave && !pile->result.jumps) pile->result.released = primary - energy(pile);
     return pile->result.negative_modes ? no_result(pile, STATICS_NOT_CONVERGED, "no stable state downhill; ")

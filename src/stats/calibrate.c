@@ -94,8 +94,7 @@ static rp_status crossing(problem *s, size_t p, double inside, double outside, d
     const double tolerance = 1e-9 * (s->c->hi[p] - s->c->lo[p]);
     while (fabs(outside - inside) > tolerance) {
         double middle = 0.5 * (inside + outside), chi2;
-        rp_status status = profile(s, p, middle, &chi2);
-        if (status) return status;
+        RP_TRY(profile(s, p, middle, &chi2));
         if (chi2 <= limit)
             inside = middle;
         else

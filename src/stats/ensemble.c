@@ -71,8 +71,7 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
 rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
 {
     *maximum = NAN;
-    rp_status status = stats_check_finite(n, v);
-    if (status) return status;
+    RP_TRY(stats_check_finite(n, v));
     if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
     if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
     memcpy(work, v, n * sizeof *work);

@@ -94,8 +94,7 @@ rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c)
 {
     enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
-    rp_status status = check_piles(piles);
-    if (status) return status;
+    RP_TRY(check_piles(piles));
     c->block = calloc((N_ARRAYS + 1) * (piles->n + 1), sizeof *c->block);
     c->pile = calloc(2 * (piles->n + 1), sizeof *c->pile);
     if (!c->block || !c->pile) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
@@ -324,8 +323,7 @@ static rp_status find_scale(problem *s)
     const double range = s->r->hi[0] - s->r->lo[0];
     const double lo[2] = {log(0.05 * range)}, hi[2] = {log(3.0 * range)};
     double at[2], value;
-    rp_status status = stats_least(chi2_of_scale, s, lo, hi, 12, at, &value);
-    if (status) return status;
+    RP_TRY(stats_least(chi2_of_scale, s, lo, hi, 12, at, &value));
     if (!(isfinite(value) && *at > *lo + 1e-6 && *at < *hi - 1e-6))
         return rp_fail(RP_NO_RESULT, "scale: not determined by the points");
     chi2_of_scale(at, s);

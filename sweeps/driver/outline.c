@@ -16,8 +16,7 @@ static rp_status cut_profile(const an_profile *profile, long k, double theta, lo
     for (long s = 0; s < k; s++)
         for (up[s] = 1; s + up[s] < k; up[s]++) {
             double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
-            rp_status status = an_profile_height(profile, x, &top);
-            if (status) return status;
+            RP_TRY(an_profile_height(profile, x, &top));
             if (!((double)up[s] * height <= top + TIE * unit)) break;
         }
     return RP_OK;
@@ -144,8 +143,7 @@ static rp_status bin_rays(const an_profile *profile, const stress_base *base, do
         an_force force;
         x[i] = base->centroid + base->width * ((i + 0.5) / POINTS - 0.5);
         r[i] = 0.5 * base->width / POINTS;
-        rp_status status = an_profile_force(profile, x[i], &force);
-        if (status) return status;
+        RP_TRY(an_profile_force(profile, x[i], &force));
         pressure[i] = force.N;
     }
     stress_base_bins(base, POINTS, x, r, pressure, N);

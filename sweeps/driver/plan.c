@@ -50,12 +50,12 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; defaults are converted"},
         {0}};
-    rp_status status = sweep_refuse_scene(file, root);
-    if (status) return status;
+    RP_TRY(sweep_refuse_scene(file, root));
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    status = rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    rp_status status =
+        rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
     rp_units_set((rp_units)h->units);
     return status;
 }
@@ -102,9 +102,8 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     for (int i = 0; i < length(fixed); i++) {
         const rp_param *param;
         const config_setting_t *setting = element(fixed, (size_t)i);
-        rp_status status = find_param(plan->protocol, setting, &param);
-        if (!status) status = rp_config_value(setting, param, values);
-        if (status) return status;
+        RP_TRY(find_param(plan->protocol, setting, &param));
+        RP_TRY(rp_config_value(setting, param, values));
     }
     return RP_OK;
 }
@@ -167,8 +166,7 @@ static rp_status read_axes(sweep_plan *plan, const config_setting_t *fixed)
 {
     plan->n_points = 1;
     for (size_t a = 0; a < plan->n_axes; a++) {
-        rp_status status = read_axis(plan, a, fixed);
-        if (status) return status;
+        RP_TRY(read_axis(plan, a, fixed));
         if (plan->axes[a].first) plan->n_points *= plan->axes[a].n;
         if (plan->n_points > MAX_RUNS / plan->replicas)
             return rp_config_fail(plan->axes[a].list, "%s: the grid has too many runs, allowed: %d",
@@ -328,15 +326,13 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
 {
     *plan = (sweep_plan){0};
     head h;
-    rp_status status = rp_config_read(file, &plan->config);
-    if (!status) status = rp_file_read(file, &plan->text);
-    if (!status) status = refuse_includes(file, plan->text);
-    if (status) return status;
+    RP_TRY(rp_config_read(file, &plan->config));
+    RP_TRY(rp_file_read(file, &plan->text));
+    RP_TRY(refuse_includes(file, plan->text));
     const config_setting_t *root = config_root_setting(&plan->config),
                            *fixed = config_setting_get_member(root, "fixed"),
                            *grid = config_setting_get_member(root, "grid");
-    status = read_head(file, root, protocols, &h);
-    if (status) return status;
+    RP_TRY(read_head(file, root, protocols, &h));
     plan->protocol = protocols[h.protocol];
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
@@ -345,7 +341,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
     if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     plan->at->point = SIZE_MAX;
-    status = find_lists(&h, grid, plan->axes, &plan->n_axes);
+    rp_status status = find_lists(&h, grid, plan->axes, &plan->n_axes);
     if (!status) status = read_axes(plan, fixed);
     if (!status) status = read_fixed(plan, fixed, plan->at->values);
     if (!status) status = find_model(plan);

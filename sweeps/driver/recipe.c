@@ -46,15 +46,13 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 {
     *recipe = (sweep_recipe){0};
     base_name(file, recipe->name, sizeof recipe->name);
-    rp_status status = rp_config_read(file, &recipe->config);
-    if (status) return status;
+    RP_TRY(rp_config_read(file, &recipe->config));
     const config_setting_t *root = config_root_setting(&recipe->config),
                            *tables = config_setting_get_member(root, "tables");
     int replicas = 0;
     recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
-    status = sweep_refuse_scene(file, root);
-    if (status) return status;
+    RP_TRY(sweep_refuse_scene(file, root));
     if (tables) return read_tables(tables, recipe);
     return recipe->has_runs ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
 }

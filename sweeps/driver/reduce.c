@@ -76,15 +76,14 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
 {
     char text[256];
     digester digest;
-    rp_status status = sweep_store_note(store, "main", "file", text, sizeof text);
-    if (!status) status = sweep_store_count(store, plan, counts);
-    if (!status) status = find_digest(plan, store, &digest);
-    if (status) return status;
+    RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
+    RP_TRY(sweep_store_count(store, plan, counts));
+    RP_TRY(find_digest(plan, store, &digest));
     rp_table_provenance(out, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
-    status = sweep_store_makers(store, note_maker, out);
+    rp_status status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);

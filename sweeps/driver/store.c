@@ -262,9 +262,8 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
                                  const sweep_watch *watch)
 {
     char owner[64] = "", before[33] = "";
-    rp_status status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
-    if (status) return status;
-    status = make_tables(s, plan->protocol);
+    RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
+    rp_status status = make_tables(s, plan->protocol);
     if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
     if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
