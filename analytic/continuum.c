@@ -18,9 +18,9 @@ static double kink(double alpha)
 
 rp_status an_continuum_kink(double alpha, double *x_c)
 {
-    rp_status status = check_alpha(alpha);
-    if (!status) *x_c = kink(alpha);
-    return status;
+    RP_TRY(check_alpha(alpha));
+    *x_c = kink(alpha);
+    return RP_OK;
 }
 
 rp_status an_continuum(double alpha, double x, an_force *force)

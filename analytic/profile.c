@@ -69,9 +69,9 @@ rp_status an_profile_chords(const an_profile *profile, double x, double l[2])
 
 rp_status an_profile_height(const an_profile *profile, double x, double *y)
 {
-    rp_status status = check_x(profile, x);
-    if (!status) *y = leave(profile, x, 0);
-    return status;
+    RP_TRY(check_x(profile, x));
+    *y = leave(profile, x, 0);
+    return RP_OK;
 }
 
 rp_status an_profile_force(const an_profile *profile, double x, an_force *force)

@@ -99,9 +99,8 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
         found++;
     }
     if (status) return status;
-    return found == 1 || cell->column[0] == '#'
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
+    if (found == 1 || cell->column[0] == '#') return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
 }
 
 const char *cli_cell_text(const cli_cell *cell, const char *column)
@@ -124,9 +123,8 @@ static rp_status note_number(const cli_cell *cell, stats_number *number)
     char *end;
     const char *text = cli_cell_text(cell, cell->column);
     *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
-    return text && end != text ? RP_OK
-                               : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path,
-                                         cell->column + 1);
+    if (text && end != text) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path, cell->column + 1);
 }
 
 rp_status cli_cell_number(const cli_cell *cell, stats_number *number)

@@ -31,10 +31,10 @@ static rp_status number_of(const rp_table *t, size_t row, const char *name, doub
 
 static rp_status read_numbers(const rp_table *t, size_t row, cli_claim *c)
 {
-    rp_status status = number_of(t, row, "published", NAN, &c->published.value);
-    if (!status) status = number_of(t, row, "published_se", 0.0, &c->published.se);
-    if (!status) status = number_of(t, row, "samples", 0.0, &c->samples);
-    return status ? status : number_of(t, row, "margin", INFINITY, &c->margin);
+    RP_TRY(number_of(t, row, "published", NAN, &c->published.value));
+    RP_TRY(number_of(t, row, "published_se", 0.0, &c->published.se));
+    RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
+    return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
 /* A variant takes the published number of its claim, which stands before it. */
@@ -211,11 +211,10 @@ static bool tests_change(const cli_claim *c)
 /* Within a family the correction follows later; else the table's own holds. */
 static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
 {
-    rp_status status = cli_cell_column(cell, "change_lo90", &change->lo90);
-    if (!status) status = cli_cell_column(cell, "change_hi90", &change->hi90);
-    return status ? status
-                  : cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
-                                    &change->p_value);
+    RP_TRY(cli_cell_column(cell, "change_lo90", &change->lo90));
+    RP_TRY(cli_cell_column(cell, "change_hi90", &change->hi90));
+    return cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
+                           &change->p_value);
 }
 
 static void apply_test(const cli_claim *c, cli_judged *j)

@@ -71,9 +71,8 @@ static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int col
         snprintf(why, sizeof why, "%s", rp_message());
         return rp_fail(status, "%s; the piles must vary each parameter", why);
     }
-    return *n < 2 || columns[0] != columns[1]
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
+    if (*n < 2 || columns[0] != columns[1]) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
 }
 
 /* The response is a function of the parameters sought: nothing else may vary. */
@@ -549,9 +548,8 @@ static rp_status verify_sources(const source *response, const calibrate_options 
     size_t n = strlen(o->planted);
     bool is_sweep = n > 4 && strcmp(o->planted + n - 4, ".cfg") == 0;
     snprintf(folder, sizeof folder, "%s_planted", o->o);
-    rp_status status = open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted);
-    if (!status) status = verify(response, &planted, o);
-    return status;
+    RP_TRY(open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted));
+    return verify(response, &planted, o);
 }
 
 static rp_status answer(void *values)

@@ -114,9 +114,9 @@ static rp_status print_claims(void *values)
     const claims_options *o = values;
     cli_claims all;
     const cli_claim *one;
-    rp_status status = cli_claims_read(o->claims, &all);
-    if (!status && one_alone(o)) status = cli_claims_find(&all, o->id, &one);
-    return status ? status : o->published ? print_published(&all, o) : judge_all(&all, o);
+    RP_TRY(cli_claims_read(o->claims, &all));
+    if (one_alone(o)) RP_TRY(cli_claims_find(&all, o->id, &one));
+    return o->published ? print_published(&all, o) : judge_all(&all, o);
 }
 
 const cli_command cmd_claims = {

@@ -85,10 +85,8 @@ static bool is_there(const char *folder, const char *name)
 
 static rp_status select_rows(rp_table *table, const rp_texts *conditions)
 {
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status;
+    for (size_t i = 0; i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return RP_OK;
 }
 
 /* A sweep's runs or points, with all parameters, by way of memory. */
@@ -267,11 +265,11 @@ static rp_status read_beside(const char *source, const char *name, cli_frames *f
     rp_table *table;
     sprintf(path, "%.*s%s%s.tsv", stem, source, run ? "/" : "", name);
     if (!(run || stage) || access(path, F_OK) != 0) return RP_OK;
-    rp_status status = cli_table_read(path, &table);
-    if (!status) status = find_frames(table, frames);
-    if (!status && frames->step < 0 && table->n_rows > 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
-    return status;
+    RP_TRY(cli_table_read(path, &table));
+    RP_TRY(find_frames(table, frames));
+    if (frames->step < 0 && table->n_rows > 0)
+        return rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
+    return RP_OK;
 }
 
 static rp_status export_frames(const char *source, const export_options *o)

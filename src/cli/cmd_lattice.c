@@ -67,9 +67,9 @@ static rp_status write_pile(void *values)
     double disks = 0;
     long *up = cli_memory((size_t)k, sizeof *up);
     an_force *force = cli_memory((size_t)k, sizeof *force);
-    rp_status status = solve(o, k, alpha, theta, up, force, &disks);
-    if (!status) print(k, alpha, theta, force, disks);
-    return status;
+    RP_TRY(solve(o, k, alpha, theta, up, force, &disks));
+    print(k, alpha, theta, force, disks);
+    return RP_OK;
 }
 
 const cli_command cmd_lattice = {

@@ -50,11 +50,11 @@ static rp_status make_outline(const options *o, sweep_outline *h)
     an_point *v = NULL;
     size_t n = 0;
     if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
-    rp_status status = read_outline(o->own.outline, &v, &n);
-    if (!status) status = sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v);
-    if (!status && o->pile.disorder > 0)
-        status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0);
-    return status;
+    RP_TRY(read_outline(o->own.outline, &v, &n));
+    RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
+    if (o->pile.disorder > 0)
+        RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
+    return RP_OK;
 }
 
 static rp_status read_disks(const char *path, sweep_outline *h)

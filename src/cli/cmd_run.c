@@ -386,9 +386,8 @@ static rp_status run_row(const char *path, const run_options *o)
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
     if (!o->quiet && strncmp(result.status, "ok", 2) == 0) report_row(protocol, &result, o->o);
-    return strncmp(result.status, "ok", 2) == 0
-               ? RP_OK
-               : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+    if (strncmp(result.status, "ok", 2) == 0) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
 /* A sweep has a protocol, or tables alone. */
@@ -529,14 +528,14 @@ static rp_status run_any(void *values)
     if (*o->resume) return resume(o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     path = cli_data(path);
-    rp_status status = is_sweep(path, &sweep);
-    if (!status && sweep && (o->snapshot > 0 || o->plot || o->dump))
-        status = rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
-                         o->plot   ? "plot"
-                         : o->dump ? "dump"
-                                   : "snapshot",
-                         path);
-    return status ? status : sweep ? run_row(path, values) : run_file(path, values);
+    RP_TRY(is_sweep(path, &sweep));
+    if (sweep && (o->snapshot > 0 || o->plot || o->dump))
+        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
+                       o->plot   ? "plot"
+                       : o->dump ? "dump"
+                                 : "snapshot",
+                       path);
+    return sweep ? run_row(path, values) : run_file(path, values);
 }
 
 const cli_command cmd_run = {

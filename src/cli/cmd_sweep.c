@@ -65,14 +65,13 @@ static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    rp_status status = cli_claim_sweep(o->o, cli_argument(0), o->force);
-    if (!status)
-        status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                               sweep_protocols, cli_watch(o->quiet), &counts);
-    if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
-    if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) print_planned(o->o, &counts);
-    return status;
+    RP_TRY(cli_claim_sweep(o->o, cli_argument(0), o->force));
+    RP_TRY(sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                         sweep_protocols, cli_watch(o->quiet), &counts));
+    cli_warn_sweep(cli_data(cli_argument(0)));
+    warn_undamped(cli_argument(0), &counts);
+    print_planned(o->o, &counts);
+    return RP_OK;
 }
 
 static const cli_command plan = {

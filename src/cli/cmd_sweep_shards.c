@@ -109,9 +109,9 @@ static rp_status act_salvage(void *values)
 {
     (void)values;
     size_t n = 0;
-    rp_status status = sweep_salvage(cli_argument(0), sweep_protocols, &n);
-    if (!status) printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
-    return status;
+    RP_TRY(sweep_salvage(cli_argument(0), sweep_protocols, &n));
+    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
+    return RP_OK;
 }
 
 const cli_command cmd_sweep_salvage = {

@@ -21,10 +21,10 @@ typedef struct {
 static rp_status find_dip(const an_profile *tent, dip *d)
 {
     an_force f;
-    rp_status status = an_profile_largest(tent, &d->x_most, &d->most);
-    if (!status) status = an_profile_force(tent, 0.5, &f);
-    if (!status) d->middle = f.N;
-    return status;
+    RP_TRY(an_profile_largest(tent, &d->x_most, &d->most));
+    RP_TRY(an_profile_force(tent, 0.5, &f));
+    d->middle = f.N;
+    return RP_OK;
 }
 
 static rp_status write_map(const tent_options *o)
@@ -78,9 +78,9 @@ static rp_status write_tent(void *values)
     if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
         return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
     if (o->map) return write_map(o);
-    rp_status status = an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v);
-    if (!status) status = an_profile_set(&tent, v, 5);
-    return status ? status : write_places(o, &tent);
+    RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
+    RP_TRY(an_profile_set(&tent, v, 5));
+    return write_places(o, &tent);
 }
 
 const cli_command cmd_tent = {

@@ -94,9 +94,8 @@ static void write_line_data(const piece *p, size_t n, const int ends[], FILE *ou
 
 static rp_status find_columns(const rp_table *t, size_t n, const char *const names[], int columns[])
 {
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < n && !status; k++) status = cli_find_column(t, names[k], &columns[k]);
-    return status;
+    for (size_t k = 0; k < n; k++) RP_TRY(cli_find_column(t, names[k], &columns[k]));
+    return RP_OK;
 }
 
 static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE *out)

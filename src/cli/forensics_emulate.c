@@ -135,9 +135,9 @@ rp_status forensics_emulate(const forensics_study *s, forensics_emulator *m)
         if (isfinite(s->mean[c])) sum += m->variance[i++] = s->variance[c];
     m->spread = root_mean_square(m->n, y);
     m->noise = sqrt(sum / (double)m->n);
-    rp_status status = choose_kernel(m, &in, y);
-    if (!status) weigh(s, m);
-    return status;
+    RP_TRY(choose_kernel(m, &in, y));
+    weigh(s, m);
+    return RP_OK;
 }
 
 rp_status forensics_emulate_completion(const forensics_study *s, forensics_emulator *m)
@@ -150,9 +150,9 @@ rp_status forensics_emulate_completion(const forensics_study *s, forensics_emula
     m->weights = cli_memory(m->n, sizeof *m->weights);
     const double *y = centred(s, s->runs_of, value, m->centre);
     m->spread = root_mean_square(m->n, y);
-    rp_status status = choose_kernel(m, &in, y);
-    if (!status) stats_emulator_weights(&m->e, y, m->weights);
-    return status;
+    RP_TRY(choose_kernel(m, &in, y));
+    stats_emulator_weights(&m->e, y, m->weights);
+    return RP_OK;
 }
 
 /* ---- draws ---- */

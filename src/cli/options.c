@@ -166,9 +166,8 @@ static rp_status check_given(const cli_command *c)
         if (!line.options[i].fallback && !line.given[i])
             return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
                            line.names[i], line.options[i].meaning, c->name);
-    return count_fits(c->synopsis, line.n_arguments)
-               ? RP_OK
-               : rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
+    if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
+    return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }
 
 /* Index of an option, which there must be. */

@@ -143,9 +143,9 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
                               path_within(config_setting_parent(setting), path), param->name,
                               list ? "list" : "group");
     if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
-    return rp_params_set(param, values, &value)
-               ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message())
-               : RP_OK;
+    if (rp_params_set(param, values, &value))
+        return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
+    return RP_OK;
 }
 
 static bool listed(const char *const *names, const char *name)

@@ -73,17 +73,16 @@ bool dem_has_rolling(const dem_definition *def)
 
 static rp_status check_material(const dem_definition *def, const dem_material *c)
 {
-    rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
-    if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
-    if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && dem_has_friction(def->tangential))
-        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
-    if (!status) status = rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite");
-    if (!status) status = check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)");
-    if (!status) status = dem_material_check(def, c);
-    if (!status && dem_has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
-    if (!status && dem_has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
-    return status;
+    RP_TRY(check_number("k_n", c->k_n, 0.0, "[0, inf)"));
+    RP_TRY(check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)"));
+    if (dem_has_spring(def->tangential)) RP_TRY(check_number("k_s", c->k_s, DBL_MIN, "(0, inf)"));
+    if (dem_has_friction(def->tangential)) RP_TRY(check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)"));
+    RP_TRY(rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite"));
+    RP_TRY(check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)"));
+    RP_TRY(dem_material_check(def, c));
+    if (dem_has_rolling(def)) RP_TRY(check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)"));
+    if (dem_has_rolling(def)) RP_TRY(check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)"));
+    return RP_OK;
 }
 
 rp_status dem_wall_check(const dem_wall *w)

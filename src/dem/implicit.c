@@ -448,9 +448,9 @@ static rp_status prepare(dem_sim *sim)
     free(m->contact);
     m->contact = malloc((dem_contact_numbers(sim) + 1) * sizeof *m->contact);
     if (!m->contact) return no_memory(sim);
-    rp_status status = sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim);
-    if (!status) m->list = sim->count.rebuilds;
-    return status;
+    RP_TRY(sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim));
+    m->list = sim->count.rebuilds;
+    return RP_OK;
 }
 
 static rp_status solve(dem_sim *sim)

@@ -176,9 +176,7 @@ rp_status dem_density_check(dem_shape shape, bool given)
 
 rp_status dem_radius_check(double mean, double least, double most)
 {
-    return least <= mean && mean <= most
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT,
-                         "radius_mean = %g: must lie between radius_min = %g and radius_max = %g", mean,
-                         least, most);
+    if (least <= mean && mean <= most) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                   mean, least, most);
 }

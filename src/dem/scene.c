@@ -319,10 +319,8 @@ static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
     if (!list) return RP_OK;
     if (!config_setting_is_list(list)) return rp_config_fail(list, "walls: a list ( { ... } ) expected");
     const int n = config_setting_length(list);
-    rp_status status = RP_OK;
-    for (int i = 0; i < n && !status; i++)
-        status = read_wall(config_setting_get_elem(list, (unsigned)i), scene);
-    return status;
+    for (int i = 0; i < n; i++) RP_TRY(read_wall(config_setting_get_elem(list, (unsigned)i), scene));
+    return RP_OK;
 }
 
 /* A group that may be missing; its values then stay as they are. */
@@ -473,9 +471,8 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
     if (!config_setting_is_list(member) && i != -1)
         return rp_fail(RP_BAD_INPUT, "--set %s: %s is no list with entries", text, name);
     *group = i < 0 ? member : config_setting_get_elem(member, (unsigned)i);
-    return config_setting_is_group(*group)
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
+    if (config_setting_is_group(*group)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
 }
 
 /* Add a copy of the value to a group under this name; to a list or an array without a name. */

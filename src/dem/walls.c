@@ -25,10 +25,9 @@ rp_status dem_walls_alloc(dem_walls *walls, size_t n)
     walls->force = calloc(n + 1, sizeof *walls->force);
     walls->mu = calloc(n + 1, sizeof *walls->mu);
     walls->line = calloc(n + 1, sizeof *walls->line);
-    return walls->slot && walls->start && walls->next && walls->wall && walls->force && walls->mu &&
-                   walls->line
-               ? RP_OK
-               : rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    if (walls->slot && walls->start && walls->next && walls->wall && walls->force && walls->mu && walls->line)
+        return RP_OK;
+    return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
 }
 
 rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)

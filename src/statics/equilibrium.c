@@ -225,9 +225,9 @@ static rp_status find_network(statics_pile *pile)
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
     pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
     if (!pile->bonds || !pile->changed || !pile->direction) return no_memory(pile->n);
-    rp_status status = make_bonds(pile);
-    if (!status) make_wells(pile);
-    return status ? status : rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
+    RP_TRY(make_bonds(pile));
+    make_wells(pile);
+    return rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
 }
 
 rp_status statics_create(const statics_definition *def, statics_pile **made)

@@ -143,10 +143,9 @@ static rp_status check_rectangle(const stats_calibration *c)
             for (before = 0; before < g && c->x[p][before] != c->x[p][g]; before++) continue;
             n[p] += before == g;
         }
-    return n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%zu x %zu values of two parameters in %zu points: a full grid needed",
-                         n[0], n[1], c->n_points);
+    if (n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%zu x %zu values of two parameters in %zu points: a full grid needed", n[0],
+                   n[1], c->n_points);
 }
 
 /* ---- scatter of piles ---- */

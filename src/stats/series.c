@@ -52,9 +52,9 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from)
         least = squares / (kept * kept);
         *from = i;
     }
-    return *from < n / 2 ? RP_OK
-                         : rp_fail(RP_NO_RESULT,
-                                   "the series of %zu values has not levelled off before its "
-                                   "second half",
-                                   n);
+    if (*from < n / 2) return RP_OK;
+    return rp_fail(RP_NO_RESULT,
+                   "the series of %zu values has not levelled off before its "
+                   "second half",
+                   n);
 }

@@ -322,11 +322,11 @@ static long count_grains(const sweep_box *box)
 
 rp_status sweep_box_check_fill(const sweep_box *box)
 {
-    rp_status status = sweep_box_check(box, 2.0 * box->H);
-    if (!status && count_grains(box) < 1)
-        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain of radius_mean = %g", box->W,
-                         box->H, box->radius_mean);
-    return status;
+    RP_TRY(sweep_box_check(box, 2.0 * box->H));
+    if (count_grains(box) < 1)
+        return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain of radius_mean = %g", box->W,
+                       box->H, box->radius_mean);
+    return RP_OK;
 }
 
 rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *b, unsigned long seed,

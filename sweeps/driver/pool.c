@@ -90,9 +90,9 @@ static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
     if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
     snapshot_of(p, t->run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
-    rp_status status = sweep_store_commit(p->store);
-    if (!status) sweep_keep_remove(path);
-    return status;
+    RP_TRY(sweep_store_commit(p->store));
+    sweep_keep_remove(path);
+    return RP_OK;
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
@@ -350,10 +350,8 @@ static rp_status collect(pool *p, worker *w)
         w->n = 0;
         return RP_OK;
     }
-    rp_status status = RP_OK;
-    for (size_t i = 0; !status && i < (size_t)bytes / sizeof *rows && w->n > 0; i++)
-        status = take_row(p, w, &rows[i]);
-    return status;
+    for (size_t i = 0; i < (size_t)bytes / sizeof *rows && w->n > 0; i++) RP_TRY(take_row(p, w, &rows[i]));
+    return RP_OK;
 }
 
 /* Time that a process has had on a processor, s. */

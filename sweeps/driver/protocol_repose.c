@@ -226,9 +226,9 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
     }
     if (n < 3) return RP_OK;
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes);
-    if (!status) *theta_deg = sweep_degrees(slopes[1].theta);
-    return status;
+    RP_TRY(ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes));
+    *theta_deg = sweep_degrees(slopes[1].theta);
+    return RP_OK;
 }
 
 /* The middle cell of an odd number belongs to neither half. */
@@ -369,9 +369,9 @@ static rp_status write_scene(experiment *e)
 
 static rp_status note_pile(experiment *e)
 {
-    rp_status status = measure_pile(e);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    return status ? status : write_scene(e);
+    RP_TRY(measure_pile(e));
+    RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
+    return write_scene(e);
 }
 
 /* The experiment from an empty box to its last measurement. */

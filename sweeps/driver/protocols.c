@@ -37,9 +37,9 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
 {
     snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
-    rp_status status = rp_file_open(file->path, &file->out);
-    if (!status) t->header(file->out);
-    return status;
+    RP_TRY(rp_file_open(file->path, &file->out));
+    t->header(file->out);
+    return RP_OK;
 }
 
 rp_status sweep_table_close(const sweep_file *file, rp_status status)

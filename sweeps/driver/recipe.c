@@ -36,10 +36,9 @@ static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
 {
     if (!config_setting_is_array(list) && !config_setting_is_list(list))
         return rp_config_fail(list, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
-    rp_status status = RP_OK;
-    for (int i = 0; !status && i < config_setting_length(list); i++)
-        status = read_table(config_setting_get_elem(list, (unsigned)i), recipe);
-    return status;
+    for (int i = 0; i < config_setting_length(list); i++)
+        RP_TRY(read_table(config_setting_get_elem(list, (unsigned)i), recipe));
+    return RP_OK;
 }
 
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
