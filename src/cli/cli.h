@@ -152,6 +152,9 @@ gsl_rng *cli_random(unsigned long run);
  * program, or the source that the program was built in. The name itself where there is no such file. */
 const char *cli_data(const char *name);
 
+/* Does a text, as a file's name, end in these letters? */
+bool cli_ends_in(const char *text, const char *end);
+
 rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
 rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
 size_t cli_mark(void);

@@ -545,8 +545,7 @@ static rp_status verify_sources(const source *response, const calibrate_options 
     source planted = {0};
     char folder[4096];
     if (strcmp(o->planted, "hold-out") == 0) return verify(response, NULL, o);
-    size_t n = strlen(o->planted);
-    bool is_sweep = n > 4 && strcmp(o->planted + n - 4, ".cfg") == 0;
+    const bool is_sweep = strlen(o->planted) > strlen(".cfg") && cli_ends_in(o->planted, ".cfg");
     snprintf(folder, sizeof folder, "%s_planted", o->o);
     RP_TRY(open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted));
     return verify(response, &planted, o);

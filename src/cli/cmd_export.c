@@ -23,11 +23,6 @@ typedef enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT } tar
 
 /* ---- files ---- */
 
-static bool ends_in(const char *text, const char *end)
-{
-    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
-}
-
 static ssize_t gz_write(void *file, const char *bytes, size_t n)
 {
     return n == 0 ? 0 : gzwrite(file, bytes, (unsigned)n);
@@ -43,7 +38,7 @@ rp_status cli_export_open(const char *path, cli_export *e)
     *e = (cli_export){.path = path};
     rp_status status = rp_file_open(path, &e->plain);
     e->out = e->plain;
-    if (status || !ends_in(path, ".gz")) return status;
+    if (status || !cli_ends_in(path, ".gz")) return status;
     gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
     e->out =
         file ? fopencookie(file, "w", (cookie_io_functions_t){.write = gz_write, .close = gz_close}) : NULL;
@@ -63,7 +58,7 @@ rp_status cli_export_close(const cli_export *e, rp_status keep)
 const char *cli_export_stem(const char *path, char stem[4096])
 {
     snprintf(stem, 4096, "%s", path);
-    if (ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
+    if (cli_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
     return stem;
@@ -259,7 +254,7 @@ static rp_status find_grains(cli_run_frames *run, const char *names)
 static rp_status read_beside(const char *source, const char *name, cli_frames *frames)
 {
     static const char grains[] = "grains.tsv";
-    const bool run = is_there(source, "states.tsv"), stage = ends_in(source, grains);
+    const bool run = is_there(source, "states.tsv"), stage = cli_ends_in(source, grains);
     const int stem = (int)(strlen(source) - (stage ? strlen(grains) : 0));
     char *path = cli_memory(strlen(source) + 64, 1);
     rp_table *table;

@@ -375,12 +375,9 @@ static rp_status run_row(const char *path, const run_options *o)
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
-    for (; protocol->outputs[n].name; n++) {
-        columns[n][0] = protocol->outputs[n].name;
-        columns[n][1] = protocol->outputs[n].unit;
-    }
-    columns[n][0] = "status";
-    columns[n][1] = "";
+    for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
     cli_provenance(stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);

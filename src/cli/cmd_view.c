@@ -48,10 +48,8 @@ static rp_status find_kind(const char *path, const struct kind **kind)
 {
     *kind = kinds;
     if (!*path) return RP_OK;
-    for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++) {
-        const size_t n = strlen(path), m = strlen(k->ending);
-        if (n > m && strcmp(path + n - m, k->ending) == 0) return *kind = k, RP_OK;
-    }
+    for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++)
+        if (strlen(path) > strlen(k->ending) && cli_ends_in(path, k->ending)) return *kind = k, RP_OK;
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 

@@ -166,14 +166,12 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
                          parts[i].size == 1 ? "Verts" : "Lines"};
         if (!f->table) continue;
         char path[4300];
-        const char *slash = strrchr(folder, '/');
         cli_export e;
         snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         RP_TRY(cli_export_open(path, &e));
         status = cli_export_close(&e, parts[i].write(run, &p, e.out));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, slash ? slash + 1 : folder,
-                parts[i].name, k);
+                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
     }
     return status;
 }
@@ -183,7 +181,7 @@ rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
     char folder[4096 + 8];
     cli_export e;
     const size_t n = strlen(path);
-    if (n < 5 || n > 4000 || strcmp(path + n - 4, ".pvd") != 0)
+    if (n < 5 || n > 4000 || !cli_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     strcat(strcpy(folder, cli_export_stem(path, (char[4096]){0})), "_frames");
     rp_status status = rp_make_directory(folder);

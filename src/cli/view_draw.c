@@ -1,4 +1,5 @@
 /* Pictures of frames as text for gnuplot; see view.h. */
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,16 +71,10 @@ static double largest_force(const view_frame *f)
     return f->n_contacts > 0 ? fabs(f->contacts[f->n_contacts - 1].normal) : 0.0;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double f = *(const double *)a, g = *(const double *)b;
-    return (f > g) - (f < g);
-}
-
 /* Three of four frames stay below: an impact does not hide the forces at rest. */
 static double typical(size_t n, double largest[])
 {
-    qsort(largest, n, sizeof *largest, by_size);
+    gsl_sort(largest, 1, n);
     return largest[3 * (n - 1) / 4] > 0.0 ? largest[3 * (n - 1) / 4] : largest[n - 1];
 }
 

@@ -64,19 +64,13 @@ static void find_beside(const char *path, size_t length, const char *name, char 
     if (!is_file(found)) *found = '\0';
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
-}
-
 static void find_source(const char *path, source *s)
 {
     static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
     *s = (source){{0}};
     snprintf(s->grains, sizeof s->grains, "%s", path);
     for (size_t k = 0; k < N_OF(grains); k++) {
-        if (!ends_with(path, grains[k])) continue;
+        if (!cli_ends_in(path, grains[k])) continue;
         find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
         find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
         if (k == 2) find_beside(path, strlen(grains[k]), "base.tsv", s->base);
@@ -221,7 +215,7 @@ static rp_status read_folder(const char *path, const char *color, view_scene *sc
     for (int k = 0; k < n; k++) {
         snprintf(table, sizeof table, "%s/%s", path, names[k]->d_name);
         find_source(table, &s);
-        if (!status && ends_with(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
+        if (!status && cli_ends_in(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
         free(names[k]);
     }
     if (n >= 0) free(names);

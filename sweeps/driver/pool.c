@@ -17,6 +17,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
@@ -363,19 +364,13 @@ static double cpu_time(pid_t pid)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of the last runs; NaN before any. */
 static double median(const pool *p)
 {
     double sorted[SAMPLES];
     const size_t n = p->finished < SAMPLES ? p->finished : SAMPLES;
     memcpy(sorted, p->samples, n * sizeof *sorted);
-    qsort(sorted, n, sizeof *sorted, compare);
+    gsl_sort(sorted, 1, n);
     return n > 0 ? sorted[n / 2] : NAN;
 }
 

@@ -47,6 +47,13 @@ rp_status sweep_table_close(const sweep_file *file, rp_status status)
     return rp_file_close(file->path, file->out, status);
 }
 
+size_t sweep_count_outputs(const sweep_protocol *protocol)
+{
+    size_t n = 0;
+    while (protocol->outputs[n].name) n++;
+    return n;
+}
+
 static size_t find_output(const sweep_output outputs[], const char *name)
 {
     size_t i = 0;

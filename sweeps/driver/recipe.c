@@ -5,13 +5,6 @@
 
 #include "core/config.h"
 
-/* "lh3" of sweeps/lh/lh3.cfg. */
-static void base_name(const char *file, char *name, size_t size)
-{
-    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file;
-    snprintf(name, size, "%.*s", (int)strcspn(base, "."), base);
-}
-
 /* "lh3_phi = angle phi @/lh3_runs.tsv" */
 static rp_status read_table(const config_setting_t *setting, sweep_recipe *recipe)
 {
@@ -44,7 +37,8 @@ static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 {
     *recipe = (sweep_recipe){0};
-    base_name(file, recipe->name, sizeof recipe->name);
+    const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
+    snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
     RP_TRY(rp_config_read(file, &recipe->config));
     const config_setting_t *root = config_root_setting(&recipe->config),
                            *tables = config_setting_get_member(root, "tables");

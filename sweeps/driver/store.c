@@ -311,13 +311,6 @@ static sqlite3_int64 record_sum(const record *r, size_t n_values)
     return (sqlite3_int64)sum;
 }
 
-static size_t count_outputs(const sweep_protocol *protocol)
-{
-    size_t n = 0;
-    while (protocol->outputs[n].name) n++;
-    return n;
-}
-
 void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
 {
     sqlite3_str_appendall(sql,
@@ -334,7 +327,7 @@ sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *pro
     sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
     sweep_store_columns(sql, protocol);
     sqlite3_str_appendall(sql, ") VALUES (?");
-    for (size_t n = N_COLUMNS + count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
+    for (size_t n = N_COLUMNS + sweep_count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
     return sweep_sql_query_text(s, sql);
 }
@@ -389,7 +382,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
                       .pile = (sqlite3_int64)stream.pile,
                       .values = row->result.values};
     s->pending = true;
-    bind_record(s->insert, &r, row->run, count_outputs(plan->protocol));
+    bind_record(s->insert, &r, row->run, sweep_count_outputs(plan->protocol));
     if (sqlite3_step(s->insert) != SQLITE_DONE)
         status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
                          row->run, sqlite3_errmsg(s->db));
@@ -520,7 +513,7 @@ bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
 {
     record r;
     double values[SWEEP_MAX_OUTPUTS];
-    return read_record(row, count_outputs(protocol), &r, values);
+    return read_record(row, sweep_count_outputs(protocol), &r, values);
 }
 
 /* The row that is read, checked against its sum and against the plan's key of its number. */
@@ -547,7 +540,7 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    const size_t n_values = count_outputs(plan->protocol);
+    const size_t n_values = sweep_count_outputs(plan->protocol);
     sqlite3_str_appendall(sql, "SELECT ");
     sweep_store_columns(sql, plan->protocol);
     sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
