@@ -117,6 +117,9 @@ void cli_defaults_in_units(void);
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
+/* sweep_export into a file, "-": standard output. */
+rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts);
+
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 

@@ -46,20 +46,15 @@ typedef struct {
 static rp_status run_sweep(const char *file, const char *folder, const calibrate_options *o, char path[4096])
 {
     sweep_counts counts;
-    FILE *out;
-    rp_status status = cli_claim_sweep(folder, file, o->force);
-    if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
-    if (!status && !o->quiet && counts.stored < counts.planned)
+    RP_TRY(cli_claim_sweep(folder, file, o->force));
+    RP_TRY(sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts));
+    if (!o->quiet && counts.stored < counts.planned)
         fprintf(stderr, "repose calibrate: makes %zu piles, once, and keeps them in the folder %s\n",
                 counts.planned - counts.stored, folder);
-    if (!status)
-        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
-                               o->quiet, &counts);
+    RP_TRY(cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, o->quiet,
+                         &counts));
     snprintf(path, 4096, "%s/runs.tsv", folder);
-    if (!status) status = rp_file_open(path, &out);
-    if (status) return status;
-    return rp_file_close(path, out,
-                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), NULL, out));
+    return cli_sweep_export(folder, SWEEP_RUNS, path, NULL);
 }
 
 /* The names under --fit, one or two, as column numbers. */

@@ -28,6 +28,14 @@ rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
     return status ? rp_prefix(status, "the table is not whole: ") : RP_OK;
 }
 
+rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts)
+{
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    return rp_file_close(path, out,
+                         sweep_export(dir, sweep_protocols, what, cli_command_line(), counts, out));
+}
+
 /* An energy that grows is seen in a run's tables, and not in its row. */
 static void warn_undamped(const char *file, const sweep_counts *counts)
 {
@@ -181,13 +189,9 @@ static rp_status act_export(void *values)
 {
     const export_options *o = values;
     sweep_counts counts;
-    FILE *out;
     RP_TRY(sweep_check_output(cli_argument(0), o->o));
-    RP_TRY(rp_file_open(o->o, &out));
-    rp_status status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
-                                    cli_command_line(), &counts, out);
-    status = rp_file_close(o->o, out, status);
-    return status ? status : cli_check_whole(cli_argument(0), &counts);
+    RP_TRY(cli_sweep_export(cli_argument(0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
+    return cli_check_whole(cli_argument(0), &counts);
 }
 
 static const cli_command export = {
@@ -281,11 +285,8 @@ CLI_OPTIONS(make, MAKE_OPTIONS)
 static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
 {
     char path[4096];
-    FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
-    rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), NULL, out);
-    return out ? rp_file_close(path, out, status) : status;
+    return cli_sweep_export(o->o, what, path, NULL);
 }
 
 /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
