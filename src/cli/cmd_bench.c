@@ -129,9 +129,9 @@ static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
     RP_TRY(begin(o, sim));
     RP_TRY(advance(*sim, FILL_STEPS, times));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
-    rp_status status = advance(*sim, RELAX_STEPS, times);
-    if (!status) status = measure_slopes(o, *sim);
-    return !status && *o->o ? write_final(o->o, *sim) : status;
+    RP_TRY(advance(*sim, RELAX_STEPS, times));
+    RP_TRY(measure_slopes(o, *sim));
+    return *o->o ? write_final(o->o, *sim) : RP_OK;
 }
 
 typedef struct {

@@ -550,11 +550,10 @@ static rp_status answer(void *values)
 {
     const calibrate_options *o = values;
     source response = {0};
-    rp_status status = check_options(o);
-    if (!status) status = open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response);
-    if (!status && o->response) return print_response(&response);
-    if (!status) status = o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
-    return status;
+    RP_TRY(check_options(o));
+    RP_TRY(open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response));
+    if (o->response) return print_response(&response);
+    return o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
 }
 
 const cli_command cmd_calibrate = {

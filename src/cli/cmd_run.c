@@ -427,10 +427,10 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
-    rp_status status = dem_scene_read(path, &o->set, scene);
-    if (!status) cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    RP_TRY(dem_scene_read(path, &o->set, scene));
+    cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
-    return status;
+    return RP_OK;
 }
 
 /* A folder that this scene may write into. */

@@ -80,9 +80,7 @@ static rp_status select_of_table(rp_table *t, void *options)
     if (n > MOST_COLUMNS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at most %d", t->path, n, MOST_COLUMNS);
     for (size_t c = 0; c < n; c++) columns[c] = (int)c;
-    rp_status status = RP_OK;
-    if (strcmp(o->columns, "all") != 0) status = cli_column_list(t, o->columns, MOST_COLUMNS, &n, columns);
-    if (status) return status;
+    if (strcmp(o->columns, "all") != 0) RP_TRY(cli_column_list(t, o->columns, MOST_COLUMNS, &n, columns));
     if (!o->bare) print_selected_header(t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");

@@ -120,14 +120,13 @@ typedef struct {
 
 static rp_status put_frames(const picture *p, const view_options *o, FILE *out)
 {
-    rp_status status = RP_OK;
     put_terminal(p->kind, o, &p->scale, out);
     view_draw_start(&p->scene, &p->style, &p->scale, out);
-    for (size_t k = p->first; k <= p->last && !status; k++) {
-        status = view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out);
+    for (size_t k = p->first; k <= p->last; k++) {
+        RP_TRY(view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out));
         if (p->kind == kinds && k < p->last) fprintf(out, "pause %.3f\n", 1.0 / o->fps);
     }
-    return status;
+    return RP_OK;
 }
 
 /* gnuplot, whose pictures go to `out` (NULL: a window). */

@@ -260,12 +260,11 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
 
 rp_status cli_unfinished_finish(cli_unfinished *u)
 {
-    rp_status status = RP_OK;
-    for (int k = 0; k < CLI_GROWING && !status; k++) {
-        status = rp_table_finish(u->table[k].file, u->table[k].name);
-        if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
+    for (int k = 0; k < CLI_GROWING; k++) {
+        RP_TRY(rp_table_finish(u->table[k].file, u->table[k].name));
+        if (fsync(fileno(u->table[k].file)) != 0) RP_TRY(failed(u->table[k].name));
     }
-    return status ? status : publish(u->directory, u->lock);
+    return publish(u->directory, u->lock);
 }
 
 void cli_unfinished_close(cli_unfinished *u)

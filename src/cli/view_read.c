@@ -22,16 +22,15 @@ static rp_status read_column(const rp_table *t, const char *name, const char *ex
 {
     const bool optional = *name == '?';
     int column = rp_table_column(t, name + optional);
-    rp_status status = RP_OK;
     strcpy(unit, "1");
     *values = cli_memory(t->n_rows, sizeof **values);
-    if (column < 0 && !optional) status = rp_table_find(t, name, expected, &column);
+    if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
     if (column >= 0) cli_column_unit(t, column, unit);
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
+    for (size_t i = 0; i < t->n_rows; i++) {
         (*values)[i] = NAN;
-        if (column >= 0) status = rp_table_number(t, i, column, 1, &(*values)[i]);
+        if (column >= 0) RP_TRY(rp_table_number(t, i, column, 1, &(*values)[i]));
     }
-    return status;
+    return RP_OK;
 }
 
 /* A table without rows is empty, whatever its columns. */
@@ -165,12 +164,11 @@ static rp_status add_source(const source *s, const char *color, view_scene *scen
     numbers g = {0}, c = {0}, w = {0}, b = {0};
     view_contact *contacts = cli_memory(0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = cli_memory(0, sizeof *walls);
-    rp_status status = read_numbers(s->grains, names, "x y r", &g);
-    if (!status && *s->contacts) status = read_contacts(s->contacts, &c, &contacts, scene->force);
-    if (!status && *s->walls) status = read_walls(s->walls, &w, &walls);
-    if (!status && *s->base)
-        status = read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b);
-    if (status || g.n == 0) return status;
+    RP_TRY(read_numbers(s->grains, names, "x y r", &g));
+    if (*s->contacts) RP_TRY(read_contacts(s->contacts, &c, &contacts, scene->force));
+    if (*s->walls) RP_TRY(read_walls(s->walls, &w, &walls));
+    if (*s->base) RP_TRY(read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    if (g.n == 0) return RP_OK;
     for (size_t k = 0; k < g.n; k++)
         if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
             return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", s->grains, k + 1);

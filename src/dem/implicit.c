@@ -70,14 +70,10 @@ static rp_status check(const dem_definition *def)
             return rp_fail(RP_BAD_INPUT, "wall %zu moves, but the integrator implicit needs walls that stand",
                            w + 1);
     }
-    rp_status status = RP_OK;
     if (s->solver == DEM_SOLVER_SOR)
-        status =
-            rp_check_range("implicit: relaxation", s->relaxation, DBL_MIN, nextafter(2.0, 0.0), "(0, 2)");
-    if (!status) status = rp_check_range("implicit: tolerance", s->tolerance, 1e-15, 1e-3, "[1e-15, 1e-3]");
-    return status ? status
-                  : rp_check_range("implicit: max_iterations", (double)s->max_iterations, 1.0, INFINITY,
-                                   "[1, inf)");
+        RP_TRY(rp_check_range("implicit: relaxation", s->relaxation, DBL_MIN, nextafter(2.0, 0.0), "(0, 2)"));
+    RP_TRY(rp_check_range("implicit: tolerance", s->tolerance, 1e-15, 1e-3, "[1e-15, 1e-3]"));
+    return rp_check_range("implicit: max_iterations", (double)s->max_iterations, 1.0, INFINITY, "[1, inf)");
 }
 
 static rp_status no_memory(const dem_sim *sim)

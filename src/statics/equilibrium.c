@@ -146,16 +146,15 @@ static rp_status check_disks(const statics_definition *def)
 
 static rp_status check_definition(const statics_definition *def)
 {
-    rp_status status = rp_check_range("eps", def->eps, 0, 0.1, "[0, 0.1]");
-    if (!status && def->well == STATICS_WELL_SPRING)
-        status = rp_check_range("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]");
-    if (!status && def->well == STATICS_WELL_FRICTION) {
-        status = rp_check_range("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]");
-        if (!status) status = rp_check_range("a", def->a, DBL_MIN, 1e9, "(0, 1e9]");
+    RP_TRY(rp_check_range("eps", def->eps, 0, 0.1, "[0, 0.1]"));
+    if (def->well == STATICS_WELL_SPRING) RP_TRY(rp_check_range("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]"));
+    if (def->well == STATICS_WELL_FRICTION) {
+        RP_TRY(rp_check_range("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]"));
+        RP_TRY(rp_check_range("a", def->a, DBL_MIN, 1e9, "(0, 1e9]"));
     }
-    if (!status) status = rp_check_range("set_load", def->set_load, 0, 1, "[0, 1]");
-    if (!status) status = rp_check_range("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]");
-    return status ? status : check_disks(def);
+    RP_TRY(rp_check_range("set_load", def->set_load, 0, 1, "[0, 1]"));
+    RP_TRY(rp_check_range("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]"));
+    return check_disks(def);
 }
 
 /* Overlap in eps sigma; 0 within rounding of touching. */

@@ -111,12 +111,12 @@ rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n
     double *sample = work + n, *maxima = sample + n;
     stats_summary spread;
     *se = NAN;
-    rp_status status = stats_check_resamples(n_resamples);
-    for (size_t b = 0; b < n_resamples && !status; b++) {
+    RP_TRY(stats_check_resamples(n_resamples));
+    for (size_t b = 0; b < n_resamples; b++) {
         for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
-        status = stats_expected_maximum(n, sample, draws, work, &maxima[b]);
+        RP_TRY(stats_expected_maximum(n, sample, draws, work, &maxima[b]));
     }
-    if (!status) status = stats_mean(n_resamples, maxima, &spread);
-    if (!status) *se = spread.sd;
-    return status;
+    RP_TRY(stats_mean(n_resamples, maxima, &spread));
+    *se = spread.sd;
+    return RP_OK;
 }

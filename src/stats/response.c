@@ -419,16 +419,16 @@ static rp_status choose_form(stats_calibration *c, size_t angle)
 
 rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c)
 {
-    rp_status status = stats_points_make(piles, c);
-    if (!status && c->n_points < 4 * c->n_params)
-        status = rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response",
-                         c->n_points, 4 * c->n_params);
-    if (!status) status = check_spread(c);
-    if (!status) status = check_rectangle(c);
-    if (!status) set_range(c);
-    for (size_t a = 0; !status && a < c->n_angles; a++) {
-        status = fit_scatter(c, a);
-        if (!status) status = choose_form(c, a);
+    RP_TRY(stats_points_make(piles, c));
+    if (c->n_points < 4 * c->n_params)
+        return rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response", c->n_points,
+                       4 * c->n_params);
+    RP_TRY(check_spread(c));
+    RP_TRY(check_rectangle(c));
+    set_range(c);
+    for (size_t a = 0; a < c->n_angles; a++) {
+        RP_TRY(fit_scatter(c, a));
+        RP_TRY(choose_form(c, a));
     }
-    return status;
+    return RP_OK;
 }

@@ -50,16 +50,15 @@ static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_
                              long up[])
 {
     an_profile profile;
-    rp_status status = n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up);
-    if (!status && n > 0) status = cut_profile(&profile, (long)h->k, theta, up);
-    for (size_t s = 0; !status && s < h->k; s++) h->n += (size_t)up[s];
+    RP_TRY(n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up));
+    if (n > 0) RP_TRY(cut_profile(&profile, (long)h->k, theta, up));
+    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
     if (h->n > STATICS_MAX) /* before there is memory for them */
         return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
                        STATICS_MAX);
-    if (!status)
-        h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
-                     : an_lattice_base((double)h->n, theta, alpha);
-    return status;
+    h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
+                 : an_lattice_base((double)h->n, theta, alpha);
+    return RP_OK;
 }
 
 rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha, size_t n,

@@ -137,8 +137,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
 {
     sweep_axis *axis = &plan->axes[a];
     const char *name = config_setting_name(axis->list);
-    rp_status status = find_param(plan->protocol, axis->list, &axis->param);
-    if (status) return status;
+    RP_TRY(find_param(plan->protocol, axis->list, &axis->param));
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
@@ -156,9 +155,9 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
         return rp_config_fail(axis->list,
                               "%s: %zu values; lists that go together have the same number, %zu as in %s",
                               name, axis->n, axis[-1].n, axis[-1].param->name);
-    for (size_t i = 0; !status && i < axis->n; i++)
-        status = rp_config_value(element(axis->list, i), axis->param, plan->at->values);
-    return status;
+    for (size_t i = 0; i < axis->n; i++)
+        RP_TRY(rp_config_value(element(axis->list, i), axis->param, plan->at->values));
+    return RP_OK;
 }
 
 /* Find the axes of the grid and how many points they span. */
@@ -342,15 +341,14 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
     if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     plan->at->point = SIZE_MAX;
-    rp_status status = find_lists(&h, grid, plan->axes, &plan->n_axes);
-    if (!status) status = read_axes(plan, fixed);
-    if (!status) status = read_fixed(plan, fixed, plan->at->values);
-    if (!status) status = find_model(plan);
-    if (status) return status;
+    RP_TRY(find_lists(&h, grid, plan->axes, &plan->n_axes));
+    RP_TRY(read_axes(plan, fixed));
+    RP_TRY(read_fixed(plan, fixed, plan->at->values));
+    RP_TRY(find_model(plan));
     sum_fixed(plan, fixed);
-    for (size_t a = 0; !status && a < plan->n_axes; a++)
-        if (plan->axes[a].first) status = refuse_twins(plan, a);
-    return status ? status : sweep_plan_replicate(plan, plan->replicas);
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
+    return sweep_plan_replicate(plan, plan->replicas);
 }
 
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)

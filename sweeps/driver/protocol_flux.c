@@ -88,12 +88,12 @@ static rp_status check(const void *params)
     flux_params p = *(const flux_params *)params;
     fix_box(&p);
     /* a pile may grow higher, but then the run says so */
-    rp_status status = sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean));
+    RP_TRY(sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean)));
     dem_scene scene;
     sweep_box_scene(&p.box, &scene);
-    if (!status && scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
-        status = rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
-    return status;
+    if (scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
+        return rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
+    return RP_OK;
 }
 
 static double draw_radius(flux *f)
