@@ -868,6 +868,9 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 1, "n"), 12.0, 0.0);
     rp_table_free(&t);
     write_text("other.tsv", "# mu\tW\tk\tslope\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
+    write_text("units.tsv",
+               "# units: 1\tm\t1\t1\t1\t1\n# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
+    FAILS(65, "runs.tsv and units.tsv have different units", "stats trend runs.tsv units.tsv -x W -y theta");
     FAILS(65, "runs.tsv and other.tsv have different columns",
           "stats trend runs.tsv other.tsv -x W -y theta");
     FAILS(65, "no column \"frob\"", "stats trend runs.tsv -x W -y theta --by frob");
