@@ -1027,29 +1027,35 @@ static void test_claims(void)
     enter();
     write_text("claims.tsv",
                CLAIMS CLAIM("angle", "20\t1", "-") VARIANT("twin", "angle", "-\t-", "u v")
-                   PLAIN("level", "independent", "1", "trend k=1 change", "-") PLAIN("up", "rises", "1",
-                                                                                     "trend k=2 change", "-")
-                       PLAIN("high", "above", "-", "u v", "t v") PLAIN("count", "most", "-", "t #count", "7")
-                           PLAIN("elsewhere", "above", "-", "none v", "0")
-                               PLAIN("sketch", "untestable", "-", "-", "-")
-                                   PLAIN("form", "formula", "-", "angle: theta_MS", "-")
-                                       PLAIN("steady", "constant", "-", "angle twin", "-"));
+                   PLAIN("far", "independent", "1", "far limit", "-")
+                       PLAIN("level", "independent", "1", "trend k=1 change", "-")
+                           PLAIN("up", "rises", "1", "trend k=2 change", "-")
+                               PLAIN("high", "above", "-", "u v", "t v")
+                                   PLAIN("count", "most", "-", "t #count", "7")
+                                       PLAIN("elsewhere", "above", "-", "none v", "0")
+                                           PLAIN("sketch", "untestable", "-", "-", "-")
+                                               PLAIN("form", "formula", "-", "angle: theta_MS", "-")
+                                                   PLAIN("steady", "constant", "-", "angle twin", "-"));
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n2\t3\t1\t1.4\t4.6\t0.003\t0.04\n");
+    write_text("far.tsv",
+               "# limit\tlimit_se\tlimit_lo90\tlimit_hi90\tchange_lo90\tchange_hi90\tdof\tp_value\n"
+               "0.5\t0.2\t0.3\t0.7\t-9\t9\t9\t0.01\n");
     GOOD("claims --claims claims.tsv --tables nowhere,. --variants");
     CU_ASSERT(
         strstr(
             out,
             "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-            "# li: 6 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+            "# li: 7 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
         NULL);
     check_verdict(
         "angle", "detail",
         "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("twin", "published", "20 ± 1");
+    check_verdict("far", "ours", "0.50 ± 0.20 (90 %: 0.3 to 0.7)"); /* the interval of its own column */
     check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.2 to 0.4)");
     check_verdict("level", "verdict", "reproduced");
     check_verdict("up", "verdict", "reproduced");
