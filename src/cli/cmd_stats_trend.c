@@ -61,16 +61,16 @@ static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
     const cli_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     char names[512];
     snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
-    rp_status status = cli_group_rows(t, o->by, '\t', &r->groups);
-    if (!status) status = cli_rows_read(t, names, &choice, &r->of);
-    for (size_t i = 0; !status && i < r->of.n; i++) {
+    RP_TRY(cli_group_rows(t, o->by, '\t', &r->groups));
+    RP_TRY(cli_rows_read(t, names, &choice, &r->of));
+    for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
                            t->path, t->lines[r->of.row[i]], o->x, *x);
         *x = scaled(o->scale, *x);
     }
-    return status;
+    return RP_OK;
 }
 
 /* Back from what the line is straight in. */
@@ -129,15 +129,15 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
     }
     if (with_result == 0) return group;
     stats_holm(n_groups, p, p_holm);
-    rp_status status = print_header(t, r, o, size);
-    for (size_t g = 0; g < n_groups && !status; g++) {
+    RP_TRY(print_header(t, r, o, size));
+    for (size_t g = 0; g < n_groups; g++) {
         if (grouped(o)) printf("%s\t", r->groups.words[g]);
         if (size)
             print_size(&trends[g], p_holm[g]);
         else
             print_trend(&trends[g], first[g + 1] - first[g], p_holm[g], o);
     }
-    return status;
+    return RP_OK;
 }
 
 /* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear. */
@@ -148,9 +148,8 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
     size_t used = 0;
     cli_groups known;
     bool all_numbers = true;
-    rp_status status = cli_find_column(t, o->x, &column);
-    if (!status) status = cli_group_rows(t, o->x, ',', &known);
-    if (status) return status;
+    RP_TRY(cli_find_column(t, o->x, &column));
+    RP_TRY(cli_group_rows(t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         char *end;
         strtod(known.words[k], &end);
@@ -170,10 +169,9 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
 static rp_status trend_or_size(rp_table *table, const trend_options *o, bool size)
 {
     rows r = {0};
-    rp_status status = number_words(table, o, r.x_words);
-    if (!status) status = read_rows(table, o, &r);
-    if (status) return status;
-    status = fit_groups(table, &r, o, size);
+    RP_TRY(number_words(table, o, r.x_words));
+    RP_TRY(read_rows(table, o, &r));
+    rp_status status = fit_groups(table, &r, o, size);
     return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
 }
 

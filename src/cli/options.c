@@ -138,9 +138,9 @@ rp_status cli_options_of(const cli_command *command, const rp_param **options)
     memset(&line, 0, sizeof line);
     line.command = command;
     *options = line.options;
-    rp_status status = add_options(command->protocol, 0);
-    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
-    return !status && prints_table(command) ? add_options(generic_params(), GENERIC_AT) : status;
+    RP_TRY(add_options(command->protocol, 0));
+    if (command->options) RP_TRY(add_options(command->options(), command->protocol_size));
+    return prints_table(command) ? add_options(generic_params(), GENERIC_AT) : RP_OK;
 }
 
 static rp_status set_option(size_t i, const char *text)
@@ -166,9 +166,8 @@ static rp_status check_given(const cli_command *c)
         if (!line.options[i].fallback && !line.given[i])
             return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
                            line.names[i], line.options[i].meaning, c->name);
-    return count_fits(c->synopsis, line.n_arguments)
-               ? RP_OK
-               : rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
+    if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
+    return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }
 
 /* Index of an option, which there must be. */
