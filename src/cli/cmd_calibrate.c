@@ -561,10 +561,9 @@ const cli_command cmd_calibrate = {
     "friction that gives a measured angle of repose, with its interval",
     "--theta-r-deg ANGLE --error-deg SE [options]",
     "Finds the friction that gives a measured angle. Piles are simulated over a range of friction; this\n"
-    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next "
-    "call\n"
-    "from there takes no time. The mean angles, weighted by their errors,\n"
-    "are fitted by powers or a saturating form, whichever has the least AIC. The fit is inverted.\n"
+    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next\n"
+    "call from there takes no time. The mean angles, weighted by their errors, are fitted by powers or a\n"
+    "saturating form, whichever has the least AIC. The fit is inverted.\n"
     "\n"
     "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"
     "error of the fit, and its lack of fit. se is the standard error by the delta method. boot_se,\n"
@@ -584,10 +583,9 @@ const cli_command cmd_calibrate = {
     "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
     "opened on one side. It does not carry over to another model, protocol or size.\n"
     "\n"
-    "The header has the range of angles that the piles reach; so has the message of above_range, "
-    "below_range\n"
-    "and no_match, with what would extend it. --response prints the fitted angle, the standard error of the\n"
-    "fit and the standard deviation of one pile, over the range of friction.\n"
+    "The header has the range of angles that the piles reach; so has the message of above_range,\n"
+    "below_range and no_match, with what would extend it. --response prints the fitted angle, the standard\n"
+    "error of the fit and the standard deviation of one pile, over the range of friction.\n"
     "\n"
     "--verify prints one row per case; the exit status is 1 if fewer than 90 % of the intervals contain\n"
     "the truth.",

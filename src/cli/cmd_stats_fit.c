@@ -164,12 +164,11 @@ const cli_command cmd_stats_oscillation = {
     "stats oscillation",
     "decay and frequency of a series",
     "TABLE -x COLUMN -y COLUMN [options]",
-    "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency "
-    "leaves\n"
-    "the smallest squares between two periods in the series and half the sampling rate. share: part of the\n"
-    "squares about a straight line that the oscillation takes away. Errors follow from the scatter about\n"
-    "the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard input):\n"
-    "columns by name, or 1, 2, ... without header; rows with nan are left out.",
+    "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency\n"
+    "leaves the smallest squares between two periods in the series and half the sampling rate. share: part\n"
+    "of the squares about a straight line that the oscillation takes away. Errors follow from the scatter\n"
+    "about the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard\n"
+    "input): columns by name, or 1, 2, ... without header; rows with nan are left out.",
     "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
     oscillation_params,
     .on_table = oscillation_of_table};
