@@ -334,8 +334,7 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
     choose_angles(s, mask, &piles);
     stats_calibration c;
     stats_calibrated found[STATS_MAX_PARAMS];
-    rp_status status = stats_calibration_fit(&piles, &c);
-    if (status) rp_prefix(status, "%s: ", s->path);
+    rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
     if (!status)
         status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(0), found);
@@ -383,8 +382,7 @@ static rp_status print_response(const source *s)
     for (size_t a = 0; a < N_ANGLES; a++) mask |= s->angle[a] ? 1u << a : 0u;
     if (!mask) return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[0]);
     choose_angles(s, mask, &piles);
-    rp_status status = stats_calibration_fit(&piles, &c);
-    if (status) rp_prefix(status, "%s: ", s->path);
+    rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     for (size_t p = 0; p < s->piles.n_params; p++)
         used += (size_t)snprintf(header + used, sizeof header - used, "%.64s, ", s->params[p]);
     for (size_t a = 0; a < N_ANGLES; a++)

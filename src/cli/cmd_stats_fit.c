@@ -107,7 +107,7 @@ static rp_status fit_table(rp_table *table, void *values)
     if (!status)
         status = o->successive ? print_successive(rows.n, x, y, rows.column[2], o->level)
                                : print_fit(rows.n, x, y, rows.column[2], logarithms, range);
-    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
+    return rp_prefix(status, "%s: ", table->path);
 }
 
 const cli_command cmd_stats_fit = {
@@ -148,7 +148,7 @@ static rp_status oscillation_of_table(rp_table *table, void *values)
     rp_status status = cli_rows_read(table, names, &choice, &rows);
     if (!status && o->scale == SCALE_LOG) status = take_logarithms(table, rows.n, rows.column[1], o->y);
     if (!status) status = stats_oscillation_fit(rows.n, rows.column[0], rows.column[1], &f);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(status, "%s: ", table->path));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);

@@ -147,8 +147,7 @@ static rp_status set_option(size_t i, const char *text)
 {
     const rp_param *p = &line.options[i];
     line.given[i] = true;
-    rp_status status = rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text);
-    return status ? rp_prefix(status, "%s", dashes(p)) : RP_OK;
+    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s", dashes(p));
 }
 
 /* Fewest and most arguments, from the synopsis. */
@@ -326,11 +325,10 @@ static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    rp_status status = cli_table_read(cli_data(cli_argument(0)), &table);
+    RP_TRY(cli_table_read(cli_data(cli_argument(0)), &table));
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
-    for (size_t i = 0; where && i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status ? status : command->on_table(table, line.values);
+    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return command->on_table(table, line.values);
 }
 
 const char *cli_own_name(const cli_command *c)
