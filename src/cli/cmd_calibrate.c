@@ -490,28 +490,22 @@ static rp_status verify(const source *response, const source *planted, const cal
     trial trials[3] = {{0}};
     bool good = true;
     size_t n = 0;
-    rp_status status = RP_OK;
     cli_table(stdout);
     note_piles("piles", response);
     if (planted) note_piles("planted piles", planted);
     note_scope(response);
-    for (unsigned mask = 1; !status && mask <= 3; mask++) {
-        status = make_trial(response, planted, o, mask, &trials[mask - 1]);
-        if (status) break;
+    for (unsigned mask = 1; mask <= 3; mask++) {
+        RP_TRY(make_trial(response, planted, o, mask, &trials[mask - 1]));
         good = note_coverage(&trials[mask - 1], response) && good;
         n += trials[mask - 1].n;
     }
-    if (!status) {
-        rp_table_header(stdout,
-                        "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
-                        "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
-        for (int i = 0; i < 3; i++) print_cases(&trials[i], response);
-        if (n == 0)
-            status = rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
-        else if (!good)
-            status = rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
-    }
-    return status;
+    rp_table_header(stdout,
+                    "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
+                    "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
+    for (int i = 0; i < 3; i++) print_cases(&trials[i], response);
+    if (n == 0) return rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
+    if (!good) return rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
+    return RP_OK;
 }
 
 /* ---- command ---- */

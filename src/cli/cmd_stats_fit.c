@@ -95,14 +95,13 @@ static rp_status fit_table(rp_table *table, void *values)
         return rp_fail(RP_USAGE,
                        "--scale log is without --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
-    rp_status status = cli_rows_read(table, names, &choice, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1], range[2];
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
-    if (logarithms) status = take_logarithms(table, rows.n, x, o->x);
+    rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
     if (!status)
         status = o->successive ? print_successive(rows.n, x, y, rows.column[2], o->level)
