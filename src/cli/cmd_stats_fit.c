@@ -165,9 +165,11 @@ const cli_command cmd_stats_oscillation = {
     "TABLE -x COLUMN -y COLUMN [options]",
     "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency\n"
     "leaves the smallest squares between two periods in the series and half the sampling rate. share: part\n"
-    "of the squares about a straight line that the oscillation takes away. Errors follow from the scatter\n"
-    "about the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard\n"
-    "input): columns by name, or 1, 2, ... without header; rows with nan are left out.",
+    "of the squares about a straight line that the oscillation takes away. Errors follow from the "
+    "residuals,\n"
+    "which may be correlated within a period but not from one to another. An energy oscillates at twice\n"
+    "the frequency of the motion. TABLE (- for standard input): columns by name, or 1, 2, ... without\n"
+    "header; rows with nan are left out.",
     "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
     oscillation_params,
     .on_table = oscillation_of_table};

@@ -78,7 +78,7 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from);
 
 /* y = constant - decay t + amplitude cos(2 pi frequency t + phase), by least squares. The frequency is the
  * one that leaves the smallest squares, between two periods in the series and half the sampling rate. Errors
- * follow from the scatter about the model. */
+ * follow from the residuals, which may be correlated within a period but not from one to another. */
 typedef struct {
     size_t n;
     double decay, decay_se, frequency, frequency_se, amplitude;
